@@ -1,0 +1,22 @@
+"""One root seed, spawned by name: every draw of the benchmark knows where its randomness comes from."""
+
+from __future__ import annotations
+
+import zlib
+
+import numpy as np
+
+
+def sequence(root: int, *names: str | int) -> np.random.SeedSequence:
+    """The seed sequence of `root` for the path `names`, e.g. ("trials", "FloorPlan201", 3, "tour")."""
+    return np.random.SeedSequence(root, spawn_key=tuple(n if isinstance(n, int) else zlib.crc32(n.encode()) for n in names))
+
+
+def generator(root: int, *names: str | int) -> np.random.Generator:
+    """A generator seeded by `sequence`."""
+    return np.random.default_rng(sequence(root, *names))
+
+
+def integer(root: int, *names: str | int) -> int:
+    """A 31-bit seed for programs that take an integer, derived by `sequence`."""
+    return int(sequence(root, *names).generate_state(1)[0] & 0x7FFFFFFF)

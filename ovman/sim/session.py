@@ -1,0 +1,130 @@
+"""A scene on a Controller, in the words that the benchmark uses: floor-plane metres, degrees, pixel counts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from ovman.sim import controller
+
+
+class SimulatorError(RuntimeError):
+    """The simulator refused something that a session relies on; the message is the simulator's."""
+
+
+@dataclass(frozen=True)
+class AgentPose:
+    """Where the agent stands: floor plane in metres, degrees; yaw 0 looks along +z, 90 along +x; horizon positive is down."""
+
+    x: float
+    z: float
+    yaw_deg: float
+    horizon_deg: float = 0.0
+
+
+def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float:
+    """Yaw in [0, 360) that looks from one floor-plane point to another; 0 where they coincide."""
+    return math.degrees(math.atan2(to_x - from_x, to_z - from_z)) % 360.0
+
+
+class Session:
+    """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
+
+    A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m and
+    primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed.
+    """
+
+    def __init__(self, scene: str, constants: Any) -> None:
+        self.scene = scene
+        self._constants = constants
+        self._controller: Any = None
+        self._event: Any = None
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._controller is not None:
+            self._controller.stop()
+            self._controller = None
+
+    @property
+    def started(self) -> bool:
+        return self._controller is not None
+
+    def reset(self) -> None:
+        """The untouched scene; starts the simulator the first time."""
+        if self._controller is None:
+            c = self._constants
+            self._controller = controller.start(
+                c.benchmark.backend,
+                self.scene,
+                c.camera.width_px,
+                c.camera.height_px,
+                c.camera.field_of_view_deg,
+                c.primitives.step_m,
+                c.primitives.turn_deg,
+            )
+            self._event = self._controller.last_event
+        else:
+            self._event = self._controller.reset(self.scene)
+        self._height_m = self._event.metadata["agent"]["position"]["y"]
+
+    def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
+        """One action; returns its event. With `image` the event carries RGB, depth and ids. A failure raises unless `allowed`."""
+        self._event = self._controller.step(action=action, renderImage=image, **arguments)
+        if not self._event.metadata["lastActionSuccess"] and not allowed:
+            raise SimulatorError(f"{self.scene}: {action}: {self._event.metadata['errorMessage']}")
+        return self._event
+
+    @property
+    def pose(self) -> AgentPose:
+        agent = self._event.metadata["agent"]
+        return AgentPose(agent["position"]["x"], agent["position"]["z"], agent["rotation"]["y"] % 360.0, agent["cameraHorizon"])
+
+    @property
+    def objects(self) -> Mapping[str, Mapping[str, Any]]:
+        """Metadata of every object by objectId, as of the last step."""
+        return {o["objectId"]: o for o in self._event.metadata["objects"]}
+
+    def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> bool:
+        """Put the agent at `pose`; False if something is in the way (only with `allowed`)."""
+        event = self.step(
+            "TeleportFull",
+            image=image,
+            allowed=allowed,
+            position={"x": pose.x, "y": self._height_m, "z": pose.z},
+            rotation={"x": 0.0, "y": pose.yaw_deg, "z": 0.0},
+            horizon=pose.horizon_deg,
+            standing=True,
+        )
+        return bool(event.metadata["lastActionSuccess"])
+
+    def reachable(self) -> list[tuple[float, float]]:
+        """Floor-plane points of the navigation grid around the agent, as the world is now."""
+        return [(p["x"], p["z"]) for p in self.step("GetReachablePositions").metadata["actionReturn"]]
+
+    def pixels(self, object_id: str) -> int:
+        """Size of an object's instance mask in the last image, in pixels."""
+        mask = self._event.instance_masks.mask(object_id)
+        return 0 if mask is None else int(np.count_nonzero(mask))
+
+    def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
+        """Mask size of an object at each pitch of the look-down sweep from `pose` (Eq. 4, vis)."""
+        seen = {}
+        for pitch in pitches_deg:
+            self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True)
+            seen[int(pitch)] = self.pixels(object_id)
+        return seen
+
+    def settle(self, limit: int = 50) -> None:
+        """Let physics run until nothing moves, at most `limit` Pass actions."""
+        for _ in range(limit):
+            if self._event.metadata["isSceneAtRest"]:
+                return
+            self.step("Pass")
