@@ -1,0 +1,141 @@
+"""Cross-visit association: minimum-cost assignment with non-assignment (Eq. cost and Eq. pad of the paper)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import linear_sum_assignment
+
+
+@dataclass(frozen=True, slots=True)
+class Association:
+    """Which instance of visit 1 is which instance of visit 2.
+
+    ``pairs`` holds (i, j), i an index into visit 1 and j into visit 2, sorted; every index of either visit is in exactly one
+    pair or in the unmatched tuple of its visit, which is sorted too.
+    """
+
+    pairs: tuple[tuple[int, int], ...]
+    unmatched_1: tuple[int, ...]
+    unmatched_2: tuple[int, ...]
+
+
+def associate(
+    p_1: ArrayLike,
+    p_2: ArrayLike,
+    f_1: ArrayLike | None = None,
+    f_2: ArrayLike | None = None,
+    *,
+    gate_m: float,
+    feature_scale_m: float,
+) -> Association:
+    """Minimum-cost partial matching of the instances of two visits.
+
+    p_1 (N, 2), p_2 (M, 2): floor-plane positions (x, z) in metres, world frame. f_1 (N, K), f_2 (M, K): unit feature vectors,
+    or both None for the arms that are handed positions, whose cost is pure distance. gate_m: gamma; feature_scale_m: lambda.
+
+    Leaving i and j unmatched costs gate_m together, so no pair of cost >= gate_m is returned. The result does not depend on the
+    order in which the instances are listed: among equal optima the one that the solver finds for the instances in lexicographic
+    order of (x, z, features) is taken.
+
+    Raises ValueError for a wrong shape, a value that is not finite, features of one visit only, or gate_m <= 0.
+    Source: Eq. cost, Eq. pad.
+    """
+    if not gate_m > 0:
+        raise ValueError(f"gate_m must be positive, not {gate_m}")
+    if (f_1 is None) != (f_2 is None):
+        raise ValueError("features must be given for both visits or for neither")
+    p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
+    n, m = len(p_1), len(p_2)
+    keys_1, keys_2 = p_1, p_2
+    if f_1 is not None and f_2 is not None:
+        f_1, f_2 = _features(f_1, "f_1", n), _features(f_2, "f_2", m)
+        keys_1, keys_2 = np.hstack([p_1, f_1]), np.hstack([p_2, f_2])
+
+    pairs: list[tuple[int, int]] = []
+    if n and m:
+        order_1, order_2 = _lexicographic(keys_1), _lexicographic(keys_2)
+        cost = cost_matrix(
+            p_1[order_1],
+            p_2[order_2],
+            None if f_1 is None else f_1[order_1],
+            None if f_2 is None else f_2[order_2],
+            feature_scale_m=feature_scale_m,
+        )
+        rows, columns = linear_sum_assignment(padded(cost, gate_m))
+        pairs = sorted(
+            (int(order_1[i]), int(order_2[j]))
+            for i, j in zip(rows, columns, strict=True)
+            # A pair that costs exactly the gate ties with leaving both unmatched: never beneficial.
+            if i < n and j < m and cost[i, j] < gate_m
+        )
+    matched_1, matched_2 = {i for i, _ in pairs}, {j for _, j in pairs}
+    return Association(
+        pairs=tuple(pairs),
+        unmatched_1=tuple(i for i in range(n) if i not in matched_1),
+        unmatched_2=tuple(j for j in range(m) if j not in matched_2),
+    )
+
+
+def cost_matrix(
+    p_1: np.ndarray, p_2: np.ndarray, f_1: np.ndarray | None = None, f_2: np.ndarray | None = None, *, feature_scale_m: float
+) -> np.ndarray:
+    """(N, M) metres: distance plus feature_scale_m times (1 - inner product of the unit features). Source: Eq. cost."""
+    cost = distances(p_1, p_2)
+    if f_1 is not None and f_2 is not None:
+        # Rounding can put the inner product of two equal unit vectors above one; a cost is never negative.
+        cost = cost + feature_scale_m * np.clip(1.0 - f_1 @ f_2.T, 0.0, None)
+    return cost
+
+
+def padded(cost: np.ndarray, gate_m: float) -> np.ndarray:
+    """The square (N+M, N+M) matrix of Eq. pad: one dummy a row and column at D = gate_m / 2, a prohibitive finite cost elsewhere.
+
+    The prohibitive cost exceeds that of leaving everything unmatched, (N + M) D, so no optimum contains it. Source: Eq. pad.
+    """
+    n, m = cost.shape
+    dummy = gate_m / 2
+    prohibitive = 2 * (n + m + 1) * dummy
+    square = np.full((n + m, n + m), prohibitive)
+    square[:n, :m] = cost
+    square[:n, m:][np.diag_indices(n)] = dummy
+    square[n:, :m][np.diag_indices(m)] = dummy
+    square[n:, m:] = 0.0
+    return square
+
+
+def distances(p_1: np.ndarray, p_2: np.ndarray) -> np.ndarray:
+    """(N, M) floor-plane distances in metres between the rows of (N, 2) and (M, 2)."""
+    return np.hypot(p_1[:, None, 0] - p_2[None, :, 0], p_1[:, None, 1] - p_2[None, :, 1])
+
+
+def positions(points: ArrayLike, name: str = "positions") -> np.ndarray:
+    """(N, 2) float64 of any sequence of floor-plane points, the empty one included.
+
+    Raises ValueError, naming ``name``, for another shape or a value that is not finite.
+    """
+    array = np.asarray(points, dtype=np.float64)
+    if array.size == 0:
+        array = array.reshape(0, 2)
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise ValueError(f"{name} must have the shape (N, 2), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} holds a value that is not finite")
+    return array
+
+
+def _features(features: ArrayLike, name: str, count: int) -> np.ndarray:
+    array = np.asarray(features, dtype=np.float64)
+    if array.size == 0 and count == 0:
+        return array.reshape(0, array.shape[1] if array.ndim == 2 else 0)
+    if array.ndim != 2 or len(array) != count:
+        raise ValueError(f"{name} must have the shape ({count}, K), not {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} holds a value that is not finite")
+    return array
+
+
+def _lexicographic(rows: np.ndarray) -> np.ndarray:
+    return np.lexsort(rows.T[::-1])
