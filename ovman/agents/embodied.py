@@ -1,0 +1,115 @@
+"""Runs an agent in the simulator from its spawn to its stop, and measures there. The same for the oracle and for every agent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting, Visit
+from ovman.sim import measurement
+from ovman.sim.change import Alteration, World, position
+from ovman.sim.measurement import Ground
+from ovman.sim.mover import Gait
+from ovman.sim.session import AgentPose, Session
+from ovman.task import Query, Relation
+
+
+@dataclass(frozen=True)
+class Assignment:
+    """What the evaluator knows of an episode when it runs an agent: the truth, which the agent does not see.
+
+    answer: floor-plane point in metres, for MOVING where the mover is when the run begins; mover: its "along_m" and "direction"
+    at that moment, None where nothing moves.
+    """
+
+    relation: Relation
+    category: str
+    target: str
+    second: tuple[Alteration, ...]
+    spawn: AgentPose
+    answer: tuple[float, float]
+    mover: Mapping[str, Any] | None
+
+    @staticmethod
+    def of(trial: Mapping[str, Any]) -> Assignment:
+        """The assignment of a measured trial."""
+        candidate, measured = trial["candidate"], trial["measured"]
+        return Assignment(
+            Relation(candidate["relation"]),
+            candidate["category"],
+            candidate["target"],
+            tuple(Alteration.from_json(a) for a in candidate["second"]),
+            AgentPose(candidate["spawn"]["x"], candidate["spawn"]["z"], candidate["spawn"]["yaw_deg"]),
+            (measured["answer"]["x"], measured["answer"]["z"]),
+            measured["mover"],
+        )
+
+
+def handed(visit: str, instance: str) -> str:
+    """The name under which an agent that is handed positions knows an instance in a visit; tells nothing about the other visit."""
+    from ovman.journal import digest
+
+    return digest(visit, instance)[:8]
+
+
+def execute(
+    session: Session,
+    assignment: Assignment,
+    agent: Agent,
+    first: Visit | None,
+    second: Callable[[np.ndarray], Visit],
+    name_of: Callable[[str], str] | None,
+    rng: np.random.Generator,
+    constants: Any,
+) -> dict[str, Any]:
+    """One run, as the measured part of an "ovman-run/1" record: outcome, stop, distances, visible pixels, path length, actions.
+
+    first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the reachable
+    positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None for an agent
+    that is not handed any. `rng` drives the mover. Deterministic for a deterministic simulator. SimulatorError if it refuses.
+    """
+    world = World(session, assignment.second, Gait.of(constants), rng)
+    if assignment.mover is not None:
+        world.send_mover_to(assignment.mover["along_m"], assignment.mover["direction"])
+    session.teleport(assignment.spawn)
+    ground = Ground.around(session, assignment.spawn, constants.primitives.step_m)
+    if first is not None:
+        agent.familiarise(first)
+    agent.revisit(second(np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])))
+    agent.ask(Query(assignment.category, assignment.relation))
+
+    travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
+    outcome = "budget"
+    while actions < constants.primitives.action_budget:
+        action = agent.act(_observation(session, name_of, succeeded, constants))
+        if action in (Action.STOP, Action.ABSTAIN):
+            outcome = "stopped" if action is Action.STOP else "abstained"
+            break
+        before = session.pose
+        succeeded = bool(session.step(action.value, allowed=True).metadata["lastActionSuccess"])
+        after = session.pose
+        moved = math.hypot(after.x - before.x, after.z - before.z)
+        travelled, actions = travelled + moved, actions + 1
+        since_moved = 0 if moved > 0 else since_moved + 1
+        world.after_action()
+        if since_moved >= constants.primitives.stall_after:
+            outcome = "stalled"
+            break
+    measured: dict[str, Any] = {"outcome": outcome, "stop": None, "box_distance_m": None, "answer_distance_m": None, "navigable_distance_m": None, "visible_px": None}
+    if outcome == "stopped":
+        answer = world.mover.position if world.mover is not None else assignment.answer
+        measured |= measurement.at_stop(session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg))
+    return measured | {"path_length_m": round(travelled, 4), "actions": actions}
+
+
+def _observation(session: Session, name_of: Callable[[str], str] | None, succeeded: bool, constants: Any) -> Observation:
+    pose, camera = session.pose, session.camera
+    positions = None
+    if name_of is not None:
+        at = {k: (o["objectType"], position(o)) for k, o in session.objects.items() if o["moveable"] or o["pickupable"]}
+        positions = tuple(Sighting(name_of(k), category, here["x"], here["z"]) for k, (category, here) in sorted(at.items()))
+    return Observation(None, None, CameraPose(pose.x, camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg), constants.camera.field_of_view_deg, succeeded, positions)

@@ -1,0 +1,41 @@
+"""The oracle agent: given the true answer, it goes there with the primitives of every other agent (Algorithm 1, lines 9 and 10)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ovman.agents.agent import Action, Observation, Visit
+from ovman.agents.pilot import Pilot
+from ovman.task import Query
+
+
+class Oracle:
+    """Told where the answer is. For MOVING it is told which instance moves and reads its position from each observation.
+
+    `answer` is a floor-plane point in metres; `follow` the name under which observations carry the moving target, or None.
+    """
+
+    def __init__(self, pilot: Pilot, answer: tuple[float, float], follow: str | None) -> None:
+        self._pilot, self._answer, self._follow = pilot, answer, follow
+
+    def familiarise(self, visit: Visit) -> None:
+        """Nothing to learn."""
+
+    def revisit(self, visit: Visit) -> None:
+        """Takes the grid on which it will navigate."""
+        self._reachable: np.ndarray = visit.reachable
+
+    def ask(self, query: Query) -> None:
+        """The answer is known."""
+        self._pilot.set_out(self._reachable, query.relation)
+
+    def act(self, observation: Observation) -> Action:
+        """One primitive towards the answer."""
+        return self._pilot.act(observation, followed(observation, self._follow) or self._answer)
+
+
+def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:
+    """Where the instance called `name` is in an observation that hands positions; None if it is not among them."""
+    if name is None or observation.positions is None:
+        return None
+    return next(((s.x, s.z) for s in observation.positions if s.instance == name), None)

@@ -1,0 +1,36 @@
+"""From a goal point to primitives: the navigation that every agent of this package shares."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ovman.agents.agent import Action, Observation
+from ovman.navigation import Grid, Navigator, Primitives
+from ovman.task import Relation
+
+QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+class Pilot:
+    """Drives to goal points on the grid of reachable positions; A* breaks ties between equal paths in an order drawn from `rng`."""
+
+    def __init__(self, primitives: Primitives, rng: np.random.Generator) -> None:
+        self._primitives = primitives
+        self._directions = tuple(QUARTERS[k] for k in rng.permutation(len(QUARTERS)))
+        self._navigator: Navigator | None = None
+
+    def set_out(self, reachable: np.ndarray, relation: Relation) -> None:
+        """A new episode on the positions `reachable` (K, 2) in metres; blocked edges are tried again in MOVING episodes only."""
+        self._grid = Grid.from_positions([(float(x), float(z)) for x, z in reachable], self._primitives.step_m)
+        self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions)
+        self._component: frozenset[tuple[int, int]] | None = None
+
+    def act(self, observation: Observation, goal: tuple[float, float]) -> Action:
+        """One primitive towards the navigable cell nearest to `goal`; STOP there, facing it; ABSTAIN where no way leads there."""
+        assert self._navigator is not None, "set_out comes first"
+        pose = observation.pose
+        if self._component is None:
+            self._component = frozenset(self._grid.component(self._grid.nearest(pose.x, pose.z)))
+        cell = self._grid.nearest(*goal, within=self._component)
+        action = self._navigator.decide(pose.x, pose.z, pose.yaw_deg, observation.last_action_succeeded, cell, goal)
+        return Action.ABSTAIN if action is None else Action(action)

@@ -1,0 +1,1 @@
+"""Nouns and sentences of the benchmark. Stands alone."""

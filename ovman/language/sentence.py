@@ -1,0 +1,31 @@
+"""The sentence that an agent is given: one canonical surface form for each change relation."""
+
+from __future__ import annotations
+
+from ovman.language.noun import is_plural
+
+# (singular, plural). A thing that was moved is still in the home, one that was taken away left nothing but its place: FORMER and
+# REMOVED differ in their words, though either asks for where the thing was in the first visit.
+_FORMS: dict[str, tuple[str, str]] = {
+    "moved": ("go to the {noun} that was moved", "go to the {noun} that were moved"),
+    "former": ("go to where the {noun} used to be", "go to where the {noun} used to be"),
+    "moving": ("go to the {noun} that is moving", "go to the {noun} that are moving"),
+    "stable": ("go to the {noun} that stayed in place", "go to the {noun} that stayed in place"),
+    "appeared": ("go to the {noun} that was not here before", "go to the {noun} that were not here before"),
+    "removed": ("go to where the {noun} was before it was taken away", "go to where the {noun} were before they were taken away"),
+}
+
+RELATIONS: tuple[str, ...] = tuple(_FORMS)
+
+
+def sentence(relation: str, noun: str) -> str:
+    """The canonical surface form of a query: ("former", "vase") -> "go to where the vase used to be".
+
+    relation: a change relation by its name; noun: a noun phrase as ``ovman.language.noun.noun`` gives it. No two pairs share a
+    sentence. Raises ValueError for a relation that there is not, or an empty noun.
+    """
+    if relation not in _FORMS:
+        raise ValueError(f"{relation!r} is not a change relation; there are {', '.join(_FORMS)}")
+    if not noun.strip():
+        raise ValueError("the noun of a sentence is empty")
+    return _FORMS[relation][is_plural(noun)].format(noun=noun)

@@ -1,0 +1,72 @@
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.prediction import Prediction, read, write
+from ovman.agents.single_visit import UniformBox, UniformPick
+
+finite = st.floats(-50, 50, allow_nan=False)
+points = st.tuples(finite, finite)
+outcomes = st.one_of(
+    st.builds(Answer, finite, finite),
+    st.builds(Abstention, st.sampled_from(AbstentionReason)),
+    st.builds(UniformPick, st.lists(points, max_size=4).map(tuple)),
+    st.builds(lambda a, b: UniformBox(min(a[0], b[0]), min(a[1], b[1]), max(a[0], b[0]), max(a[1], b[1])), points, points),
+)
+
+
+@settings(max_examples=80, derandomize=True)
+@given(outcomes, st.integers(0, 9))
+def test_a_record_says_all_that_was_predicted(outcome, seed):
+    prediction = Prediction("FloorPlan201/moved/0003", "positions_two_visits", seed, outcome)
+    record = json.loads(json.dumps(prediction.to_json()))
+    assert Prediction.from_json(record) == prediction
+    assert record["schema"] == "ovman-prediction/1"
+
+
+def test_files_keep_the_order(tmp_path):
+    predictions = [
+        Prediction("FloorPlan201/moved/0003", "a", 0, Answer(1.0, 2.0)),
+        Prediction("FloorPlan201/moved/0001", "a", 0, Abstention(AbstentionReason.NO_MOTION)),
+    ]
+    path = tmp_path / "a.jsonl"
+    write(path, predictions)
+    assert read(path) == predictions
+    assert path.read_text().splitlines()[1] == (
+        '{"schema": "ovman-prediction/1", "episode": "FloorPlan201/moved/0001", "arm": "a", "seed": 0, "abstain": "no_motion"}'
+    )
+
+
+GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "x": 1.0, "z": 2.0}
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"schema": "ovman-prediction/2"}, "this version reads 'ovman-prediction/1'"),
+        ({"abstain": "no_motion"}, "exactly one of"),
+        ({"x": None, "abstain": "tired"}, "the reasons are no_candidate"),
+        ({"episode": None}, "'episode' is missing"),
+        ({"z": None}, "'z' is missing"),
+    ],
+)
+def test_a_bad_line_is_named_with_its_remedy(tmp_path, change, message):
+    record = {key: value for key, value in {**GOOD, **change}.items() if value is not None}
+    path = tmp_path / "a.jsonl"
+    path.write_text(json.dumps(GOOD) + "\n" + json.dumps(record) + "\n")
+    with pytest.raises(ValueError, match=message) as caught:
+        read(path)
+    assert str(caught.value).startswith(f"{path}:2: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_truncated_line_is_named(tmp_path):
+    path = tmp_path / "a.jsonl"
+    path.write_text(json.dumps(GOOD)[:-9] + "\n")
+    with pytest.raises(ValueError, match=r"a\.jsonl:1: "):
+        read(path)
