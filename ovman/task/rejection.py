@@ -1,0 +1,58 @@
+"""Why a candidate is not an episode. Every reason has a name, and every name belongs to one stage of Algorithm 1."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class RejectionStage(StrEnum):
+    """The part of Algorithm 1 that rejects, in its order."""
+
+    PLACEMENT = "placement"  # line 3: the scripted change
+    GEOMETRY = "geometry"  # line 4: reachable, mobile, visible
+    OBSERVATION = "observation"  # lines 6 and 7: what the tours recorded
+    CERTIFICATION = "certification"  # lines 8 and 9: the oracle's runs
+    SIMULATOR = "simulator"  # no verdict of the benchmark: the simulator failed
+
+
+class Rejection(StrEnum):
+    """The first reason, in the order of this enumeration, is the one that is counted."""
+
+    SIMULATOR_ERROR = "simulator_error"
+    PLACEMENT_REFUSED = "placement_refused"
+    DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
+    SPAWN_TOO_CLOSE = "spawn_too_close"
+    ANSWER_UNREACHABLE = "answer_unreachable"
+    SPAWN_IMMOBILE = "spawn_immobile"
+    ANSWER_NOT_VISIBLE = "answer_not_visible"
+    CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
+    REFERENT_ABSENT = "referent_absent"
+    REFERENT_AMBIGUOUS = "referent_ambiguous"
+    REFERENT_NOT_TARGET = "referent_not_target"
+    BYSTANDER_MOVED = "bystander_moved"
+    DRIFTED = "drifted"
+    FEASIBILITY_FAILED = "feasibility_failed"
+    CERTIFICATION_FAILED = "certification_failed"
+
+    @property
+    def stage(self) -> RejectionStage:
+        return _STAGES[self]
+
+
+_STAGES = {
+    Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
+    Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
+    Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
+    Rejection.SPAWN_TOO_CLOSE: RejectionStage.PLACEMENT,
+    Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
+    Rejection.SPAWN_IMMOBILE: RejectionStage.GEOMETRY,
+    Rejection.ANSWER_NOT_VISIBLE: RejectionStage.GEOMETRY,
+    Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
+    Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
+    Rejection.REFERENT_AMBIGUOUS: RejectionStage.OBSERVATION,
+    Rejection.REFERENT_NOT_TARGET: RejectionStage.OBSERVATION,
+    Rejection.BYSTANDER_MOVED: RejectionStage.OBSERVATION,
+    Rejection.DRIFTED: RejectionStage.OBSERVATION,
+    Rejection.FEASIBILITY_FAILED: RejectionStage.CERTIFICATION,
+    Rejection.CERTIFICATION_FAILED: RejectionStage.CERTIFICATION,
+}
