@@ -70,7 +70,8 @@ def execute(
 
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the reachable
     positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None for an agent
-    that is not handed any. `rng` drives the mover. Deterministic for a deterministic simulator. SimulatorError if it refuses.
+    that is not handed any. `rng` drives the mover.
+    An agent that is handed positions is given no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.
     """
     world = World(session, assignment.second, Gait.of(constants), rng)
     if assignment.mover is not None:
@@ -82,10 +83,11 @@ def execute(
     agent.revisit(second(np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])))
     agent.ask(Query(assignment.category, assignment.relation))
 
+    gone = {a.instance for a in assignment.second if a.kind == "disable"}
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     outcome = "budget"
     while actions < constants.primitives.action_budget:
-        action = agent.act(_observation(session, name_of, succeeded, constants))
+        action = agent.act(_observation(session, gone, name_of, succeeded, constants))
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
@@ -106,10 +108,16 @@ def execute(
     return measured | {"path_length_m": round(travelled, 4), "actions": actions}
 
 
-def _observation(session: Session, name_of: Callable[[str], str] | None, succeeded: bool, constants: Any) -> Observation:
-    pose, camera = session.pose, session.camera
-    positions = None
-    if name_of is not None:
-        at = {k: (o["objectType"], position(o)) for k, o in session.objects.items() if o["moveable"] or o["pickupable"]}
-        positions = tuple(Sighting(name_of(k), category, here["x"], here["z"]) for k, (category, here) in sorted(at.items()))
-    return Observation(None, None, CameraPose(pose.x, camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg), constants.camera.field_of_view_deg, succeeded, positions)
+def _observation(
+    session: Session, gone: set[str], name_of: Callable[[str], str] | None, succeeded: bool, constants: Any
+) -> Observation:
+    pose = session.pose
+    camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
+    field_of_view_deg = constants.camera.field_of_view_deg
+    if name_of is None:
+        session.step("Pass", image=True)
+        return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded)
+    present = {k: o for k, o in session.objects.items() if (o["moveable"] or o["pickupable"]) and k not in gone}
+    at = {k: position(o) for k, o in present.items()}
+    positions = tuple(Sighting(name_of(k), present[k]["objectType"], at[k]["x"], at[k]["z"]) for k in sorted(at))
+    return Observation(None, None, camera, field_of_view_deg, succeeded, positions)

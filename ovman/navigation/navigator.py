@@ -4,21 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
+from typing import Any
 
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.plan import shortest_path
 
 
-class Action(StrEnum):
-    """What an agent can do. Stop ends the episode; Stalled and Abstain end it without a claim to have arrived."""
-
-    MOVE_AHEAD = "MoveAhead"
-    ROTATE_LEFT = "RotateLeft"
-    ROTATE_RIGHT = "RotateRight"
-    STOP = "Stop"
-    STALLED = "Stalled"
-    ABSTAIN = "Abstain"
+MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
 
 
 @dataclass(frozen=True)
@@ -30,15 +22,20 @@ class Primitives:
     heading_tolerance_deg: float
     stop_within_m: float
     blocked_edge_expiry: int
-    stall_after: int
+
+    @staticmethod
+    def of(constants: Any) -> Primitives:
+        """The primitives of config.yaml; `constants` must own primitives.*."""
+        p = constants.primitives
+        return Primitives(p.step_m, p.turn_deg, p.heading_tolerance_deg, p.stop_within_m, p.blocked_edge_expiry)
 
 
-def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> Action | None:
+def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str | None:
     """The shorter turn from one yaw towards another; None within the tolerance."""
     error = (wanted_deg - yaw_deg + 180.0) % 360.0 - 180.0
     if abs(error) <= tolerance_deg + 1e-6:
         return None
-    return Action.ROTATE_RIGHT if error > 0 else Action.ROTATE_LEFT
+    return ROTATE_RIGHT if error > 0 else ROTATE_LEFT
 
 
 class Navigator:
@@ -53,31 +50,28 @@ class Navigator:
         self._blocked: dict[frozenset[Cell], int] = {}
         self._actions = 0
         self._trying: frozenset[Cell] | None = None
-        self._goal: Cell | None = None
-        self._closest: int | None = None
-        self._closest_at = 0
 
-    def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> Action:
-        """The next action of an agent at (x, z) with `yaw_deg`, whose last move succeeded if `moved`.
+    def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> str | None:
+        """The next action of an agent at (x, z) with `yaw_deg`, whose last move succeeded if `moved`; None if no way is left.
 
-        It goes to `goal` and, within `stop_within_m` of its centre, turns to the floor-plane point `face` and stops.
+        It goes to `goal` and, within `stop_within_m` of its centre, turns to the floor-plane point `face` and stops. Where the
+        only ways are blocked by edges that expire, it turns on the spot until one does.
         """
         self._actions += 1
         if self._trying is not None and not moved:
             self._blocked[self._trying] = self._actions
         self._trying = None
-        here = self._grid.nearest(x, z)
         goal_x, goal_z = self._grid.centre(goal)
         if math.hypot(goal_x - x, goal_z - z) <= self._primitives.stop_within_m:
-            return self._face(x, z, yaw_deg, face) or Action.STOP
+            return self._face(x, z, yaw_deg, face) or STOP
+        here = self._grid.nearest(x, z)
         path = shortest_path(self._grid, here, goal, self._avoided(), self._directions)
-        if path is None or self._stalls(goal, len(path)):
-            return Action.STALLED
-        next_x, next_z = self._grid.centre(path[1])
-        turn = self._face(x, z, yaw_deg, (next_x, next_z))
+        if path is None:
+            return ROTATE_LEFT if self._expires and self._blocked else None
+        turn = self._face(x, z, yaw_deg, self._grid.centre(path[1]))
         if turn is None:
             self._trying = frozenset((here, path[1]))
-        return turn or Action.MOVE_AHEAD
+        return turn or MOVE_AHEAD
 
     def _avoided(self) -> frozenset[frozenset[Cell]]:
         if self._expires:
@@ -85,14 +79,8 @@ class Navigator:
             self._blocked = {edge: since for edge, since in self._blocked.items() if since > alive}
         return frozenset(self._blocked)
 
-    def _face(self, x: float, z: float, yaw_deg: float, point: tuple[float, float]) -> Action | None:
+    def _face(self, x: float, z: float, yaw_deg: float, point: tuple[float, float]) -> str | None:
         if math.hypot(point[0] - x, point[1] - z) < 1e-3:
             return None
         wanted = math.degrees(math.atan2(point[0] - x, point[1] - z))
         return turn_towards(yaw_deg, wanted, self._primitives.heading_tolerance_deg)
-
-    def _stalls(self, goal: Cell, cells_left: int) -> bool:
-        """Whether the agent has not come closer to this goal for too long; a goal that moves starts the count anew."""
-        if goal != self._goal or self._closest is None or cells_left < self._closest:
-            self._goal, self._closest, self._closest_at = goal, cells_left, self._actions
-        return self._actions - self._closest_at >= self._primitives.stall_after

@@ -8,6 +8,7 @@ it passes is not pushed.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -44,6 +45,12 @@ class Gait:
     step_m: float
     pause_probability: float
     turn_probability: float
+
+    @staticmethod
+    def of(constants: Any) -> Gait:
+        """The gait of config.yaml; `constants` must own mover.*."""
+        mover = constants.mover
+        return Gait(mover.step_m, mover.pause_probability, mover.turn_probability)
 
 
 @dataclass(frozen=True)

@@ -88,6 +88,21 @@ class Session:
         return AgentPose(agent["position"]["x"], agent["position"]["z"], agent["rotation"]["y"] % 360.0, agent["cameraHorizon"])
 
     @property
+    def camera(self) -> Mapping[str, float]:
+        """Where the camera is: x, y, z in metres."""
+        return self._event.metadata["cameraPosition"]
+
+    @property
+    def rgb(self) -> np.ndarray:
+        """(H, W, 3) uint8 of the last image."""
+        return self._event.frame
+
+    @property
+    def depth(self) -> np.ndarray:
+        """(H, W) float32 of the last image, metres along the optical axis."""
+        return self._event.depth_frame
+
+    @property
     def objects(self) -> Mapping[str, Mapping[str, Any]]:
         """Metadata of every object by objectId, as of the last step."""
         return {o["objectId"]: o for o in self._event.metadata["objects"]}

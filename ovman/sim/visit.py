@@ -107,8 +107,11 @@ def tour(waypoints: Sequence[tuple[float, float]], headings: int) -> list[AgentP
 
 
 def record(session: Session, world: World, name: str, alterations: Sequence[Alteration], views: Sequence[AgentPose], minimum_px: int,
-           directory: Path) -> Visit:
-    """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free."""
+           directory: Path, key: str) -> Visit:
+    """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
+
+    `key` is written beside it, so that who finds the directory later knows whether it is what it would record itself.
+    """
     partial = directory.with_name(directory.name + ".partial")
     shutil.rmtree(partial, ignore_errors=True)
     partial.mkdir(parents=True)
@@ -158,6 +161,7 @@ def record(session: Session, world: World, name: str, alterations: Sequence[Alte
         "views": records,
     }
     (partial / "visit.json").write_text(json.dumps(visit, separators=(",", ":")) + "\n")
+    (partial / "key").write_text(key)
     shutil.rmtree(directory, ignore_errors=True)
     os.replace(partial, directory)
     return Visit(visit)

@@ -1,0 +1,1 @@
+"""Algorithm 1: scenes, candidates, trials, admissible, certified, episodes, and the audit of what was rejected."""

@@ -1,0 +1,133 @@
+"""Stage `candidates`: scripted changes that might make an episode, drawn from the record of a scene (Algorithm 1, lines 1 and 3)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman import seeds
+from ovman.generation import placement
+from ovman.generation.placement import FreeFloor
+from ovman.sim.change import Alteration
+from ovman.task import Rejection, Relation
+
+SCHEMA = "ovman-candidate/1"
+SHARE_OF_LANES = 4
+"""A mover gets one of the nearest quarter of the lanes that it could take."""
+Item = Mapping[str, Any]
+
+
+def eligible(scene: Mapping[str, Any]) -> Mapping[str, list[Item]]:
+    """Movable instances by category, categories with at least two instances."""
+    by_category: dict[str, list[Item]] = {}
+    for item in scene["objects"]:
+        if item["moveable"] or item["pickupable"]:
+            by_category.setdefault(item["category"], []).append(item)
+    return {c: items for c, items in sorted(by_category.items()) if len(items) >= 2}
+
+
+def targets(by_category: Mapping[str, list[Item]], rng: np.random.Generator) -> Iterator[Item]:
+    """Instances without end, category after category, each instance of a category once before any is repeated."""
+    order = [list(by_category)[k] for k in rng.permutation(len(by_category))]
+    queues = {c: [by_category[c][k] for k in rng.permutation(len(by_category[c]))] for c in order}
+    turn = 0
+    while order:
+        for category in order:
+            yield queues[category][turn % len(queues[category])]
+        turn += 1
+
+
+def _displacement(scene: Mapping[str, Any], item: Item, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> Alteration | None:
+    found = placement.spots(scene, item, floor, distance_m, rng)
+    if not found:
+        return None
+    spot = found[int(rng.integers(min(len(found), 8)))]
+    return Alteration("displace", item["id"], (spot.x, spot.z), spot.height_m)
+
+
+def _motion(scene: Mapping[str, Any], item: Item, floor: FreeFloor, minimum_m: float, rng: np.random.Generator) -> Alteration | None:
+    found = placement.lanes(item, floor, minimum_m)
+    if not found:
+        return None
+    lane = found[int(rng.integers(max(1, len(found) // SHARE_OF_LANES)))]
+    return Alteration("motion", item["id"], None, round(scene["floor_y"] + placement.ABOVE_SURFACE_M, 4), lane)
+
+
+def _spawn(floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: float, headings: int, rng: np.random.Generator) -> dict[str, float] | None:
+    free = [
+        (x, z)
+        for x, z in ((i * floor.step_m, j * floor.step_m) for i, j in sorted(floor.cells))
+        if all(np.hypot(x - kx, z - kz) >= clearance_m for kx, kz in keep_from)
+    ]
+    if not free:
+        return None
+    x, z = free[int(rng.integers(len(free)))]
+    return {"x": round(x, 4), "z": round(z, 4), "yaw_deg": float(360.0 / headings * rng.integers(headings))}
+
+
+def draw(scene: Mapping[str, Any], relation: Relation, index: int, item: Item, distractor: Item | None, constants: Any) -> dict[str, Any]:
+    """One candidate. Its "refused" says why nothing could be drawn for this target, or is null."""
+    rng = seeds.generator(constants.benchmark.seed, "candidate", scene["scene"], relation.value, index)
+    floor = FreeFloor.of(scene, constants.primitives.step_m)
+    changed = distractor if distractor is not None else item
+    first: list[Alteration] = []
+    second: list[Alteration] = []
+    refused: Rejection | None = None
+    keep_from = [(item["position"]["x"], item["position"]["z"])]
+    if relation is Relation.APPEARED:
+        first = [Alteration("disable", item["id"])]
+    elif relation is Relation.REMOVED:
+        second = [Alteration("disable", item["id"])]
+    else:
+        if relation is Relation.MOVING:
+            alteration = _motion(scene, changed, floor, constants.mover.lane_min_m, rng)
+        else:
+            alteration = _displacement(scene, changed, floor, constants.candidates.delta_min_m, rng)
+        if alteration is None:
+            refused = Rejection.NO_LANE if relation is Relation.MOVING else Rejection.NO_PLACEMENT
+        else:
+            second = [alteration]
+            keep_from.append(alteration.placement or (alteration.lane.x_0, alteration.lane.z_0))
+    spawn = _spawn(floor, keep_from, constants.candidates.spawn_clearance_m, constants.tour.headings, rng)
+    if spawn is None and refused is None:
+        refused = Rejection.NO_SPAWN
+    return {
+        "schema": SCHEMA,
+        "id": f"{scene['scene']}/{relation.value}/{index:04d}",
+        "scene": scene["scene"],
+        "relation": relation.value,
+        "category": item["category"],
+        "target": item["id"],
+        "distractor": None if distractor is None else distractor["id"],
+        "first": [a.to_json() for a in first],
+        "second": [a.to_json() for a in second],
+        "spawn": spawn,
+        "refused": refused,
+    }
+
+
+def candidates(scene: Mapping[str, Any], constants: Any) -> list[dict[str, Any]]:
+    """All candidates of a scene, relation after relation. None for a relation without a category that could serve it."""
+    by_category = eligible(scene)
+    drawn = []
+    for relation in Relation:
+        rng = seeds.generator(constants.benchmark.seed, "targets", scene["scene"], relation.value)
+        # With a third instance that stays, the stable one would not be unique (Eq. 2).
+        pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
+        if not pool:
+            continue
+        for index, item in zip(range(getattr(constants.candidates.draws, relation.value)), targets(pool, rng), strict=False):
+            others = [o for o in pool[item["category"]] if o["id"] != item["id"]]
+            drawn.append(draw(scene, relation, index, item, others[0] if relation is Relation.STABLE else None, constants))
+    return drawn
+
+
+def run(scene_file: Path, constants: Any, output: Path) -> None:
+    """Write the candidates of the scene in `scene_file`, one JSON line each."""
+    drawn = candidates(json.loads(scene_file.read_text()), constants)
+    output.write_text("".join(json.dumps(c, separators=(",", ":")) + "\n" for c in drawn))
+    print(f"{scene_file.stem}: {len(drawn)} candidates", flush=True)

@@ -1,0 +1,57 @@
+"""What is measured where an agent stops (Eq. 4) and around an answer (Algorithm 1, line 4). Distances in metres, floor plane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ovman.navigation import Cell, Grid
+from ovman.sim.session import AgentPose, Session, bearing_deg
+
+
+def box_distance_m(x: float, z: float, metadata: Mapping[str, Any]) -> float:
+    """Distance from (x, z) to the floor-plane projection of an object's axis-aligned box; 0 inside."""
+    centre, size = metadata["axisAlignedBoundingBox"]["center"], metadata["axisAlignedBoundingBox"]["size"]
+    return math.hypot(max(abs(x - centre["x"]) - size["x"] / 2, 0.0), max(abs(z - centre["z"]) - size["z"] / 2, 0.0))
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The navigation grid after the change and the part of it that the spawn belongs to."""
+
+    grid: Grid
+    spawn: Cell
+    component: frozenset[Cell]
+
+    @staticmethod
+    def around(session: Session, spawn: AgentPose, step_m: float) -> Ground:
+        """Recomputed around the agent, which must stand at the spawn."""
+        grid = Grid.from_positions(session.reachable(), step_m)
+        cell = grid.nearest(spawn.x, spawn.z)
+        return Ground(grid, cell, frozenset(grid.component(cell)))
+
+    def navigable(self, x: float, z: float) -> tuple[float, float]:
+        """nu(a): centre of the cell of the spawn's component nearest to (x, z)."""
+        return self.grid.centre(self.grid.nearest(x, z, within=self.component))
+
+
+def at_stop(session: Session, relation_is_past: bool, target: str, answer: tuple[float, float], ground: Ground,
+            pitches_deg: tuple[int, ...]) -> dict[str, Any]:
+    """The terms of Eq. 4 at the agent's pose, which is left as the sweep leaves it. Past relations have no object terms (null)."""
+    stop = session.pose
+    navigable_x, navigable_z = ground.navigable(*answer)
+    return {
+        "stop": {"x": round(stop.x, 4), "z": round(stop.z, 4), "yaw_deg": round(stop.yaw_deg, 2)},
+        "box_distance_m": None if relation_is_past else round(box_distance_m(stop.x, stop.z, session.objects[target]), 4),
+        "answer_distance_m": round(math.hypot(stop.x - answer[0], stop.z - answer[1]), 4),
+        "navigable_distance_m": round(math.hypot(stop.x - navigable_x, stop.z - navigable_z), 4),
+        "visible_px": None if relation_is_past else {str(p): n for p, n in session.sweep(target, stop, pitches_deg).items()},
+    }
+
+
+def from_navigable(session: Session, target: str, answer: tuple[float, float], ground: Ground, pitches_deg: tuple[int, ...]) -> dict[str, int]:
+    """Mask sizes of the target over the look-down sweep from nu(a), facing the answer."""
+    x, z = ground.navigable(*answer)
+    return {str(p): n for p, n in session.sweep(target, AgentPose(x, z, bearing_deg(x, z, *answer)), pitches_deg).items()}
