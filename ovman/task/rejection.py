@@ -8,6 +8,7 @@ from enum import StrEnum
 class RejectionStage(StrEnum):
     """The part of Algorithm 1 that rejects, in its order."""
 
+    DRAW = "draw"  # lines 1 and 3: nothing to choose from
     PLACEMENT = "placement"  # line 3: the scripted change
     GEOMETRY = "geometry"  # line 4: reachable, mobile, visible
     OBSERVATION = "observation"  # lines 6 and 7: what the tours recorded
@@ -18,6 +19,9 @@ class RejectionStage(StrEnum):
 class Rejection(StrEnum):
     """The first reason, in the order of this enumeration, is the one that is counted."""
 
+    NO_PLACEMENT = "no_placement"
+    NO_LANE = "no_lane"
+    NO_SPAWN = "no_spawn"
     SIMULATOR_ERROR = "simulator_error"
     PLACEMENT_REFUSED = "placement_refused"
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
@@ -40,6 +44,9 @@ class Rejection(StrEnum):
 
 
 _STAGES = {
+    Rejection.NO_PLACEMENT: RejectionStage.DRAW,
+    Rejection.NO_LANE: RejectionStage.DRAW,
+    Rejection.NO_SPAWN: RejectionStage.DRAW,
     Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
     Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
     Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
