@@ -1,0 +1,133 @@
+"""Where the light of a room comes from: ceiling lamps, windows and the lamps that are switched on.
+
+Intensities are in arbitrary units; `Rig.exposure` scales them so that the middle of every room is equally bright.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+PHASES = 16
+"""Shadow samples that a 4 x 4 neighbourhood shares among all lights."""
+LAMPS = frozenset({"DeskLamp", "FloorLamp"})
+CEILING_AREA_M2 = 18.0
+"""One ceiling lamp for about so much floor."""
+MOST_CEILING, MOST_WINDOWS, MOST_LAMPS = 2, 2, 2
+MIDDLE_BRIGHTNESS = 0.62
+"""What a white card facing up in the middle of the room sends back, of the brightest that can be shown."""
+
+
+@dataclass(frozen=True)
+class Light:
+    """A soft light. position (3,) metres; colour (3,) linear RGB intensity; axis (3,) unit: it shines there as the cosine, or
+    everywhere alike where the axis is zero; spread (3,) half extents of its surface; clearance: what is nearer than this to its
+    position throws no shadow (its own shade)."""
+
+    position: np.ndarray
+    colour: np.ndarray
+    axis: np.ndarray
+    spread: np.ndarray
+    clearance: float
+
+
+@dataclass(frozen=True)
+class Rig:
+    """All light of a scene as arrays. L lights; PHASES shadow samples."""
+
+    lights: np.ndarray
+    """(L, 10) float32: position, colour, axis, softening radius squared"""
+    samples: np.ndarray
+    """(PHASES, 6) float32: point on a light, clearance, index of the light, one over the light's number of samples"""
+    ambient: np.ndarray
+    """(3, 3) float32: light from above, from the sides and from below"""
+    exposure: float
+
+
+def _hash(text: str) -> float:
+    """A number in [0, 1) that only the text decides."""
+    return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest(), "little") / 2**32
+
+
+def _on(obj) -> bool:
+    return bool(obj.record.get("isToggled", True)) if obj.record.get("toggleable", False) else True
+
+
+def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]:
+    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> current oriented box of what is drawn."""
+    size = high - low
+    warm = 0.55 + 0.45 * _hash(plan.name + "light")
+    bulb = np.array([1.0, 0.93 - 0.05 * warm, 0.83 - 0.14 * warm])
+    sky = np.array([0.86, 0.95, 1.0])
+    down = np.array([0.0, -1.0, 0.0])
+    lights = []
+    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MOST_CEILING))
+    long = 0 if size[0] >= size[2] else 2
+    for k in range(count):
+        centre = (low + high) / 2
+        centre[long] = low[long] + size[long] * (k + 0.5) / count
+        centre[1] = high[1] - 0.12
+        lights.append(Light(centre, bulb * 5.5 / np.sqrt(count), down, np.array([0.28, 0.0, 0.28]), 0.05))
+    windows = sorted(
+        (o for o in plan.objects if o.type == "Window" and o.object_id in boxes), key=lambda o: -np.prod(np.sort(o.box.half)[1:])
+    )
+    for obj in windows[:MOST_WINDOWS]:
+        box = obj.box
+        reach = np.abs(box.rotation) @ box.half
+        thin = 0 if reach[0] < reach[2] else 2
+        inward = np.zeros(3)
+        inward[thin] = np.sign((low + high)[thin] / 2 - box.centre[thin]) or 1.0
+        spread = reach * 0.8
+        spread[thin] = 0.0
+        area = 4 * np.prod(np.delete(reach, thin))
+        lights.append(Light(box.centre + inward * (reach[thin] + 0.25), sky * 1.9 * np.sqrt(max(area, 0.3)), inward, spread, 0.3))
+    lamps = sorted((o for o in plan.objects if o.type in LAMPS and o.object_id in boxes and _on(o)), key=lambda o: o.object_id)
+    for obj in lamps[:MOST_LAMPS]:
+        box = boxes[obj.object_id]
+        half = float(np.abs(box.rotation[1]) @ box.half)
+        centre = box.centre + [0.0, 0.62 * half, 0.0]
+        lights.append(Light(centre, np.array([1.0, 0.8, 0.52]) * 0.55, np.zeros(3), np.full(3, 0.05), 0.45 * half + 0.12))
+    return tuple(lights)
+
+
+def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Unshadowed light (N, 3) that falls on points (N, 3) of surfaces facing `normal` (3,)."""
+    total = np.zeros((len(points), 3))
+    for light in lights:
+        away = light[:3] - points
+        square = (away**2).sum(axis=1) + light[9]
+        away = away / np.sqrt(square)[:, None]
+        shine = np.where(np.any(light[6:9] != 0), np.maximum(-(away @ light[6:9]), 0), 1.0)
+        total += (np.maximum(away @ normal, 0) * shine / square)[:, None] * light[3:6]
+    return total
+
+
+def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
+    """The lights as arrays, their shadow samples in a fixed pattern, and the exposure for a room that spans low..high (3,)."""
+    table = np.array(
+        [[*light.position, *light.colour, *light.axis, 0.05 + float((light.spread**2).sum())] for light in lights],
+        dtype=np.float32,
+    ).reshape(-1, 10)
+    grid = np.stack(np.meshgrid(np.linspace(0.2, 0.8, 4), [0.3], np.linspace(0.2, 0.8, 4), indexing="ij"), axis=-1).reshape(-1, 3)
+    points = low + grid * (high - low)
+    power = np.array([irradiance(table[k : k + 1], points, np.array([0.0, 1.0, 0.0])).sum() for k in range(len(table))])
+    share = np.maximum(1, np.floor(power / max(power.sum(), 1e-9) * PHASES)).astype(int)
+    share[int(np.argmax(power))] += PHASES - share.sum()
+    samples = np.zeros((PHASES, 6), dtype=np.float32)
+    row = 0
+    for k, light in enumerate(lights):
+        for i in range(share[k]):
+            # the additive recurrence of the plastic number spreads any count of points evenly
+            offset = ((0.5 + (i + 1) * np.array([0.8191725134, 0.6710436067, 0.5497004779])) % 1.0) * 2 - 1
+            samples[row] = [*(light.position + offset * light.spread), light.clearance, k, 1.0 / share[k]]
+            row += 1
+    # neighbours should see different lights: a stride coprime to the count deals them out
+    samples = samples[(np.arange(PHASES) * 7) % PHASES]
+    direct = irradiance(table, points, np.array([0.0, 1.0, 0.0])).mean(axis=0)
+    fill = direct.mean()
+    tint = direct / max(fill, 1e-9)
+    ambient = np.array([0.62 * tint, 0.52 * (0.5 + 0.5 * tint), 0.40 * tint * [1.0, 0.95, 0.88]]) * fill
+    exposure = MIDDLE_BRIGHTNESS / float(fill + ambient[0].mean())
+    return Rig(table, samples, ambient.astype(np.float32), exposure)
