@@ -101,10 +101,19 @@ def execute(
         if since_moved >= constants.primitives.stall_after:
             outcome = "stalled"
             break
-    measured: dict[str, Any] = {"outcome": outcome, "stop": None, "box_distance_m": None, "answer_distance_m": None, "navigable_distance_m": None, "visible_px": None}
+    measured: dict[str, Any] = {
+        "outcome": outcome,
+        "stop": None,
+        "box_distance_m": None,
+        "answer_distance_m": None,
+        "navigable_distance_m": None,
+        "visible_px": None,
+    }
     if outcome == "stopped":
         answer = world.mover.position if world.mover is not None else assignment.answer
-        measured |= measurement.at_stop(session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg))
+        measured |= measurement.at_stop(
+            session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg)
+        )
     return measured | {"path_length_m": round(travelled, 4), "actions": actions}
 
 

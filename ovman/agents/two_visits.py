@@ -23,7 +23,9 @@ class AssociationConstants:
     feature_scale_m: float
 
 
-def answer(query: Query, world_1: WorldState, world_2: WorldState, association: AssociationConstants, decision: DecisionConstants) -> Answer | Abstention:
+def answer(
+    query: Query, world_1: WorldState, world_2: WorldState, association: AssociationConstants, decision: DecisionConstants
+) -> Answer | Abstention:
     """What the agent answers from the recorded positions of both visits. Identities are not compared across visits."""
     first = sorted(world_1.category(query.category), key=lambda k: (k.x, k.z))
     second = sorted(world_2.category(query.category), key=lambda k: (k.x, k.z))

@@ -17,12 +17,13 @@ BEYOND_MEASUREMENT = "beyond_measurement"
 
 def truth(entries: list[Mapping[str, Any]], mover: Mapping[str, Any] | None) -> WorldState:
     """The world state of a category as it was, whether or not it was recorded; a mover has its whole path as its track."""
-    return WorldState(
-        tuple(
-            Instance(e["id"], e["category"], e["x"], e["z"], tuple((p["x"], p["z"]) for p in mover["path"]) if mover and mover["instance"] == e["id"] else ())
-            for e in entries
-        )
-    )
+    return WorldState(tuple(_instance(e, mover if mover and mover["instance"] == e["id"] else None) for e in entries))
+
+
+def _instance(entry: Mapping[str, Any], mover: Mapping[str, Any] | None) -> Instance:
+    if mover is None:
+        return Instance(entry["id"], entry["category"], entry["x"], entry["z"])
+    return Instance.tracked(entry["id"], entry["category"], tuple((p["x"], p["z"]) for p in mover["path"]))
 
 
 def reasons(trial: Mapping[str, Any], constants: Any) -> Iterator[Rejection]:
@@ -79,7 +80,13 @@ def _recorded(instance: str, relation: Relation, first: WorldState, second: Worl
 def verdict(trial: Mapping[str, Any], constants: Any) -> dict[str, Any]:
     """The verdict on a trial: "rejected" is null or the first reason, "reasons" are all of them."""
     against = [r.value for r in reasons(trial, constants)]
-    return {"schema": SCHEMA, "id": trial["candidate"]["id"], "relation": trial["candidate"]["relation"], "rejected": against[0] if against else None, "reasons": against}
+    return {
+        "schema": SCHEMA,
+        "id": trial["candidate"]["id"],
+        "relation": trial["candidate"]["relation"],
+        "rejected": against[0] if against else None,
+        "reasons": against,
+    }
 
 
 def run(trials_file: Path, constants: Any, output: Path) -> None:

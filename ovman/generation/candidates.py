@@ -41,7 +41,9 @@ def targets(by_category: Mapping[str, list[Item]], rng: np.random.Generator) -> 
         turn += 1
 
 
-def _displacement(scene: Mapping[str, Any], item: Item, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> Alteration | None:
+def _displacement(
+    scene: Mapping[str, Any], item: Item, floor: FreeFloor, distance_m: float, rng: np.random.Generator
+) -> Alteration | None:
     found = placement.spots(scene, item, floor, distance_m, rng)
     if not found:
         return None
@@ -49,7 +51,9 @@ def _displacement(scene: Mapping[str, Any], item: Item, floor: FreeFloor, distan
     return Alteration("displace", item["id"], (spot.x, spot.z), spot.height_m)
 
 
-def _motion(scene: Mapping[str, Any], item: Item, floor: FreeFloor, minimum_m: float, rng: np.random.Generator) -> Alteration | None:
+def _motion(
+    scene: Mapping[str, Any], item: Item, floor: FreeFloor, minimum_m: float, rng: np.random.Generator
+) -> Alteration | None:
     found = placement.lanes(item, floor, minimum_m)
     if not found:
         return None
@@ -57,7 +61,9 @@ def _motion(scene: Mapping[str, Any], item: Item, floor: FreeFloor, minimum_m: f
     return Alteration("motion", item["id"], None, round(scene["floor_y"] + placement.ABOVE_SURFACE_M, 4), lane)
 
 
-def _spawn(floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: float, headings: int, rng: np.random.Generator) -> dict[str, float] | None:
+def _spawn(
+    floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: float, headings: int, rng: np.random.Generator
+) -> dict[str, float] | None:
     free = [
         (x, z)
         for x, z in ((i * floor.step_m, j * floor.step_m) for i, j in sorted(floor.cells))
@@ -69,7 +75,9 @@ def _spawn(floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: 
     return {"x": round(x, 4), "z": round(z, 4), "yaw_deg": float(360.0 / headings * rng.integers(headings))}
 
 
-def draw(scene: Mapping[str, Any], relation: Relation, index: int, item: Item, distractor: Item | None, constants: Any) -> dict[str, Any]:
+def draw(
+    scene: Mapping[str, Any], relation: Relation, index: int, item: Item, distractor: Item | None, constants: Any
+) -> dict[str, Any]:
     """One candidate. Its "refused" says why nothing could be drawn for this target, or is null."""
     rng = seeds.generator(constants.benchmark.seed, "candidate", scene["scene"], relation.value, index)
     floor = FreeFloor.of(scene, constants.primitives.step_m)

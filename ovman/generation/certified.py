@@ -54,7 +54,9 @@ def run(admissible_file: Path, trials_file: Path, constants: Any, output: Path, 
     lines = []
     with Session(trials_file.stem, constants) as session:
         for name in admitted:
-            record = kept.unit(digest(trials[name], constants.canonical), lambda name=name: certify(session, trials[name], constants))
+            record = kept.unit(
+                digest(trials[name], constants.canonical), lambda name=name: certify(session, trials[name], constants)
+            )
             lines.append(json.dumps(record, separators=(",", ":")) + "\n")
             print(f"{name}: {', '.join(r['outcome'] for r in record['runs'])}", flush=True)
     output.write_text("".join(lines))

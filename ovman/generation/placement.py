@@ -14,9 +14,7 @@ import numpy as np
 from ovman.sim.change import AGENT_RADIUS_M
 from ovman.sim.mover import Lane
 
-SURFACES = frozenset(
-    "Bed CoffeeTable CounterTop Desk DiningTable Dresser Footstool Ottoman SideTable Sofa Stool TVStand".split()
-)
+SURFACES = frozenset(["Bed", "CoffeeTable", "CounterTop", "Desk", "DiningTable", "Dresser", "Footstool", "Ottoman", "SideTable", "Sofa", "Stool", "TVStand"])
 """Categories whose top carries things."""
 LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""
@@ -42,7 +40,10 @@ class FreeFloor:
     def fits(self, x: float, z: float, half_x: float, half_z: float) -> bool:
         """Whether a rectangle at (x, z) stands on free floor and leaves the waypoints of the tour free."""
         reach = AGENT_RADIUS_M
-        if any(np.hypot(max(abs(wx - x) - half_x, 0.0), max(abs(wz - z) - half_z, 0.0)) <= reach + self.step_m / 4 for wx, wz in self.waypoints):
+        if any(
+            np.hypot(max(abs(wx - x) - half_x, 0.0), max(abs(wz - z) - half_z, 0.0)) <= reach + self.step_m / 4
+            for wx, wz in self.waypoints
+        ):
             return False
         low_i, high_i = (int(np.floor((x + s * (half_x + reach)) / self.step_m)) + (s < 0) for s in (-1, 1))
         low_j, high_j = (int(np.floor((z + s * (half_z + reach)) / self.step_m)) + (s < 0) for s in (-1, 1))
@@ -71,7 +72,9 @@ def _far_enough(item: Mapping[str, Any], x: float, z: float, distance_m: float) 
     return bool(np.hypot(x - item["position"]["x"], z - item["position"]["z"]) >= distance_m)
 
 
-def floor_spots(scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
+def floor_spots(
+    scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator
+) -> list[Spot]:
     """Free floor for `item` at least `distance_m` from where it is, one spot a cell, in random order."""
     half_x, half_z = _half(item)
     cells = sorted(floor.cells)
@@ -99,7 +102,11 @@ def surface_spots(scene: Mapping[str, Any], item: Mapping[str, Any], distance_m:
         for _ in range(6):
             x = round(carrier["position"]["x"] + rng.uniform(-1, 1) * (carrier_x - half_x), 3)
             z = round(carrier["position"]["z"] + rng.uniform(-1, 1) * (carrier_z - half_z), 3)
-            clear = all(_clears(o, x, z, half_x, half_z, top, top + item["size"]["y"]) for o in scene["objects"] if o is not carrier and o is not item)
+            clear = all(
+                _clears(o, x, z, half_x, half_z, top, top + item["size"]["y"])
+                for o in scene["objects"]
+                if o is not carrier and o is not item
+            )
             if clear and _far_enough(item, x, z, distance_m):
                 spots.append(Spot(x, z, round(top + ABOVE_SURFACE_M, 4)))
                 break
@@ -116,7 +123,9 @@ def _clears(other: Mapping[str, Any], x: float, z: float, half_x: float, half_z:
     )
 
 
-def spots(scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
+def spots(
+    scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator
+) -> list[Spot]:
     """Places for `item`: furniture goes to the floor, small things to furniture or, where there is none, to the floor."""
     return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)
 
@@ -136,4 +145,6 @@ def lanes(item: Mapping[str, Any], floor: FreeFloor, minimum_m: float) -> Sequen
                 s = floor.step_m
                 found.append(Lane(i * s, j * s, (i + length * di) * s, (j + length * dj) * s))
     here = item["position"]
-    return sorted(found, key=lambda lane: (np.hypot(lane.x_0 - here["x"], lane.z_0 - here["z"]), lane.x_0, lane.z_0, lane.x_1, lane.z_1))
+    return sorted(
+        found, key=lambda lane: (np.hypot(lane.x_0 - here["x"], lane.z_0 - here["z"]), lane.x_0, lane.z_0, lane.x_1, lane.z_1)
+    )

@@ -92,17 +92,28 @@ class Trials:
             if measured["ended"] is None:
                 self._observed(candidate, relation, first, second, measured)
 
-    def _placed(self, candidate: Mapping[str, Any], second: Sequence[Alteration], world: World, spawn: AgentPose, measured: dict[str, Any]) -> None:
+    def _placed(
+        self, candidate: Mapping[str, Any], second: Sequence[Alteration], world: World, spawn: AgentPose, measured: dict[str, Any]
+    ) -> None:
         """Displacements and clearances of what was put somewhere."""
         measured["placed"] = world.placed
         measured["displacement_m"], measured["spawn_clearance_m"] = {}, {}
         for alteration in second:
             if alteration.instance in world.placed:
                 now, before = world.placed[alteration.instance], self._position[alteration.instance]
-                measured["displacement_m"][alteration.instance] = round(math.hypot(now["x"] - before["x"], now["z"] - before["z"]), 4)
+                measured["displacement_m"][alteration.instance] = round(
+                    math.hypot(now["x"] - before["x"], now["z"] - before["z"]), 4
+                )
                 measured["spawn_clearance_m"][alteration.instance] = round(math.hypot(now["x"] - spawn.x, now["z"] - spawn.z), 4)
 
-    def _ground(self, candidate: Mapping[str, Any], relation: Relation, spawn: AgentPose, answer: tuple[float, float], measured: dict[str, Any]) -> None:
+    def _ground(
+        self,
+        candidate: Mapping[str, Any],
+        relation: Relation,
+        spawn: AgentPose,
+        answer: tuple[float, float],
+        measured: dict[str, Any],
+    ) -> None:
         """Reachability of the answer, mobility of the spawn, visibility from the nearest navigable cell; world 2 is in place."""
         constants, session = self._constants, self._session
         measured["answer"] = {"x": round(answer[0], 4), "z": round(answer[1], 4)}
@@ -116,7 +127,9 @@ class Trials:
             moved = session.step("MoveAhead", allowed=True).metadata["lastActionSuccess"]
             measured["spawn_free_moves"] += int(moved)
         navigable = ground.navigable(*answer)
-        low, high = map(tuple, zip(*((min(v), max(v)) for v in zip(*map(ground.grid.centre, ground.component), strict=True)), strict=True))
+        low, high = map(
+            tuple, zip(*((min(v), max(v)) for v in zip(*map(ground.grid.centre, ground.component), strict=True)), strict=True)
+        )
         measured.update(
             component_cells=len(ground.component),
             reachable_box={"x": [low[0], high[0]], "z": [low[1], high[1]]},
@@ -128,12 +141,20 @@ class Trials:
         if measured["answer_to_navigable_m"] > constants.measurement.answer_to_navigable_m:
             measured["ended"] = "beyond_measurement"
         elif relation.current:
-            measured["visible_px"] = measurement.from_navigable(session, candidate["target"], answer, ground, tuple(constants.success.sweep_deg))
+            measured["visible_px"] = measurement.from_navigable(
+                session, candidate["target"], answer, ground, tuple(constants.success.sweep_deg)
+            )
             if max(measured["visible_px"].values()) < constants.measurement.visible_px:
                 measured["ended"] = "beyond_measurement"
 
-    def _observed(self, candidate: Mapping[str, Any], relation: Relation, first: Sequence[Alteration], second: Sequence[Alteration],
-                  measured: dict[str, Any]) -> None:
+    def _observed(
+        self,
+        candidate: Mapping[str, Any],
+        relation: Relation,
+        first: Sequence[Alteration],
+        second: Sequence[Alteration],
+        measured: dict[str, Any],
+    ) -> None:
         """Both tours: what was recorded of the category, where its instances were, how far what was placed drifted."""
         category = candidate["category"]
         before, after = self._visit(first, candidate["id"]), self._visit(second, candidate["id"])
@@ -141,13 +162,14 @@ class Trials:
         measured["sightings"] = {"first": before.sightings(category), "second": after.sightings(category)}
         measured["world_1"], measured["world_2"] = _truth(before, category), _truth(after, category)
         measured["drift_m"] = {
-            a.instance: round(after.drift_m(a.instance, _intended(a, self._position)), 4)
-            for a in second
-            if a.kind == "displace"
+            a.instance: round(after.drift_m(a.instance, _intended(a, self._position)), 4) for a in second if a.kind == "displace"
         }
         if relation is Relation.APPEARED:
             measured["drift_m"][candidate["target"]] = round(
-                after.drift_m(candidate["target"], (self._position[candidate["target"]]["x"], self._position[candidate["target"]]["z"])), 4
+                after.drift_m(
+                    candidate["target"], (self._position[candidate["target"]]["x"], self._position[candidate["target"]]["z"])
+                ),
+                4,
             )
         measured["mover"] = after.record["mover"]
 
@@ -159,7 +181,11 @@ def _intended(alteration: Alteration, position: Mapping[str, Mapping[str, float]
 def _truth(recorded: Visit, category: str) -> list[dict[str, Any]]:
     """Every present instance of a category where it was at the end of the visit, seen or not."""
     last = recorded.positions[-1]
-    return [{"id": k, "category": c, "x": last[k]["x"], "z": last[k]["z"]} for k, c in sorted(recorded.category.items()) if c == category]
+    return [
+        {"id": k, "category": c, "x": last[k]["x"], "z": last[k]["z"]}
+        for k, c in sorted(recorded.category.items())
+        if c == category
+    ]
 
 
 def _trial(candidate: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[str, Any]:

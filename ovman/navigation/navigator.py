@@ -9,7 +9,6 @@ from typing import Any
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.plan import shortest_path
 
-
 MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
 
 

@@ -11,7 +11,9 @@ if TYPE_CHECKING:
 BACKENDS = ("embedded", "thor")
 
 
-def start(backend: str, scene: str, width_px: int, height_px: int, field_of_view_deg: float, step_m: float, turn_deg: float) -> Controller:
+def start(
+    backend: str, scene: str, width_px: int, height_px: int, field_of_view_deg: float, step_m: float, turn_deg: float
+) -> Controller:
     """A running ai2thor Controller on `scene`.
 
     `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Frames are

@@ -37,8 +37,14 @@ class Ground:
         return self.grid.centre(self.grid.nearest(x, z, within=self.component))
 
 
-def at_stop(session: Session, relation_is_past: bool, target: str, answer: tuple[float, float], ground: Ground,
-            pitches_deg: tuple[int, ...]) -> dict[str, Any]:
+def at_stop(
+    session: Session,
+    relation_is_past: bool,
+    target: str,
+    answer: tuple[float, float],
+    ground: Ground,
+    pitches_deg: tuple[int, ...],
+) -> dict[str, Any]:
     """The terms of Eq. 4 at the agent's pose, which is left as the sweep leaves it. Past relations have no object terms (null)."""
     stop = session.pose
     navigable_x, navigable_z = ground.navigable(*answer)
@@ -51,7 +57,9 @@ def at_stop(session: Session, relation_is_past: bool, target: str, answer: tuple
     }
 
 
-def from_navigable(session: Session, target: str, answer: tuple[float, float], ground: Ground, pitches_deg: tuple[int, ...]) -> dict[str, int]:
+def from_navigable(
+    session: Session, target: str, answer: tuple[float, float], ground: Ground, pitches_deg: tuple[int, ...]
+) -> dict[str, int]:
     """Mask sizes of the target over the look-down sweep from nu(a), facing the answer."""
     x, z = ground.navigable(*answer)
     return {str(p): n for p, n in session.sweep(target, AgentPose(x, z, bearing_deg(x, z, *answer)), pitches_deg).items()}

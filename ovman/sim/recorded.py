@@ -1,11 +1,11 @@
-"""World states as the recorded tours show them: an instance counts as recorded where its mask is large enough."""
+"""From what was recorded to what the task judges: world states as the tours show them, the verdict on a measured run."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ovman.task import Instance, WorldState
+from ovman.task import Instance, Measurement, Relation, TaskConstants, WorldState, success
 
 
 def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int) -> WorldState:
@@ -18,4 +18,20 @@ def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_p
     for seen in sightings:
         if seen["px"] >= minimum_px:
             tracks.setdefault(seen["instance"], []).append((seen["x"], seen["z"]))
-    return WorldState(tuple(Instance(k, category, track[-1][0], track[-1][1], tuple(track)) for k, track in sorted(tracks.items())))
+    return WorldState(
+        tuple(Instance(k, category, track[-1][0], track[-1][1], tuple(track)) for k, track in sorted(tracks.items()))
+    )
+
+
+def judged(run: Mapping[str, Any], relation: Relation, constants: TaskConstants) -> bool:
+    """Success (Eq. 4) of a measured run; a run that did not stop is a failure."""
+    if run["outcome"] != "stopped":
+        return False
+    pixels = run["visible_px"]
+    measurement = Measurement(
+        box_distance_m=run["box_distance_m"],
+        answer_distance_m=run["answer_distance_m"],
+        navigable_distance_m=run["navigable_distance_m"],
+        visible_px=None if pixels is None else {int(pitch): px for pitch, px in pixels.items()},
+    )
+    return success(measurement, relation, constants)

@@ -106,8 +106,16 @@ def tour(waypoints: Sequence[tuple[float, float]], headings: int) -> list[AgentP
     return [AgentPose(x, z, 360.0 * h / headings) for x, z in waypoints for h in range(headings)]
 
 
-def record(session: Session, world: World, name: str, alterations: Sequence[Alteration], views: Sequence[AgentPose], minimum_px: int,
-           directory: Path, key: str) -> Visit:
+def record(
+    session: Session,
+    world: World,
+    name: str,
+    alterations: Sequence[Alteration],
+    views: Sequence[AgentPose],
+    minimum_px: int,
+    directory: Path,
+    key: str,
+) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
     `key` is written beside it, so that who finds the directory later knows whether it is what it would record itself.
@@ -130,13 +138,15 @@ def record(session: Session, world: World, name: str, alterations: Sequence[Alte
         index, names, sizes = _seen(event, minimum_px)
         now = {k: position(o) for k, o in dynamic().items()}
         camera = event.metadata["cameraPosition"]
-        records.append({
-            "pose": {"x": pose.x, "z": pose.z, "yaw_deg": pose.yaw_deg, "horizon_deg": pose.horizon_deg},
-            "camera": {axis: round(camera[axis], 4) for axis in "xyz"},
-            "instances": names,
-            "seen": sizes,
-            "moved": {k: p for k, p in now.items() if p != here[k]},
-        })
+        records.append(
+            {
+                "pose": {"x": pose.x, "z": pose.z, "yaw_deg": pose.yaw_deg, "horizon_deg": pose.horizon_deg},
+                "camera": {axis: round(camera[axis], 4) for axis in "xyz"},
+                "instances": names,
+                "seen": sizes,
+                "moved": {k: p for k, p in now.items() if p != here[k]},
+            }
+        )
         here = now
         _write_png(partial / f"{i:02d}_rgb.png", event.frame[..., ::-1])
         depth_mm = np.clip(np.round(event.depth_frame * MILLIMETRES), 0, np.iinfo(np.uint16).max)

@@ -1,0 +1,199 @@
+"""The 120 iTHOR floor plans, as AI2-THOR itself reported them.
+
+Source: the metadata that the pip package ``procthor`` ships (one record an object, the 42 keys of AI2-THOR's own metadata).
+World frame: Unity's, left-handed, y up, metres, degrees; yaw 0 looks along +z and 90 along +x.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from scipy.optimize import least_squares
+
+KINDS = {
+    "kitchens": ("kitchen", 1),
+    "living_rooms": ("living_room", 201),
+    "bedrooms": ("bedroom", 301),
+    "bathrooms": ("bathroom", 401),
+}
+LATTICE_M = 0.25
+"""Spacing of the lattice that the recorded start positions lie on."""
+
+
+def rotation_matrix(euler_deg: np.ndarray) -> np.ndarray:
+    """Unity's Euler angles (x, y, z), applied in the order z, x, y, as a 3x3 matrix acting on columns: R = Ry Rx Rz."""
+    (sx, sy, sz), (cx, cy, cz) = np.sin(np.radians(euler_deg)), np.cos(np.radians(euler_deg))
+    about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
+    about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
+    about_z = np.array([[cz, -sz, 0], [sz, cz, 0], [0, 0, 1]])
+    return about_y @ about_x @ about_z
+
+
+def euler_degrees(rotation: np.ndarray) -> np.ndarray:
+    """Inverse of `rotation_matrix`: Euler angles (x, y, z) in degrees, each in [0, 360)."""
+    sin_x = -rotation[1, 2]
+    if abs(sin_x) < 1 - 1e-9:
+        x = np.arcsin(sin_x)
+        y = np.arctan2(rotation[0, 2], rotation[2, 2])
+        z = np.arctan2(rotation[1, 0], rotation[1, 1])
+    else:
+        x, z = np.copysign(np.pi / 2, sin_x), 0.0
+        y = np.arctan2(-rotation[2, 0], rotation[0, 0])
+    return np.degrees([x, y, z]) % 360.0
+
+
+@dataclass(frozen=True)
+class Box:
+    """An oriented box: centre (3,) and half extents (3,) in metres, rotation (3, 3) from box to world axes."""
+
+    centre: np.ndarray
+    half: np.ndarray
+    rotation: np.ndarray
+
+    def corners(self) -> np.ndarray:
+        """The eight corners, (8, 3), world frame, metres."""
+        signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        return self.centre + (signs * self.half) @ self.rotation.T
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the axis-aligned box around it, world frame, metres."""
+        reach = np.abs(self.rotation) @ self.half
+        return self.centre - reach, self.centre + reach
+
+
+@dataclass(frozen=True)
+class SimObject:
+    """One object of an untouched floor plan."""
+
+    object_id: str
+    name: str
+    type: str
+    asset_id: str
+    position: np.ndarray
+    """(3,) metres; the pivot, not the centre of the box."""
+    rotation: np.ndarray
+    """(3, 3) from object to world axes."""
+    box: Box
+    """Oriented box. Objects that cannot move have only an axis-aligned one; its axes are those of the nearest quarter turn,
+    so that -z of the box is the back of the object in either case."""
+    moveable: bool
+    pickupable: bool
+    mass: float
+    parents: tuple[str, ...]
+    record: Mapping[str, Any]
+    """The record as AI2-THOR reported it."""
+
+    @property
+    def dynamic(self) -> bool:
+        return self.moveable or self.pickupable
+
+
+@dataclass(frozen=True)
+class FloorPlan:
+    """One scene before anything is touched."""
+
+    name: str
+    kind: str
+    """kitchen, living_room, bedroom or bathroom"""
+    objects: tuple[SimObject, ...]
+    start: np.ndarray
+    """(3,) metres: where the agent stood when the metadata were taken; on the 0.25 m lattice, and free."""
+    floor_y: float
+    """Height of the floor's surface, metres."""
+
+    @property
+    def floor(self) -> SimObject:
+        return next(o for o in self.objects if o.type == "Floor")
+
+    def __getitem__(self, object_id: str) -> SimObject:
+        return self._by_id[object_id]
+
+    def __contains__(self, object_id: str) -> bool:
+        return object_id in self._by_id
+
+    @property
+    def _by_id(self) -> Mapping[str, SimObject]:
+        cached = self.__dict__.get("_index")
+        if cached is None:
+            cached = MappingProxyType({o.object_id: o for o in self.objects})
+            object.__setattr__(self, "_index", cached)
+        return cached
+
+
+def _vector(record: Mapping[str, float]) -> np.ndarray:
+    return np.array([record["x"], record["y"], record["z"]], dtype=float)
+
+
+def _box(record: Mapping[str, Any]) -> Box:
+    aligned = record["axisAlignedBoundingBox"]
+    oriented = record["objectOrientedBoundingBox"]
+    euler = _vector(record["rotation"])
+    if oriented is None:
+        quarter = rotation_matrix(np.array([0.0, np.round(euler[1] / 90.0) * 90.0, 0.0]))
+        return Box(_vector(aligned["center"]), np.abs(quarter.T @ _vector(aligned["size"])) / 2, quarter)
+    rotation = rotation_matrix(euler)
+    local = np.array(oriented["cornerPoints"], dtype=float) @ rotation
+    low, high = local.min(axis=0), local.max(axis=0)
+    return Box(rotation @ ((low + high) / 2), (high - low) / 2, rotation)
+
+
+def _sim_object(record: Mapping[str, Any]) -> SimObject:
+    return SimObject(
+        object_id=record["objectId"],
+        name=record["name"],
+        type=record["objectType"],
+        asset_id=record["assetId"],
+        position=_vector(record["position"]),
+        rotation=rotation_matrix(_vector(record["rotation"])),
+        box=_box(record),
+        moveable=record["moveable"],
+        pickupable=record["pickupable"],
+        mass=float(record["mass"]),
+        parents=tuple(record["parentReceptacles"] or ()),
+        record=MappingProxyType(record),
+    )
+
+
+def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
+    """The one point whose distances to all objects are those in the records, snapped to the lattice in x and z."""
+    points = np.array([o.position for o in objects])
+    distances = np.array([o.record["distance"] for o in objects])
+    fit = least_squares(lambda p: np.linalg.norm(points - p, axis=1) - distances, points.mean(axis=0) + [0, 0.9, 0])
+    start = fit.x
+    start[[0, 2]] = np.round(start[[0, 2]] / LATTICE_M) * LATTICE_M
+    return start
+
+
+@cache
+def _database() -> Mapping[str, list[list[dict[str, Any]]]]:
+    found = importlib.util.find_spec("procthor")
+    if found is None:
+        raise FileNotFoundError("the pip package 'procthor' (floor-plan metadata) is not installed: pip install procthor")
+    path = Path(found.submodule_search_locations[0]) / "databases" / "ai2thor-object-metadata.json"
+    return json.loads(path.read_bytes())
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """The 120 scene names, FloorPlan1 to FloorPlan430."""
+    return tuple(f"FloorPlan{first + i}" for _, first in KINDS.values() for i in range(30))
+
+
+@cache
+def load(name: str) -> FloorPlan:
+    """The floor plan called `name` ("FloorPlan201"). KeyError if there is none."""
+    for group, (kind, first) in KINDS.items():
+        if name in {f"FloorPlan{first + i}" for i in range(30)}:
+            records = _database()[group][int(name.removeprefix("FloorPlan")) - first]
+            objects = tuple(_sim_object(r) for r in records)
+            floor = next(o for o in objects if o.type == "Floor")
+            return FloorPlan(name, kind, objects, _start(objects), float(floor.box.centre[1] + floor.box.half[1]))
+    raise KeyError(name)
