@@ -62,13 +62,13 @@ class Observation:
     """One frame.
 
     rgb: (H, W, 3) uint8. depth: (H, W) float32, metres along the optical axis. Both have row 0 at the top and share the camera:
-    its vertical field of view is field_of_view_deg, its pixels are square. last_action_succeeded: False where the last move was
-    blocked; True in a tour. positions: the recorded instances of this frame for an arm that is handed positions, None for every
-    other arm.
+    its vertical field of view is field_of_view_deg, its pixels are square. Either is None for an arm that takes no images, for
+    which nothing is drawn. last_action_succeeded: False where the last move was blocked; True in a tour. positions: the
+    instances of this frame for an arm that is handed positions, None for every other arm.
     """
 
-    rgb: np.ndarray
-    depth: np.ndarray
+    rgb: np.ndarray | None
+    depth: np.ndarray | None
     pose: CameraPose
     field_of_view_deg: float
     last_action_succeeded: bool = True

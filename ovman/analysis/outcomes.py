@@ -1,0 +1,185 @@
+"""One row an (episode, arm, seed): what became of each prediction and each run. The only place where an answer meets a
+prediction."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ovman.agents.decision import Abstention, Answer
+from ovman.agents.prediction import Prediction
+from ovman.agents.single_visit import success_probability
+from ovman.seeds import generator
+from ovman.task import Relation
+
+RUN_SCHEMA = "ovman-run/1"
+RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """What judging a prediction needs of an episode. answer: floor-plane (x, z) in metres, for MOVING where the mover was last
+    seen; instances: how many instances the category has."""
+
+    id: str
+    scene: str
+    relation: Relation
+    category: str
+    instances: int
+    answer: tuple[float, float]
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Case:
+        """From an episode record. Raises ValueError that names the key."""
+        try:
+            return cls(
+                id=record["id"],
+                scene=record["scene"],
+                relation=Relation(record["relation"]),
+                category=record["category"],
+                instances=int(record["instances_in_category"]),
+                answer=(float(record["answer"]["x"]), float(record["answer"]["z"])),
+            )
+        except KeyError as missing:
+            raise ValueError(f"{missing} is missing from the episode; add it") from None
+
+
+@dataclass(frozen=True, slots=True)
+class StaticOutcome:
+    """A prediction judged. outcome: "answered", "abstained" (reason says why) or "expected", where the arm is a stochastic pick.
+
+    distance_m: from the predicted point to the answer, None unless answered. success: 1 or 0; for "expected" its probability.
+    """
+
+    episode: str
+    scene: str
+    relation: Relation
+    category: str
+    instances: int
+    arm: str
+    seed: int
+    outcome: str
+    reason: str | None
+    distance_m: float | None
+    success: float
+
+
+@dataclass(frozen=True, slots=True)
+class EmbodiedOutcome:
+    """A judged run. outcome: how it ended; path_length_m: what the agent travelled; spl: Eq. 5."""
+
+    episode: str
+    scene: str
+    relation: Relation
+    category: str
+    instances: int
+    arm: str
+    seed: int
+    outcome: str
+    success: bool
+    spl: float
+    path_length_m: float
+    actions: int
+
+
+def static_outcomes(
+    cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int, seed: int
+) -> list[StaticOutcome]:
+    """Every prediction against the answer of its episode, in the order of the predictions.
+
+    The static gate: a predicted point succeeds within radius_m of the answer on the floor plane; an abstention fails; a
+    stochastic pick contributes its probability of success. samples: Monte Carlo draws of a pick from a box, seeded by ``seed``
+    and the episode, so that a result does not depend on which other episodes there are.
+
+    Raises ValueError unless each (arm, seed) answers every episode exactly once.
+    """
+    by_id = {case.id: case for case in cases}
+    outcomes = []
+    for prediction in predictions:
+        case = _case(by_id, prediction.episode, prediction.arm)
+        reason, distance = None, None
+        match prediction.outcome:
+            case Answer(x, z):
+                distance = math.hypot(x - case.answer[0], z - case.answer[1])
+                outcome, success = "answered", float(distance <= radius_m)
+            case Abstention(why):
+                outcome, reason, success = "abstained", str(why), 0.0
+            case pick:
+                draws = generator(seed, "single_visit", case.id)
+                outcome = "expected"
+                success = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
+        outcomes.append(
+            StaticOutcome(
+                episode=case.id,
+                scene=case.scene,
+                relation=case.relation,
+                category=case.category,
+                instances=case.instances,
+                arm=prediction.arm,
+                seed=prediction.seed,
+                outcome=outcome,
+                reason=reason,
+                distance_m=distance,
+                success=success,
+            )
+        )
+    _complete(by_id, outcomes)
+    return outcomes
+
+
+def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Mapping[str, Any]]) -> list[EmbodiedOutcome]:
+    """Every judged run record ("ovman-run/1") beside its episode, in the order of the runs.
+
+    Raises ValueError for another schema, a missing key, an outcome that there is not, or unless each (arm, seed) runs every
+    episode exactly once.
+    """
+    by_id = {case.id: case for case in cases}
+    outcomes = []
+    for run in runs:
+        if run.get("schema") != RUN_SCHEMA:
+            raise ValueError(f'"schema" of a run is {run.get("schema")!r}; this version reads {RUN_SCHEMA!r}')
+        try:
+            case = _case(by_id, run["episode"], run["arm"])
+            if run["outcome"] not in RUN_OUTCOMES:
+                raise ValueError(f"{run['episode']}: a run ends {', '.join(RUN_OUTCOMES)}, not {run['outcome']!r}")
+            outcomes.append(
+                EmbodiedOutcome(
+                    episode=case.id,
+                    scene=case.scene,
+                    relation=case.relation,
+                    category=case.category,
+                    instances=case.instances,
+                    arm=run["arm"],
+                    seed=int(run["seed"]),
+                    outcome=run["outcome"],
+                    success=bool(run["success"]),
+                    spl=float(run["spl"]),
+                    path_length_m=float(run["path_length_m"]),
+                    actions=int(run["actions"]),
+                )
+            )
+        except KeyError as missing:
+            raise ValueError(f"{run.get('episode')}: {missing} is missing from the run; judge the executions again") from None
+    _complete(by_id, outcomes)
+    return outcomes
+
+
+def _case(by_id: Mapping[str, Case], episode: str, arm: str) -> Case:
+    if episode not in by_id:
+        raise ValueError(f"{arm} answers {episode}, which is not among the episodes; make its records again")
+    return by_id[episode]
+
+
+def _complete(by_id: Mapping[str, Case], outcomes: Iterable[StaticOutcome | EmbodiedOutcome]) -> None:
+    answered: dict[tuple[str, int], set[str]] = {}
+    for outcome in outcomes:
+        episodes = answered.setdefault((outcome.arm, outcome.seed), set())
+        if outcome.episode in episodes:
+            raise ValueError(f"{outcome.arm}, seed {outcome.seed}: {outcome.episode} is there twice")
+        episodes.add(outcome.episode)
+    for (arm, seed), episodes in answered.items():
+        missing = sorted(by_id.keys() - episodes)
+        if missing:
+            raise ValueError(f"{arm}, seed {seed}: {len(missing)} episodes are missing, the first is {missing[0]}")

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import csv
+import json
+from types import SimpleNamespace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.analysis import metrics
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.rates import Interval, embodied_rates, poisson_binomial_range, static_rates
+from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
+from ovman.task import Relation
+
+CONSTANTS = SimpleNamespace(
+    success=SimpleNamespace(radius_m=1.0),
+    single_visit=SimpleNamespace(samples=2000),
+    benchmark=SimpleNamespace(seed=0),
+    evaluation=SimpleNamespace(confidence=0.95),
+)
+
+
+def static(number: int, relation: Relation, success: float, outcome: str = "answered") -> StaticOutcome:
+    return StaticOutcome(f"e{number}", "FloorPlan1", relation, "Chair", 2, "arm", 0, outcome, None, None, success)
+
+
+def embodied(number: int, seed: int, success: bool, spl: float) -> EmbodiedOutcome:
+    return EmbodiedOutcome(f"e{number}", "FloorPlan1", Relation.MOVED, "Chair", 2, "arm", seed, "stopped", success, spl, 1.0, 9)
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(st.lists(st.tuples(st.sampled_from(Relation), st.booleans()), min_size=1, max_size=30))
+def test_relations_add_up_to_all(results):
+    rates = static_rates([static(i, relation, float(success)) for i, (relation, success) in enumerate(results)], 0.95)
+    *parts, whole = rates
+    assert whole.relation == "all" and whole.n == len(results) == sum(part.n for part in parts)
+    assert whole.successes == sum(part.successes for part in parts)
+    assert [part.relation for part in parts] == [r.value for r in Relation if any(r is relation for relation, _ in results)]
+    assert all(0 <= rate.low <= rate.rate <= rate.high <= 1 and rate.interval is Interval.WILSON for rate in rates)
+    assert (whole.low, whole.high) == wilson_interval(int(whole.successes), whole.trials, 0.95)
+
+
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=25), st.sampled_from((0.5, 0.9, 0.95)))
+def test_an_expectation_lies_in_the_range_of_what_is_realised(probabilities, confidence):
+    low, high = poisson_binomial_range(probabilities, confidence)
+    n = len(probabilities)
+    k_low, k_high = round(low * n), round(high * n)
+    assert 1 - poisson_binomial_tail(probabilities, k_low) <= (1 - confidence) / 2 + 1e-9
+    assert poisson_binomial_tail(probabilities, k_high + 1) <= (1 - confidence) / 2
+    assert low - 1 / n <= sum(probabilities) / n <= high + 1 / n
+    # Neither end could be nearer.
+    assert k_low == n or poisson_binomial_tail(probabilities, k_low + 1) < 1 - (1 - confidence) / 2
+    assert k_high == 0 or poisson_binomial_tail(probabilities, k_high) > (1 - confidence) / 2
+
+
+def test_a_certain_expectation_has_no_spread():
+    assert poisson_binomial_range([1.0, 0.0, 1.0, 0.0], 0.95) == (0.5, 0.5)
+
+
+def test_an_expectation_is_not_given_a_wilson_interval():
+    rates = static_rates([static(i, Relation.FORMER, 0.25, "expected") for i in range(8)], 0.95)
+    assert {rate.interval for rate in rates} == {Interval.POISSON_BINOMIAL}
+    assert rates[-1].successes == 2.0 and rates[-1].rate == 0.25
+
+
+def test_seeds_are_pooled_and_spl_is_a_mean():
+    outcomes = [embodied(0, 0, True, 0.8), embodied(1, 0, False, 0.0), embodied(0, 1, True, 0.6), embodied(1, 1, True, 1.0)]
+    rate = embodied_rates(outcomes, 0.95)[-1]
+    assert (rate.n, rate.seeds, rate.trials, rate.successes, rate.rate) == (2, 2, 4, 3.0, 0.75)
+    assert rate.spl == pytest.approx(0.6)
+    assert (rate.low, rate.high) == wilson_interval(3, 4, 0.95)
+
+
+def records(tmp_path, reverse=False):
+    """Two episodes, two static arms, one embodied arm of two seeds, as files."""
+    episodes = [
+        {"id": f"FloorPlan1/{relation}/0000", "scene": "FloorPlan1", "relation": relation, "category": "Chair",
+         "instances_in_category": 2, "answer": {"x": 1.0, "z": 0.0}} for relation in ("moved", "former")
+    ]  # fmt: skip
+
+    def prediction(episode, arm, **form):
+        return {"schema": "ovman-prediction/1", "episode": episode["id"], "arm": arm, "seed": 0, **form}
+
+    def run(episode, seed, success):
+        return {"schema": "ovman-run/1", "episode": episode["id"], "arm": "oracle_check", "seed": seed, "outcome": "stopped",
+                "success": success, "spl": 0.5 * success, "path_length_m": 2.0, "actions": 7}  # fmt: skip
+
+    box = {"x_min": -2.0, "z_min": -2.0, "x_max": 2.0, "z_max": 2.0}
+    files = {
+        "episodes": episodes,
+        "positions_two_visits": [prediction(episodes[0], "positions_two_visits", x=1.5, z=0.0),
+                                 prediction(episodes[1], "positions_two_visits", abstain="no_candidate")],
+        "positions_single_visit": [prediction(episodes[0], "positions_single_visit",
+                                              candidates=[{"x": 1.0, "z": 0.0}, {"x": 9.0, "z": 0.0}]),
+                                   prediction(episodes[1], "positions_single_visit", box=box)],
+        "seed0": [run(episode, 0, True) for episode in episodes],
+        "seed1": [run(episode, 1, index == 0) for index, episode in enumerate(episodes)],
+    }  # fmt: skip
+    paths = {}
+    for name, lines in files.items():
+        paths[name] = tmp_path / f"{name}.jsonl"
+        kept = list(reversed(lines)) if reverse and name != "episodes" else lines
+        paths[name].write_text("".join(json.dumps(line) + "\n" for line in kept))
+    predictions = [paths["positions_two_visits"], paths["positions_single_visit"]]
+    runs = [paths["seed0"], paths["seed1"]]
+    return paths["episodes"], (predictions[::-1] if reverse else predictions), (runs[::-1] if reverse else runs)
+
+
+def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(tmp_path):
+    for name, reverse in (("one", False), ("other", True)):
+        (tmp_path / name).mkdir()
+        metrics.run(*records(tmp_path / name, reverse), CONSTANTS, tmp_path / name / "metrics")
+    names = (metrics.STATIC_OUTCOMES, metrics.EMBODIED_OUTCOMES, metrics.STATIC_RATES, metrics.EMBODIED_RATES)
+    for name in names:
+        one, other = ((tmp_path / where / "metrics" / name).read_bytes() for where in ("one", "other"))
+        assert one == other and b"\r" not in one
+
+    with (tmp_path / "one" / "metrics" / metrics.STATIC_RATES).open() as file:
+        rates = list(csv.DictReader(file))
+    whole = {rate["arm"]: rate for rate in rates if rate["relation"] == "all"}
+    assert list(whole) == ["positions_single_visit", "positions_two_visits"]
+    assert whole["positions_two_visits"]["rate"] == "0.500000" and whole["positions_two_visits"]["interval"] == "wilson"
+    assert whole["positions_single_visit"]["interval"] == "poisson_binomial" and whole["positions_single_visit"]["spl"] == ""
+    assert (tmp_path / "one" / "metrics" / metrics.EMBODIED_OUTCOMES).read_text().splitlines()[1:] == [
+        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,oracle_check,0,stopped,1,0.500000,2.000000,7",
+        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,oracle_check,0,stopped,1,0.500000,2.000000,7",
+        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,oracle_check,1,stopped,1,0.500000,2.000000,7",
+        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,oracle_check,1,stopped,0,0.000000,2.000000,7",
+    ]
+
+
+def test_no_runs_leave_no_rows(tmp_path):
+    episodes, predictions, _ = records(tmp_path)
+    metrics.run(episodes, predictions, [], CONSTANTS, tmp_path / "metrics")
+    assert len((tmp_path / "metrics" / metrics.EMBODIED_RATES).read_text().splitlines()) == 1
+
+
+def test_an_arm_that_answered_nothing_is_not_an_arm_that_does_not_exist(tmp_path):
+    episodes, predictions, runs = records(tmp_path)
+    predictions[0].write_text("")
+    with pytest.raises(ValueError, match="no predictions for 2 episodes"):
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")
+
+
+def test_an_arm_of_another_name_is_refused(tmp_path):
+    episodes, predictions, runs = records(tmp_path)
+    predictions[0].write_text(predictions[0].read_text().replace("positions_two_visits", "mine"))
+    with pytest.raises(ValueError, match="'mine' is not an arm"):
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")
+
+
+def test_an_id_that_is_there_twice_is_refused(tmp_path):
+    episodes, predictions, runs = records(tmp_path)
+    episodes.write_text(episodes.read_text() * 2)
+    with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is there twice"):
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.prediction import Prediction
+from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
+from ovman.task import Relation
+
+CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))
+OTHER = replace(CASE, id="FloorPlan1/former/0000", relation=Relation.FORMER, answer=(-1.0, 0.5))
+RUN = {
+    "schema": "ovman-run/1", "episode": CASE.id, "arm": "oracle_check", "seed": 0, "outcome": "stopped", "success": True,
+    "spl": 0.9, "path_length_m": 4.0, "actions": 21,
+}  # fmt: skip
+
+offset = st.floats(-3, 3).map(lambda value: round(value, 3))
+
+
+def judge(outcome, case=CASE, radius=1.0, seed=0):
+    predictions = [Prediction(case.id, "arm", 0, outcome)]
+    (row,) = static_outcomes([case], predictions, radius_m=radius, samples=5000, seed=seed)
+    return row
+
+
+@settings(max_examples=80, derandomize=True)
+@given(offset, offset, st.floats(0.1, 3), st.floats(0.1, 3))
+def test_the_static_gate_is_a_disc_about_the_answer(dx, dz, one, other):
+    small, large = sorted((one, other))
+    answer = Answer(CASE.answer[0] + dx, CASE.answer[1] + dz)
+    rows = [judge(answer, radius=radius) for radius in (small, large)]
+    assert rows[0].success <= rows[1].success
+    assert all(row.success == float(row.distance_m <= radius) for row, radius in zip(rows, (small, large), strict=True))
+    assert rows[0].outcome == "answered" and rows[0].reason is None
+
+
+def test_an_abstention_fails_and_says_why():
+    row = judge(Abstention(AbstentionReason.NO_MOTION))
+    assert (row.outcome, row.reason, row.distance_m, row.success) == ("abstained", "no_motion", None, 0.0)
+
+
+def test_a_stochastic_pick_contributes_its_probability():
+    row = judge(UniformPick((CASE.answer, (9.0, 9.0), (8.0, 8.0))))
+    assert (row.outcome, row.distance_m) == ("expected", None)
+    assert row.success == pytest.approx(1 / 3)
+
+
+def test_an_estimate_does_not_hang_on_the_other_episodes():
+    box = UniformBox(-3.0, -3.0, 3.0, 3.0)
+    alone = judge(box, OTHER).success
+    among = static_outcomes(
+        [CASE, OTHER],
+        [Prediction(CASE.id, "arm", 0, box), Prediction(OTHER.id, "arm", 0, box)],
+        radius_m=1.0,
+        samples=5000,
+        seed=0,
+    )
+    assert among[1].success == alone != among[0].success
+    assert judge(box, OTHER, seed=1).success != alone
+
+
+def test_every_arm_answers_every_episode_once():
+    here, there = (Prediction(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
+    arguments = {"radius_m": 1.0, "samples": 10, "seed": 0}
+    with pytest.raises(ValueError, match="1 episodes are missing, the first is FloorPlan1/former/0000"):
+        static_outcomes([CASE, OTHER], [here], **arguments)
+    with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is there twice"):
+        static_outcomes([CASE], [here, here], **arguments)
+    with pytest.raises(ValueError, match="not among the episodes"):
+        static_outcomes([CASE], [here, there], **arguments)
+    with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
+        static_outcomes([CASE, OTHER], [here, there, replace(here, seed=1)], **arguments)
+
+
+def test_a_run_keeps_what_was_judged():
+    (row,) = embodied_outcomes([CASE], [RUN])
+    assert (row.success, row.spl, row.path_length_m, row.actions, row.instances) == (True, 0.9, 4.0, 21, 3)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"schema": "ovman-run/0"}, "this version reads 'ovman-run/1'"),
+        ({"outcome": "tired"}, "stopped, abstained, budget, stalled"),
+        ({"spl": None}, "'spl' is missing"),
+        ({"episode": "FloorPlan9/moved/0000"}, "not among the episodes"),
+    ],
+)
+def test_a_wrong_run_is_named(change, message):
+    run = {key: value for key, value in {**RUN, **change}.items() if value is not None}
+    with pytest.raises(ValueError, match=message):
+        embodied_outcomes([CASE], [run])
+
+
+def test_an_episode_without_its_answer_is_named():
+    with pytest.raises(ValueError, match="'answer' is missing"):
+        Case.of({"id": "a", "scene": "b", "relation": "moved", "category": "Chair", "instances_in_category": 2})
