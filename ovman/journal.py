@@ -1,7 +1,7 @@
 """A journal keeps every finished unit of a long job, so that a killed job redoes only the unit that it was in.
 
-One JSON line a unit, keyed by a digest of all that the unit depends on. A line that was being written when the process died has no
-newline and is dropped on the next opening; nothing before it is lost.
+One JSON line a unit, keyed by a digest of all that the unit depends on. A line that was being written when the process died has
+no newline and is dropped on the next opening; nothing before it is lost.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting, Visit
+from ovman.journal import digest
 from ovman.sim import measurement
 from ovman.sim.change import Alteration, World, position
 from ovman.sim.measurement import Ground
@@ -50,9 +51,7 @@ class Assignment:
 
 
 def handed(visit: str, instance: str) -> str:
-    """The name under which an agent that is handed positions knows an instance in a visit; tells nothing about the other visit."""
-    from ovman.journal import digest
-
+    """The name by which an agent that is handed positions knows an instance in one visit; it says nothing about the other."""
     return digest(visit, instance)[:8]
 
 
@@ -68,10 +67,11 @@ def execute(
 ) -> dict[str, Any]:
     """One run, as the measured part of an "ovman-run/1" record: outcome, stop, distances, visible pixels, path length, actions.
 
-    first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the reachable
-    positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None for an agent
-    that is not handed any. `rng` drives the mover.
-    An agent that is handed positions is given no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.
+    first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
+    reachable positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None
+    for an agent that is not handed any. `rng` drives the mover.
+    An agent that is handed positions is given no images. Deterministic for a deterministic simulator. SimulatorError if it
+    refuses.
     """
     world = World(session, assignment.second, Gait.of(constants), rng)
     if assignment.mover is not None:

@@ -1,4 +1,4 @@
-"""The oracle agent: given the true answer, it goes there with the primitives of every other agent (Algorithm 1, lines 9 and 10)."""
+"""The oracle agent: given the true answer, it goes there with the primitives of every agent (Algorithm 1, lines 9 and 10)."""
 
 from __future__ import annotations
 

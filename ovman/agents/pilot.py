@@ -12,7 +12,7 @@ QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 class Pilot:
-    """Drives to goal points on the grid of reachable positions; A* breaks ties between equal paths in an order drawn from `rng`."""
+    """Drives to goal points on the grid of reachable positions; `rng` orders paths of equal length."""
 
     def __init__(self, primitives: Primitives, rng: np.random.Generator) -> None:
         self._primitives = primitives

@@ -24,6 +24,7 @@ KINDS = {
     "bedrooms": ("bedroom", 301),
     "bathrooms": ("bathroom", 401),
 }
+"""Group in the metadata -> kind of room and number of its first floor plan; each group has 30."""
 LATTICE_M = 0.25
 """Spacing of the lattice that the recorded start positions lie on."""
 

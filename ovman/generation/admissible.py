@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ovman.config import task_constants
 from ovman.sim.recorded import world_state
 from ovman.task import Instance, Query, Rejection, Relation, WorldState, admissible
 
@@ -54,7 +55,7 @@ def reasons(trial: Mapping[str, Any], constants: Any) -> Iterator[Rejection]:
     if not all(_recorded(k, relation, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
     query = Query(category, relation)
-    task = config.task_constants(constants)
+    task = task_constants(constants)
     for world_1, world_2 in ((first, second), (truth(measured["world_1"], None), truth(measured["world_2"], measured["mover"]))):
         against = admissible(world_1, world_2, query, changed, task, candidate["target"])
         if against is not None:

@@ -1,4 +1,4 @@
-"""Stage `candidates`: scripted changes that might make an episode, drawn from the record of a scene (Algorithm 1, lines 1 and 3)."""
+"""Stage `candidates`: scripted changes that might make an episode, drawn for a scene (Algorithm 1, lines 1 and 3). Pure."""
 
 from __future__ import annotations
 

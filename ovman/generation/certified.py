@@ -1,4 +1,4 @@
-"""Stage `certified`: the oracle agent runs every admissible trial, once for feasibility and then for certification. Measured only."""
+"""Stage `certified`: the oracle agent runs every admissible trial, once for feasibility, then to certify. Measured only."""
 
 from __future__ import annotations
 

@@ -152,10 +152,8 @@ def run(
         certified = sum(map(len, pool.values()))
         print(f"{relation.value}: {len(chosen)} released of {certified} certified, {wanted} wanted", flush=True)
         if len(chosen) < wanted:
-            print(
-                f"SHORT: {relation.value} has {certified} certified episodes of {wanted}; raise candidates.draws.{relation.value} in config.yaml",
-                flush=True,
-            )
+            remedy = f"raise candidates.draws.{relation.value} in config.yaml"
+            print(f"SHORT: {relation.value} has {certified} certified episodes of {wanted}; {remedy}", flush=True)
         released += chosen
     order = {scene: i for i, scene in enumerate(constants.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k]["candidate"]["scene"]], list(Relation).index(relation_of[k]), k))

@@ -14,7 +14,22 @@ import numpy as np
 from ovman.sim.change import AGENT_RADIUS_M
 from ovman.sim.mover import Lane
 
-SURFACES = frozenset(["Bed", "CoffeeTable", "CounterTop", "Desk", "DiningTable", "Dresser", "Footstool", "Ottoman", "SideTable", "Sofa", "Stool", "TVStand"])
+SURFACES = frozenset(
+    (
+        "Bed",
+        "CoffeeTable",
+        "CounterTop",
+        "Desk",
+        "DiningTable",
+        "Dresser",
+        "Footstool",
+        "Ottoman",
+        "SideTable",
+        "Sofa",
+        "Stool",
+        "TVStand",
+    )
+)
 """Categories whose top carries things."""
 LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""

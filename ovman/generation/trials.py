@@ -1,7 +1,7 @@
 """Stage `trials`: every candidate is brought about and measured (Algorithm 1, lines 2 to 8). Nothing is judged here.
 
-A trial ends early only where the simulator refuses or where a measurement lies beyond the `measurement` bounds of config.yaml, the
-loosest settings that a verdict may later be re-derived for.
+A trial ends early only where the simulator refuses or where a measurement lies beyond the `measurement` bounds of config.yaml,
+the loosest settings that a verdict may later be re-derived for.
 """
 
 from __future__ import annotations

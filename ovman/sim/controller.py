@@ -17,8 +17,8 @@ def start(
     """A running ai2thor Controller on `scene`.
 
     `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Frames are
-    `width_px` x `height_px` with a vertical field of view in degrees; MoveAhead goes `step_m` metres, RotateLeft turns `turn_deg`.
-    Raises ValueError for another backend.
+    `width_px` x `height_px` with a vertical field of view in degrees; MoveAhead goes `step_m` metres, RotateLeft turns
+    `turn_deg`. Raises ValueError for another backend.
     """
     from ai2thor.controller import Controller
 

@@ -45,7 +45,7 @@ def at_stop(
     ground: Ground,
     pitches_deg: tuple[int, ...],
 ) -> dict[str, Any]:
-    """The terms of Eq. 4 at the agent's pose, which is left as the sweep leaves it. Past relations have no object terms (null)."""
+    """The terms of Eq. 4 at the agent's pose; the sweep leaves it looking down. Past relations have no object terms (null)."""
     stop = session.pose
     navigable_x, navigable_z = ground.navigable(*answer)
     return {

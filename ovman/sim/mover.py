@@ -1,8 +1,8 @@
 """The mover of a MOVING episode: an object that goes back and forth on a straight free lane while the agent acts.
 
-It advances a fixed length for every action of the agent (views of a tour count as actions), pauses and turns back at random, turns at
-the ends of its lane, and waits when the agent stands in its way. It is driven by teleporting the object as a kinematic body, so what
-it passes is not pushed.
+It advances a fixed length for every action of the agent (views of a tour count as actions), pauses and turns back at random,
+turns at the ends of its lane, and waits when the agent stands in its way. It is driven by teleporting the object as a kinematic
+body, so what it passes is not pushed.
 """
 
 from __future__ import annotations

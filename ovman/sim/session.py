@@ -35,8 +35,8 @@ def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float
 class Session:
     """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
 
-    A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m and
-    primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed.
+    A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
+    and primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed.
     """
 
     def __init__(self, scene: str, constants: Any) -> None:
