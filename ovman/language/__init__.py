@@ -1,1 +1,6 @@
 """Nouns and sentences of the benchmark. Stands alone."""
+
+from ovman.language.noun import noun
+from ovman.language.sentence import sentence
+
+__all__ = ["noun", "sentence"]
