@@ -18,7 +18,7 @@ from ovman.engine.floorplan import Box, FloorPlan
 FLOOR_MARGIN_M = 0.45
 """How far inside the recorded floor rectangle its walls stand, where nothing says otherwise; fitted to recorded reachable grids."""
 WALL_ITEMS = frozenset(
-    "Window Painting LightSwitch Mirror Blinds Poster Curtains HandTowelHolder TowelHolder ToiletPaperHanger".split()
+    ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains", "HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
 )
 """Types that hang flat on a wall."""
 THIN_M = 0.2
@@ -27,6 +27,9 @@ BESIDE_M = 0.3
 """How far to both sides of a wall item its wall goes on for certain."""
 SLAB_M = 3.0
 """Depth of the solid behind a wall's face: nothing passes at any speed that physics allows."""
+
+BEYOND_M = 0.02
+"""Distance of the shell from everything."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,8 @@ class Room:
     rectangle: tuple[float, float, float, float]
     """(x_0, z_0, x_1, z_1) metres: no wall stands outside it"""
     walls: tuple[Wall, ...]
+    shell: tuple[Wall, ...]
+    """Solids around everything that the plan holds: what stands in a wall from the beginning stays inside these"""
     ceiling_y: float
 
     @property
@@ -56,16 +61,12 @@ class Room:
         """The room of `plan`."""
         rectangle = _rectangle(plan)
         ceiling_y = _ceiling(plan)
-        x_0, z_0, x_1, z_1 = rectangle
         low, high = plan.floor_y - 1.0, ceiling_y + 1.0
-        solids = [
-            (x_0 - SLAB_M, z_0 - SLAB_M, x_0, z_1 + SLAB_M),
-            (x_1, z_0 - SLAB_M, x_1 + SLAB_M, z_1 + SLAB_M),
-            (x_0 - SLAB_M, z_0 - SLAB_M, x_1 + SLAB_M, z_0),
-            (x_0 - SLAB_M, z_1, x_1 + SLAB_M, z_1 + SLAB_M),
-            *_behind(plan, rectangle),
-        ]
-        return Room(plan, rectangle, tuple(_wall(*s, low, high) for s in solids), ceiling_y)
+        walls = [_wall(*sides, low, high) for sides in (*_around(rectangle), *_behind(plan, rectangle))]
+        bounds = [o.box.bounds() for o in plan.objects]
+        least, most = np.min([b[0] for b in bounds], axis=0) - BEYOND_M, np.max([b[1] for b in bounds], axis=0) + BEYOND_M
+        shell = [_wall(*sides, low, high) for sides in _around((least[0], least[2], most[0], most[2]))]
+        return Room(plan, rectangle, tuple(walls), tuple(shell), ceiling_y)
 
     def parts(self) -> tuple[tuple[str, tuple[Any, ...], Mapping[str, Any]], ...]:
         """(structure name, parts in the world frame, palette) of walls and ceiling."""
@@ -88,6 +89,16 @@ class Room:
             low, high = np.array(low), np.array(high)
             out.append((structure_name(kind, (low + high) / 2), (Part("box", (low + high) / 2, high - low),), paint))
         return tuple(out)
+
+
+def _around(rectangle: tuple[float, float, float, float]) -> list[tuple[float, float, float, float]]:
+    x_0, z_0, x_1, z_1 = rectangle
+    return [
+        (x_0 - SLAB_M, z_0 - SLAB_M, x_0, z_1 + SLAB_M),
+        (x_1, z_0 - SLAB_M, x_1 + SLAB_M, z_1 + SLAB_M),
+        (x_0 - SLAB_M, z_0 - SLAB_M, x_1 + SLAB_M, z_0),
+        (x_0 - SLAB_M, z_1, x_1 + SLAB_M, z_1 + SLAB_M),
+    ]
 
 
 def structure_name(kind: str, centre: np.ndarray) -> str:

@@ -1,21 +1,24 @@
-"""A floor plan and everything that has changed in it since Reset: bodies, the agent, and what stands in whose way.
+"""A floor plan and everything that has changed in it since Reset.
 
-World frame as in `floorplan`. Actions, errors and messages: AI2-THOR's (contract of the 5.0.0 build), where they differ from
-common sense too.
+World frame as in `floorplan`. What the changes do, and the messages when they are refused, are AI2-THOR's (5.0.0).
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from ovman.engine.floorplan import Box, FloorPlan, SimObject
+from ovman.engine.body import Agent, Body, Pose
+from ovman.engine.carrying import carried, carriers
+from ovman.engine.dynamics import Dynamics
+from ovman.engine.floorplan import Box, FloorPlan
 from ovman.engine.footprint import Boxes
+from ovman.engine.passage import Axis, first_hit, reachable
 from ovman.engine.room import Room
+
+__all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
 AGENT_RADIUS_M = 0.2
 AGENT_HEIGHT_M = 1.8
@@ -23,77 +26,22 @@ AGENT_CENTRE_M = 0.9
 """Height of the agent's position above the lower end of its capsule."""
 SKIN_M = 0.01
 """What the agent's controller keeps between its capsule and whatever blocks it."""
-STANDING_CAMERA_M = 0.675
-"""Height of the camera above the agent's position; 0 when crouching."""
-PASSABLE = frozenset("Floor Window Curtains Blinds Painting LightSwitch Mirror Poster".split())
+PASSABLE = frozenset(["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster"])
 """Types whose boxes do not block the agent: hung on a wall, or trodden on."""
 WIDE_COUNTER_M = 1.2
-"""Counters whose box is at least this wide in plan are L- or U-shaped, and the agent stands in the box's opening."""
-DEEPER_M = 1e-6
-"""How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+"""Counters whose box is wider than this both ways are L- or U-shaped, and the agent stands in the box's opening."""
+DROP_M = 10.0
+"""How far below a point a surface is looked for."""
+GAP_M = 0.005
+"""An object is put this far above its surface."""
+CLEAR_M = 0.001
+"""Deepest overlap with anything at which an object still counts as clear of it."""
+SETTLE_S = 1.0
+"""How long a placed object is watched coming to rest."""
 
 
 class Refused(Exception):
     """An action did not succeed; the message is AI2-THOR's."""
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Where an object's pivot is, (3,) metres, and its rotation, (3, 3) from object to world axes."""
-
-    position: np.ndarray
-    rotation: np.ndarray
-
-
-@dataclass
-class Agent:
-    """AI2-THOR's default agent. Position is the middle of its capsule; horizon positive is down."""
-
-    position: np.ndarray
-    yaw_deg: float = 0.0
-    horizon_deg: float = 0.0
-    standing: bool = True
-
-    @property
-    def camera(self) -> np.ndarray:
-        """Position of the camera, (3,) metres."""
-        return self.position + [0.0, STANDING_CAMERA_M if self.standing else 0.0, 0.0]
-
-
-@dataclass
-class Body:
-    """An object as it is now."""
-
-    obj: SimObject
-    object_id: str
-    name: str
-    pose: Pose
-    active: bool = True
-    removed: bool = False
-    dynamic: bool = False
-    kinematic: bool = False
-    """Put somewhere for good: gravity does not move it."""
-    velocity: np.ndarray = field(default_factory=lambda: np.zeros(6))
-    """Linear, then angular, m/s and rad/s, world frame."""
-
-    @property
-    def untouched(self) -> bool:
-        """Whether it is exactly where the floor plan has it."""
-        return self.pose.position is self.obj.position and self.pose.rotation is self.obj.rotation
-
-    @property
-    def present(self) -> bool:
-        return self.active and not self.removed
-
-    @property
-    def box(self) -> Box:
-        """Current oriented box: it goes with the pose."""
-        recorded = self.obj.box
-        if self.untouched:
-            return recorded
-        turn = self.pose.rotation @ self.obj.rotation.T
-        centre = self.pose.position + turn @ (recorded.centre - self.obj.position)
-        return Box(centre, recorded.half, turn @ recorded.rotation)
 
 
 class World:
@@ -103,15 +51,16 @@ class World:
         self.plan, self.seed = plan, seed
         self.room = Room.of(plan)
         self.agent = Agent(plan.start.copy())
-        self.bodies: dict[str, Body] = {
-            o.object_id: Body(o, o.object_id, o.name, Pose(o.position, o.rotation), dynamic=o.dynamic) for o in plan.objects
-        }
+        self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
         self.version = 0
+        for part, carrier in carriers(plan).items():
+            self.bodies[part].carrier = carrier
+        self._dynamics = Dynamics(plan, self.room, self.bodies, self.agent, (AGENT_RADIUS_M, AGENT_HEIGHT_M))
         self._walls = Boxes.of([w.box for w in self.room.walls])
-        self._covering = _covering(plan)
+        self._oversized = _oversized(plan)
         self._obstacles_at = -1
 
-    # Boxes and bounds
+    # What is where
 
     def box(self, object_id: str) -> Box:
         """Current oriented box of an object. KeyError if there is none."""
@@ -119,8 +68,8 @@ class World:
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing moves."""
-        return True
+        """Whether nothing is falling, rolling or about to."""
+        return not self._dynamics.awake
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the untouched scene, metres."""
@@ -129,6 +78,27 @@ class World:
         return low, np.maximum(high, [high[0], self.room.ceiling_y, high[2]])
 
     # The agent's way
+
+    def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
+        """Name of what blocks the agent's straight way from `start_xz` to `end_xz` (metres), None if it is free.
+
+        A body that the agent overlaps already blocks only ways that lead deeper into it.
+        """
+        boxes, names = self._obstacles()
+        if ignore:
+            kept = np.array([i for i, name in enumerate(names) if name not in ignore], dtype=int)
+            boxes, names = boxes.take(kept), [names[i] for i in kept]
+        hit = first_hit(boxes, self._axis(), np.array(start_xz, dtype=float), np.array(end_xz, dtype=float))
+        return None if hit is None else names[hit]
+
+    def reachable(self, step_m: float = 0.25) -> list[tuple[float, float, float]]:
+        """Positions that moves of `step_m` along world x and z take the agent to, its own first; y is the agent's."""
+        boxes, _ = self._obstacles()
+        x_0, z_0, x_1, z_1 = self.room.rectangle
+        here = self.agent.position[[0, 2]]
+        found = reachable(boxes, self._axis(), here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m)
+        y = float(self.agent.position[1])
+        return [(x, y, z) for x, z in found.tolist()]
 
     def _obstacles(self) -> tuple[Boxes, list[str]]:
         if self._obstacles_at != self.version:
@@ -139,110 +109,41 @@ class World:
         return self._boxes, self._names
 
     def _blocks(self, body: Body) -> bool:
-        return body.present and body.obj.type not in PASSABLE and not (body.untouched and body.obj.object_id in self._covering)
+        return body.present and body.obj.type not in PASSABLE and not (body.untouched and body.obj.object_id in self._oversized)
 
-    def _axis(self) -> tuple[float, float]:
-        """Heights of the ends of the axis of the agent's capsule."""
+    def _axis(self) -> Axis:
         foot = float(self.agent.position[1]) - AGENT_CENTRE_M
-        return foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M
-
-    def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
-        """Name of what the agent's capsule hits on the straight way from `start_xz` to `end_xz`, None if it is free.
-
-        A body that the capsule overlaps at the start does not hold it: it blocks only ways that lead deeper into it.
-        """
-        boxes, names = self._obstacles()
-        low, high = self._axis()
-        start, end = np.array(start_xz, dtype=float), np.array(end_xz, dtype=float)
-        reach = AGENT_RADIUS_M + SKIN_M
-        length = float(np.linalg.norm(end - start))
-        at_start = boxes.distances(start[None], low, high, reach + length)[0]
-        near = np.nonzero(at_start < reach + length)[0]
-        if ignore:
-            near = near[[names[i] not in ignore for i in near]]
-        if not len(near):
-            return None
-        nearest = boxes.sweeps(np.tile(start, (len(near), 1)), np.tile(end, (len(near), 1)), near, low, high)
-        hit = near[nearest < np.minimum(reach, at_start[near] - DEEPER_M)]
-        return names[hit[at_start[hit].argmin()]] if len(hit) else None
-
-    def reachable(self, step_m: float = 0.25) -> list[tuple[float, float, float]]:
-        """Positions that the agent can reach by moves of `step_m` along world x and z, its own first; y is the agent's."""
-        boxes, _ = self._obstacles()
-        low, high = self._axis()
-        reach = AGENT_RADIUS_M + SKIN_M
-        boxes = boxes.take((boxes.low < high + reach) & (boxes.high > low - reach))
-        here = self.agent.position[[0, 2]]
-        x_0, z_0, x_1, z_1 = self.room.rectangle
-        first = np.minimum(np.ceil((np.array([x_0, z_0]) - here) / step_m).astype(int), 0)
-        last = np.maximum(np.floor((np.array([x_1, z_1]) - here) / step_m).astype(int), 0)
-        shape = tuple(last - first + 1)
-        cells = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), axis=-1)
-        points = (here + step_m * cells).reshape(-1, 2)
-        clearance = boxes.distances(points, low, high, reach + step_m)
-        free = (clearance >= reach).all(axis=1)
-        number = np.arange(len(points)).reshape(shape)
-        edges = np.concatenate(
-            [
-                np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1),
-                np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1),
-            ]
-        )
-        edges = edges[free[edges].all(axis=1)]
-        # The distance to a convex body is convex along the way: no way between two points that are far enough apart from it
-        # together can come close.
-        edge, box = np.nonzero(clearance[edges[:, 0]] + clearance[edges[:, 1]] < 2 * reach + step_m)
-        if len(edge):
-            pair = edges[edge]
-            hit = boxes.sweeps(points[pair[:, 0]], points[pair[:, 1]], box, low, high) < reach
-            edges = np.delete(edges, np.unique(edge[hit]), axis=0)
-        graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(points), len(points)))
-        label = connected_components(graph, directed=False)[1]
-        found = self._flood(points, number, free, label, tuple(-first))
-        y = float(self.agent.position[1])
-        return [(float(points[i, 0]), y, float(points[i, 1])) for i in found]
-
-    def _flood(
-        self, points: np.ndarray, number: np.ndarray, free: np.ndarray, label: np.ndarray, own: tuple[int, int]
-    ) -> list[int]:
-        """Cells reachable from `own`: whole components of free cells, and ways out of cells in which the capsule overlaps something."""
-        seen, queue, entered = {int(number[own])}, [own], set()
-        while queue:
-            cell = queue.pop(0)
-            index = int(number[cell])
-            if free[index]:
-                if label[index] not in entered:
-                    entered.add(label[index])
-                    seen.update(int(i) for i in np.nonzero((label == label[index]) & free)[0])
-                continue
-            for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-                following = (cell[0] + i, cell[1] + j)
-                if not (0 <= following[0] < number.shape[0] and 0 <= following[1] < number.shape[1]):
-                    continue
-                target = int(number[following])
-                if target not in seen and self.blocker(points[index], points[target]) is None:
-                    seen.add(target)
-                    queue.append(following)
-        own_index = int(number[own])
-        return [own_index, *sorted(seen - {own_index})]
+        return Axis(foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M, AGENT_RADIUS_M + SKIN_M)
 
     # Changes
 
-    def set_active(self, object_id: str, active: bool) -> None:
-        """DisableObject, EnableObject. Refused with an empty message if there is no such object."""
-        body = self.bodies.get(object_id)
-        if body is None:
-            raise Refused("")
-        if body.active != active:
-            body.active = active
-            self.version += 1
+    def place(
+        self, object_id: str, position: Sequence[float], rotation: np.ndarray | None = None, kinematic: bool = False
+    ) -> np.ndarray:
+        """PlaceObjectAtPoint: on the first surface below `position` (3,), turned by `rotation` (3, 3) or as it is.
 
-    def remove(self, object_id: str) -> None:
-        """RemoveFromScene: gone until Reset."""
-        if object_id not in self.bodies or self.bodies[object_id].removed:
-            raise Refused("NullReferenceException: Object reference not set to an instance of an object")
-        self.bodies[object_id].removed = True
-        self.version += 1
+        It settles for up to a second unless `kinematic`. Returns the position of its pivot then, (3,) metres.
+        """
+        body = self._known(object_id)
+        point = np.array(position, dtype=float)
+        low, high = self.bounds()
+        if not ((point >= low) & (point <= high)).all():
+            raise Refused(f"Position coordinate ({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f}) is not within scene bounds")
+        load = self._load(body)
+        model = self._dynamics.probe(object_id, load)
+        surface = model.below(point, DROP_M, but=object_id)
+        if surface is None:
+            raise Refused(f"No surface within {DROP_M:.0f} m below ({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f})")
+        pose = Pose(point, body.pose.rotation if rotation is None else rotation)
+        lift = surface[0] + GAP_M - body.box_at(pose).bounds()[0][1]
+        pose = Pose(point + [0.0, lift, 0.0], pose.rotation)
+        hit = self._overlap(body, pose, load)
+        if hit is not None:
+            raise Refused(f"Spawn area not clear ({hit}) is in the way), can't place object at that point")
+        self._put(body, pose, kinematic, load)
+        if not kinematic:
+            self._advance(SETTLE_S, object_id)
+        return body.pose.position
 
     def teleport(
         self,
@@ -252,51 +153,71 @@ class World:
         force: bool = False,
         kinematic: bool = False,
     ) -> None:
-        """TeleportObject: exactly there."""
+        """TeleportObject: pivot exactly at `position` (3,), turned by `rotation` (3, 3) or as it is."""
         body = self._known(object_id)
-        self._put(body, Pose(np.array(position, dtype=float), body.pose.rotation if rotation is None else rotation))
-        body.kinematic = kinematic
+        pose = Pose(np.array(position, dtype=float), body.pose.rotation if rotation is None else rotation)
+        load = self._load(body)
+        if not force and (hit := self._overlap(body, pose, load)) is not None:
+            raise Refused(f"{object_id} is colliding with {hit} after teleport.")
+        self._put(body, pose, kinematic, load)
 
-    def place(
-        self, object_id: str, position: Sequence[float], rotation: np.ndarray | None = None, kinematic: bool = False
-    ) -> np.ndarray:
-        """PlaceObjectAtPoint: on the surface below `position`. Returns the position of the pivot at rest, (3,) metres."""
-        body = self._known(object_id)
-        point = np.array(position, dtype=float)
-        low, high = self.bounds()
-        if not ((point >= low - 1e-6) & (point <= high + 1e-6)).all():
-            raise Refused(f"Position coordinate ({point[0]:.1f}, {point[1]:.1f}, {point[2]:.1f}) is not within scene bounds")
-        surface = self.plan.floor_y
-        for other in self.bodies.values():
-            if other is body or not other.present or other.obj.type == "Floor":
-                continue
-            box_low, box_high = other.box.bounds()
-            inside = box_low[0] <= point[0] <= box_high[0] and box_low[2] <= point[2] <= box_high[2]
-            if inside and surface < box_high[1] <= point[1]:
-                surface = float(box_high[1])
-        turned = body.pose.rotation if rotation is None else rotation
-        self._put(body, Pose(point, turned))
-        lift = surface + 0.005 - float(body.box.bounds()[0][1])
-        self._put(body, Pose(point + [0.0, lift, 0.0], turned))
-        body.kinematic = kinematic
-        return body.pose.position
+    def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
+        """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...].
 
-    def set_poses(self, poses: Sequence[Mapping[str, object]], stationary: bool = True) -> None:
-        """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...]; every other movable object goes."""
-        listed = {p["objectName"] for p in poses}
-        for body in self.bodies.values():
-            if body.dynamic and body.name not in listed:
-                body.active = False
-        by_name = {b.name: b for b in self.bodies.values()}
+        Every other movable object leaves the scene; an object listed again is there again, as name_copy_1, ...; objectIds follow
+        the new positions. Nothing is checked for overlaps. Refused, after the others are placed, if a name is unknown.
+        """
+        movable = {b.name: b for b in self.bodies.values() if b.dynamic and "_copy_" not in b.name}
+        kept = [b for b in self.bodies.values() if "_copy_" not in b.name]
+        for body in movable.values():
+            body.active = body.removed = False
+            for part in self._dynamics.parts(body.object_id):
+                part.active = False
+        unknown, copies = [], {}
         for pose in poses:
-            body = by_name.get(pose["objectName"])
-            if body is not None:
-                body.active = True
-                self._put(body, Pose(np.array(pose["position"], dtype=float), np.array(pose["rotation"], dtype=float)))
+            name = pose["objectName"]
+            if name not in movable:
+                unknown.append(name)
+                continue
+            body = movable[name]
+            copies[name] = copies.get(name, -1) + 1
+            if copies[name]:
+                body = Body.of(body.obj)
+                body.name = f"{name}_copy_{copies[name]}"
+                body.object_id = f"{name}_copy_{copies[name]}"
+                kept.append(body)
+            body.active = True
+            self._move(body, Pose(np.array(pose["position"], dtype=float), np.array(pose["rotation"], dtype=float)))
+            body.kinematic, body.velocity = stationary, np.zeros(6)
+            for part in self._dynamics.parts(body.object_id):
+                part.active = True
+        self._rename(kept)
         self.version += 1
+        if not stationary:
+            self._dynamics.wake(b.object_id for b in kept if b.dynamic and b.present)
+        if unknown:
+            raise Refused(f"No Pickupable or Moveable object of name {unknown[0]} found in scene.")
+
+    def set_active(self, object_id: str, active: bool) -> None:
+        """EnableObject, DisableObject: a disabled object keeps its pose. Refused with an empty message if there is no such object."""
+        body = self.bodies.get(object_id)
+        if body is None:
+            raise Refused("")
+        if body.active != active:
+            self._come_or_go(body, active=active)
+
+    def remove(self, object_id: str) -> None:
+        """RemoveFromScene: gone until Reset."""
+        body = self.bodies.get(object_id)
+        if body is None or body.removed:
+            raise Refused("NullReferenceException: Object reference not set to an instance of an object")
+        self._come_or_go(body, removed=True)
 
     def advance(self, seconds: float) -> None:
         """Let physics run. Costs nothing while everything is at rest."""
+        self._advance(seconds)
+
+    # How changes come about
 
     def _known(self, object_id: str) -> Body:
         body = self.bodies.get(object_id)
@@ -304,19 +225,102 @@ class World:
             raise Refused(f"Cannot find object with id {object_id}.")
         return body
 
-    def _put(self, body: Body, pose: Pose) -> None:
-        body.pose = pose
+    def _load(self, body: Body) -> list[str]:
+        """What a body carries, and what that carries in turn."""
+        if not body.present or body.carrier is not None:
+            return []
+        found: list[str] = []
+        queue = [body]
+        while queue:
+            below = queue.pop()
+            parts = [p.object_id for p in self._dynamics.parts(below.object_id)]
+            for name in carried(below, self._dynamics.surfaces(below), parts, self.bodies.values(), self.plan.floor_y):
+                if name not in found and name != body.object_id:
+                    found.append(name)
+                    queue.append(self.bodies[name])
+        return found
+
+    def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
+        """Name of what `body` would overlap at `pose`; what it carries will fall, and the floor is stood on."""
+        model = self._dynamics.probe(body.object_id, load)
+        model.set_box(body.object_id, body.box_at(pose))
+        model.forward()
+        touching = model.touching(body.object_id)
+        self._dynamics.forget(body.object_id)
+        return next((name for name, depth in touching if depth > CLEAR_M), None)
+
+    def _put(self, body: Body, pose: Pose, kinematic: bool, load: Collection[str]) -> None:
+        self._move(body, pose)
+        body.kinematic = kinematic
+        self._dynamics.still(body.object_id)
+        self._dynamics.wake(load)
+        if body.dynamic and not kinematic and body.present:
+            self._dynamics.wake([body.object_id])
         self.version += 1
 
+    def _move(self, body: Body, pose: Pose) -> None:
+        """A body and its parts, rigidly."""
+        turn = pose.rotation @ body.obj.rotation.T
+        body.pose = pose
+        for part in self._dynamics.parts(body.object_id):
+            offset = part.obj.position - body.obj.position
+            part.pose = Pose(pose.position + turn @ offset, turn @ part.obj.rotation)
 
-def _covering(plan: FloorPlan) -> frozenset[str]:
+    def _come_or_go(self, body: Body, **state: bool) -> None:
+        load = self._load(body)
+        for one in (body, *self._dynamics.parts(body.object_id)):
+            for name, value in state.items():
+                setattr(one, name, value)
+        if not body.present:
+            self._dynamics.still(body.object_id)
+            self._dynamics.wake(load)
+        self.version += 1
+
+    def _advance(self, seconds: float, until_asleep: str | None = None) -> None:
+        moving = sorted(self._dynamics.awake)
+        if self._dynamics.advance(seconds, until_asleep):
+            for name in moving:
+                self._move(self.bodies[name], self.bodies[name].pose)
+            self.version += 1
+
+    def _rename(self, bodies: Sequence[Body]) -> None:
+        """Give `bodies` the objectIds of their positions and make them the world's."""
+        renamed: dict[str, str] = {}
+        self.bodies.clear()
+        for body in bodies:
+            former = body.object_id
+            if body.dynamic and not body.untouched:
+                body.object_id = object_id(body.obj.type, body.pose.position)
+            while body.object_id in self.bodies:
+                body.object_id += "_copy"
+            renamed[former] = body.object_id
+            self.bodies[body.object_id] = body
+        for body in bodies:
+            body.carrier = renamed.get(body.carrier, body.carrier) if body.carrier else None
+        self._dynamics.bodies_changed()
+
+
+def object_id(kind: str, position: np.ndarray) -> str:
+    """objectId of an object of type `kind` whose pivot is at `position` (3,) metres."""
+    text = kind
+    for value in position:
+        number = f"{abs(value):05.2f}"
+        sign = "+" if value >= 0 else "-" if number != "00.00" else ""
+        text += f"|{sign}{number}"
+    return text
+
+
+def _oversized(plan: FloorPlan) -> frozenset[str]:
     """Objects whose boxes are known to be larger than they are: those that cover the start, and counters with an opening."""
-    low, high = plan.start[1] - AGENT_CENTRE_M + AGENT_RADIUS_M, plan.start[1] - AGENT_CENTRE_M + AGENT_HEIGHT_M - AGENT_RADIUS_M
+    foot = plan.start[1] - AGENT_CENTRE_M
     objects = [o for o in plan.objects if o.type not in PASSABLE]
-    at_start = Boxes.of([o.box for o in objects]).distances(plan.start[None, [0, 2]], low, high, AGENT_RADIUS_M)[0]
-    covering = {o.object_id for o, distance in zip(objects, at_start, strict=True) if distance == 0.0}
+    boxes = Boxes.of([o.box for o in objects])
+    at_start = boxes.distances(
+        plan.start[None, [0, 2]], foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M, AGENT_RADIUS_M
+    )
+    found = {o.object_id for o, distance in zip(objects, at_start[0], strict=True) if distance == 0.0}
     for o in objects:
-        first, last = o.box.bounds()
-        if o.type == "CounterTop" and min((last - first)[[0, 2]]) > WIDE_COUNTER_M:
-            covering.add(o.object_id)
-    return frozenset(covering)
+        low, high = o.box.bounds()
+        if o.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M:
+            found.add(o.object_id)
+    return frozenset(found)

@@ -1,0 +1,87 @@
+"""What a world is made of: objects where they are now, and the agent. World frame as in `floorplan`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ovman.engine.floorplan import Box, SimObject
+
+STANDING_CAMERA_M = 0.675
+"""Height of the camera above the agent's position; 0 when crouching."""
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Where an object's pivot is, (3,) metres, and its rotation, (3, 3) from object to world axes."""
+
+    position: np.ndarray
+    rotation: np.ndarray
+
+
+@dataclass
+class Agent:
+    """AI2-THOR's default agent. Position is the middle of its capsule; horizon positive is down."""
+
+    position: np.ndarray
+    yaw_deg: float = 0.0
+    horizon_deg: float = 0.0
+    standing: bool = True
+
+    @property
+    def camera(self) -> np.ndarray:
+        """Position of the camera, (3,) metres."""
+        return self.position + [0.0, STANDING_CAMERA_M if self.standing else 0.0, 0.0]
+
+
+@dataclass
+class Body:
+    """An object as it is now."""
+
+    obj: SimObject
+    """The object as the floor plan has it."""
+    object_id: str
+    name: str
+    pose: Pose
+    active: bool = True
+    removed: bool = False
+    dynamic: bool = False
+    kinematic: bool = False
+    """Put somewhere for good: gravity does not move it."""
+    carrier: str | None = None
+    """objectId of the body that this one is a part of (a drawer of a dresser): it goes where that one goes."""
+    velocity: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    """(6,) linear, then angular, m/s and rad/s, world frame."""
+
+    @staticmethod
+    def of(obj: SimObject) -> Body:
+        """`obj`, untouched."""
+        return Body(obj, obj.object_id, obj.name, Pose(obj.position, obj.rotation), dynamic=obj.dynamic)
+
+    @property
+    def untouched(self) -> bool:
+        """Whether it is where the floor plan has it and was never put anywhere."""
+        return self.pose.position is self.obj.position and self.pose.rotation is self.obj.rotation
+
+    @property
+    def present(self) -> bool:
+        return self.active and not self.removed
+
+    @property
+    def box(self) -> Box:
+        """Current oriented box: it keeps its place in the object's frame."""
+        return self.box_at(self.pose)
+
+    def box_at(self, pose: Pose) -> Box:
+        """Oriented box that it would have at `pose`."""
+        recorded = self.obj.box
+        if pose.position is self.obj.position and pose.rotation is self.obj.rotation:
+            return recorded
+        turn = pose.rotation @ self.obj.rotation.T
+        return Box(pose.position + turn @ (recorded.centre - self.obj.position), recorded.half, turn @ recorded.rotation)
+
+    def pose_for(self, box: Box) -> Pose:
+        """Pose at which its oriented box is `box`: the inverse of `box_at`."""
+        turn = box.rotation @ self.obj.box.rotation.T
+        return Pose(box.centre - turn @ (self.obj.box.centre - self.obj.position), turn @ self.obj.rotation)

@@ -1,0 +1,63 @@
+"""What goes with a body: the parts that it is made of, and what it carries."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ovman.engine.body import Body
+from ovman.engine.floorplan import Box, FloorPlan
+
+INSIDE = 0.5
+"""Share of a part's box that lies inside its carrier's."""
+RESTS_M = 0.05
+"""What lies this close to a surface, above or below, rests on it: recorded boxes are not exact."""
+STANDS_M = 0.01
+"""What is this close to the floor stands on it."""
+
+
+def carriers(plan: FloorPlan) -> dict[str, str]:
+    """objectId of a fixed part -> objectId of the movable receptacle that it is a part of: drawers of dressers, shelves of units."""
+    movable = [o for o in plan.objects if o.moveable and o.record["receptacle"]]
+    out = {}
+    for part in plan.objects:
+        if part.dynamic or part.type == "Floor" or not movable:
+            continue
+        share = np.array([_share_inside(part.box, m.box) for m in movable])
+        best = int(share.argmax())
+        if share[best] >= INSIDE:
+            out[part.object_id] = movable[best].object_id
+    return out
+
+
+def _share_inside(inner: Box, outer: Box) -> float:
+    corners = (inner.corners() - outer.centre) @ outer.rotation
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    common = np.minimum(high, outer.half) - np.maximum(low, -outer.half)
+    return float(np.prod(np.maximum(common, 0.0)) / max(np.prod(high - low), 1e-12))
+
+
+def carried(body: Body, surfaces: Sequence[Box], parts: Iterable[str], bodies: Iterable[Body], floor_y: float) -> list[str]:
+    """objectIds of the movable bodies that rest on `body` or lie in it.
+
+    `surfaces` are the boxes of its pieces, `parts` the objectIds of what it is made of beside itself.
+    """
+    others = [
+        b for b in bodies if b is not body and b.dynamic and b.present and not b.kinematic and b.object_id != body.object_id
+    ]
+    if not others:
+        return []
+    bounds = [b.box.bounds() for b in others]
+    low, high = np.array([b[0] for b in bounds]), np.array([b[1] for b in bounds])
+    piece_bounds = [s.bounds() for s in surfaces]
+    piece_low, piece_high = np.array([b[0] for b in piece_bounds]), np.array([b[1] for b in piece_bounds])
+    over = np.ones((len(others), len(surfaces)), dtype=bool)
+    for axis in (0, 2):
+        over &= (low[:, None, axis] < piece_high[None, :, axis]) & (high[:, None, axis] > piece_low[None, :, axis])
+    rests = (over & (np.abs(low[:, None, 1] - piece_high[None, :, 1]) <= RESTS_M)).any(axis=1)
+    box, names = body.box, {body.obj.object_id, *parts}
+    inside = (np.abs(((low + high) / 2 - box.centre) @ box.rotation) <= box.half).all(axis=1)
+    recorded = np.array([b.untouched and not names.isdisjoint(b.obj.parents) for b in others])
+    above_floor = low[:, 1] > floor_y + STANDS_M
+    return [b.object_id for b, yes in zip(others, (rests | (inside & recorded)) & above_floor, strict=True) if yes]

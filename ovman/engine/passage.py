@@ -1,0 +1,94 @@
+"""The agent's way: what its capsule hits on a straight move, and which lattice positions moves lead to.
+
+Both ask the same question of the same boxes, so that a position is reachable exactly if moves get there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ovman.engine.footprint import Boxes
+
+DEEPER_M = 1e-6
+"""How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The axis of the agent's capsule and how far from it things block."""
+
+    low: float
+    """Height of its lower end, metres"""
+    high: float
+    reach: float
+    """Radius of the capsule and what its controller keeps clear of, metres"""
+
+
+def first_hit(boxes: Boxes, axis: Axis, start: np.ndarray, end: np.ndarray) -> int | None:
+    """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if nothing does.
+
+    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it.
+    """
+    length = float(np.linalg.norm(end - start))
+    at_start = boxes.distances(start[None], axis.low, axis.high, axis.reach + length)[0]
+    near = np.nonzero(at_start < axis.reach + length)[0]
+    if not len(near):
+        return None
+    nearest = boxes.sweeps(np.tile(start, (len(near), 1)), np.tile(end, (len(near), 1)), near, axis.low, axis.high)
+    hit = near[nearest < np.minimum(axis.reach, at_start[near] - DEEPER_M)]
+    return int(hit[at_start[hit].argmin()]) if len(hit) else None
+
+
+def reachable(boxes: Boxes, axis: Axis, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float) -> np.ndarray:
+    """Positions `here` + step_m * (i, j) within [`low`, `high`] (2,) that unblocked moves along x and z lead to: (N, 2), `here` first."""
+    boxes = boxes.take((boxes.low < axis.high + axis.reach) & (boxes.high > axis.low - axis.reach))
+    first = np.minimum(np.ceil((low - here) / step_m).astype(int), 0)
+    last = np.maximum(np.floor((high - here) / step_m).astype(int), 0)
+    cells = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), axis=-1)
+    number = np.arange(cells.shape[0] * cells.shape[1]).reshape(cells.shape[:2])
+    points = (here + step_m * cells).reshape(-1, 2)
+    clearance = boxes.distances(points, axis.low, axis.high, axis.reach + step_m)
+    free = (clearance >= axis.reach).all(axis=1)
+    label = _components(boxes, axis, points, number, clearance, free, step_m)
+    own = int(number[tuple(-first)])
+    seen, queue, entered = {own}, [own], set()
+    while queue:
+        index = queue.pop(0)
+        if free[index]:
+            if label[index] not in entered:
+                entered.add(label[index])
+                seen.update(np.nonzero((label == label[index]) & free)[0].tolist())
+            continue
+        for target in _beside(number, index):
+            if target not in seen and first_hit(boxes, axis, points[index], points[target]) is None:
+                seen.add(target)
+                queue.append(target)
+    return points[[own, *sorted(seen - {own})]]
+
+
+def _beside(number: np.ndarray, index: int) -> list[int]:
+    i, j = divmod(index, number.shape[1])
+    around = ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+    return [int(number[a, b]) for a, b in around if 0 <= a < number.shape[0] and 0 <= b < number.shape[1]]
+
+
+def _components(
+    boxes: Boxes, axis: Axis, points: np.ndarray, number: np.ndarray, clearance: np.ndarray, free: np.ndarray, step_m: float
+) -> np.ndarray:
+    """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
+    along_x = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
+    along_z = np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1)
+    edges = np.concatenate([along_x, along_z])
+    edges = edges[free[edges].all(axis=1)]
+    # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
+    edge, box = np.nonzero(clearance[edges[:, 0]] + clearance[edges[:, 1]] < 2 * axis.reach + step_m)
+    if len(edge):
+        a, b = points[edges[edge, 0]], points[edges[edge, 1]]
+        hit = boxes.sweeps(a, b, box, axis.low, axis.high) < axis.reach
+        edges = np.delete(edges, np.unique(edge[hit]), axis=0)
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(points), len(points)))
+    return connected_components(graph, directed=False)[1]
