@@ -1,0 +1,168 @@
+"""The tables of success rates: the static gate and the embodied evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from ovman.agents.arms import Arm, Kind, Source, of_kind
+from ovman.analysis.rates import ALL, Interval
+from ovman.report.table import (
+    CSV_AND_MARKDOWN,
+    DATA,
+    PAGE,
+    Column,
+    Row,
+    Table,
+    Text,
+    Words,
+)
+from ovman.task import Relation
+
+# A row of a rates file, as the csv reader gives it.
+Record = Mapping[str, str]
+
+RELATIONS = tuple(relation.value for relation in Relation)
+
+
+def static_table(rates: Sequence[Record], radius_m: float, confidence: float) -> Table:
+    """The static gate. rates: rows of "static_rates.csv"; radius_m: R; confidence: of the intervals.
+
+    One row an arm that has rates, in the order of the arms' table. Raises ValueError for an arm that there is not.
+    """
+    expected = any(rate["interval"] == Interval.POISSON_BINOMIAL for rate in rates)
+    caption = (
+        f"Static gate: the predicted point must fall within {radius_m} m of the answer; rates over n episodes. "
+        f"{_wilson(confidence)}"
+    )
+    if expected:
+        caption += (
+            " † The expectation of a stochastic pick, not a count of successes: its range is the central one that holds the rate"
+            f" of one realised pass over these very episodes with a probability of at least {_percent(confidence)}"
+            " (Poisson-binomial)."
+        )
+    return Table(
+        name="static",
+        caption=caption,
+        columns=(
+            Column("system", "system"),
+            Column("memory", "memory"),
+            Column("grounding", "grounding", formats=CSV_AND_MARKDOWN),
+            Column("positions", "positions", formats=CSV_AND_MARKDOWN),
+            *_relation_columns(),
+            *_rate_columns(ALL, Text("ALL", r"\textsc{all}")),
+            _range_column(confidence),
+            Column("n", "n", numeric=True),
+            Column("interval", "interval", formats=DATA),
+        ),
+        rows=tuple(
+            Row(
+                {
+                    "system": arm.system,
+                    "memory": arm.memory,
+                    "grounding": arm.grounding.value,
+                    "positions": arm.positions.value,
+                    **_rate_cells(of_arm),
+                    "n": of_arm[ALL]["n"],
+                    "interval": of_arm[ALL]["interval"],
+                },
+                section=_section(arm),
+            )
+            for arm, of_arm in _by_arm(rates, Kind.STATIC)
+        ),
+        wide=True,
+    )
+
+
+def embodied_table(rates: Sequence[Record], confidence: float) -> Table:
+    """The embodied evaluation. rates: rows of "embodied_rates.csv"; confidence: of the intervals. Else as ``static_table``."""
+    return Table(
+        name="embodied",
+        caption=(
+            "Embodied evaluation: success rate (SR) at the stop and mean SPL over n episodes, runs of all seeds pooled. "
+            f"{_wilson(confidence)} Pooled runs are taken as independent trials though seeds share their episodes."
+        ),
+        columns=(
+            Column("agent", "agent"),
+            *_relation_columns(),
+            *_rate_columns("sr", "SR"),
+            _range_column(confidence),
+            Column("spl", "SPL", numeric=True),
+            Column("n", "n", numeric=True),
+            Column("seeds", "seeds", numeric=True),
+        ),
+        rows=tuple(
+            Row(
+                {
+                    "agent": arm.system,
+                    **_rate_cells(of_arm, whole="sr"),
+                    "spl": number(of_arm[ALL]["spl"]),
+                    "n": of_arm[ALL]["n"],
+                    "seeds": of_arm[ALL]["seeds"],
+                }
+            )
+            for arm, of_arm in _by_arm(rates, Kind.EMBODIED)
+        ),
+        wide=True,
+    )
+
+
+def number(text: str) -> str:
+    """Three decimals."""
+    return f"{float(text):.3f}"
+
+
+def _by_arm(rates: Iterable[Record], kind: Kind) -> list[tuple[Arm, dict[str, Record]]]:
+    by_arm: dict[str, dict[str, Record]] = {}
+    for rate in rates:
+        by_arm.setdefault(rate["arm"], {})[rate["relation"]] = rate
+    arms = of_kind(kind)
+    strangers = sorted(by_arm.keys() - {arm.name for arm in arms})
+    if strangers:
+        raise ValueError(f"{strangers[0]!r} is no {kind} arm; there are {', '.join(arm.name for arm in arms)}")
+    return [(arm, by_arm[arm.name]) for arm in arms if arm.name in by_arm]
+
+
+def _relation_columns() -> list[Column]:
+    return [
+        column for relation in RELATIONS for column in _rate_columns(relation, Text(relation.upper(), rf"\textsc{{{relation}}}"))
+    ]
+
+
+def _rate_columns(key: str, title: Words) -> tuple[Column, ...]:
+    return (
+        Column(key, title, numeric=True),
+        Column(f"{key}_low", f"{key} low", numeric=True, formats=DATA),
+        Column(f"{key}_high", f"{key} high", numeric=True, formats=DATA),
+    )
+
+
+def _range_column(confidence: float) -> Column:
+    return Column("range", _percent(confidence), formats=PAGE)
+
+
+def _rate_cells(of_arm: Mapping[str, Record], whole: str = ALL) -> dict[str, str]:
+    cells = {}
+    for relation in (*RELATIONS, ALL):
+        if relation in of_arm:
+            rate, key = of_arm[relation], whole if relation == ALL else relation
+            cells |= {
+                key: number(rate["rate"]),
+                f"{key}_low": number(rate["low"]),
+                f"{key}_high": number(rate["high"]),
+            }
+    mark = "†" if of_arm[ALL]["interval"] == Interval.POISSON_BINOMIAL else ""
+    return cells | {"range": f"{number(of_arm[ALL]['low'])}–{number(of_arm[ALL]['high'])}{mark}"}
+
+
+def _section(arm: Arm) -> str | None:
+    if arm.positions is Source.HANDED:
+        return "positions handed over (diagnostic)"
+    return "grounding handed over (diagnostic)" if arm.grounding is Source.HANDED else None
+
+
+def _wilson(confidence: float) -> str:
+    return f"Ranges are Wilson {_percent(confidence)} intervals."
+
+
+def _percent(confidence: float) -> str:
+    return f"{100 * confidence:.6g} %"

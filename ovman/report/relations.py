@@ -1,0 +1,119 @@
+"""The picture of the relations (Fig. 2 of the paper): one episode a column, before above, after below, the sentence, the pin.
+
+Views are chosen by projecting the answer into the recorded views of both visits, none by hand. The pin is a filled star where the
+answer is an object that must be visible at the stop, a hollow star where it is a place that the object has left.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman.sim.visit import Visit
+from ovman.task import Relation
+
+PANEL_INCHES = 2.6
+PIN = "#ffd23f"
+INK = "#1b1b1e"
+BEST_DISTANCE_M = 2.2
+
+
+def project(
+    point: Sequence[float], view: Mapping[str, Any], width_px: int, height_px: int, field_of_view_deg: float
+) -> tuple[float, float, float]:
+    """Pixel (u, v) and planar depth in metres of a world point (x, y, z) in a recorded view; depth <= 0 lies behind the camera."""
+    camera, yaw, pitch = view["camera"], math.radians(view["pose"]["yaw_deg"]), math.radians(view["pose"]["horizon_deg"])
+    offset = np.subtract(point, [camera["x"], camera["y"], camera["z"]])
+    right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
+    forward = np.array([math.sin(yaw) * math.cos(pitch), -math.sin(pitch), math.cos(yaw) * math.cos(pitch)])
+    up = np.cross(forward, right)
+    depth = float(offset @ forward)
+    focal = height_px / 2 / math.tan(math.radians(field_of_view_deg) / 2)
+    if depth <= 0:
+        return math.nan, math.nan, depth
+    return width_px / 2 + focal * float(offset @ right) / depth, height_px / 2 - focal * float(offset @ up) / depth, depth
+
+
+def _score(point: Sequence[float], view: Mapping[str, Any], camera: Any) -> float:
+    """How well a view shows a point: central and at a good distance; -inf where it is out of the frame."""
+    u, v, depth = project(point, view, camera.width_px, camera.height_px, camera.field_of_view_deg)
+    if depth <= 0.3 or not (0 <= u < camera.width_px and 0 <= v < camera.height_px):
+        return -math.inf
+    off_centre = max(abs(u / camera.width_px - 0.5), abs(v / camera.height_px - 0.5))
+    return -off_centre - 0.25 * abs(math.log(depth / BEST_DISTANCE_M))
+
+
+def _pin_point(episode: Mapping[str, Any], first: Visit, second: Visit) -> tuple[float, float, float]:
+    """The answer in space: on the floor plane where the record says, at the height of the object that is or was there."""
+    relation = Relation(episode["relation"])
+    where = (first if relation.past else second).positions[-1][episode["target"]]
+    return episode["answer"]["x"], where["y"], episode["answer"]["z"]
+
+
+def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, camera: Any) -> tuple[int, float]:
+    """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
+    point = _pin_point(episode, first, second)
+    showing = first if Relation(episode["relation"]).past else second
+    scores = [
+        _score(point, view, camera) + (0.0 if view["seen"].get(episode["target"], 0) >= 300 else -math.inf)
+        for view in showing.views
+    ]
+    return int(np.argmax(scores)), float(max(scores))
+
+
+def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], camera: Any, output: Path) -> None:
+    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG or PDF)."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    columns = len(chosen)
+    figure, axes = plt.subplots(2, columns, figsize=(PANEL_INCHES * columns, PANEL_INCHES * 2 + 0.9), squeeze=False)
+    for column, (episode, first, second, visits) in enumerate(chosen):
+        relation = Relation(episode["relation"])
+        index, _ = best_view(episode, first, second, camera)
+        point = _pin_point(episode, first, second)
+        for row, visit in enumerate((first, second)):
+            axis = axes[row, column]
+            axis.imshow(plt.imread(visits / visit.name / f"{index:02d}_rgb.png"))
+            axis.set_xticks([])
+            axis.set_yticks([])
+            for spine in axis.spines.values():
+                spine.set_visible(False)
+            u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
+            if row == 1:
+                face = "none" if relation.past else PIN
+                axis.plot(u, v, marker="*", markersize=17, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=2.6)
+                axis.plot(u, v, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.2)
+            if column == 0:
+                axis.set_ylabel("first visit" if row == 0 else "second visit", fontsize=11, color=INK)
+        axes[0, column].set_title(relation.value.upper(), fontsize=11, fontweight="bold", color=INK)
+        axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode['sentence']}”", 30)), fontsize=10, color=INK)
+    figure.tight_layout(pad=0.6)
+    figure.savefig(output, dpi=110)
+    plt.close(figure)
+
+
+def run(episodes_file: Path, visits_dir: Path, constants: Any, output: Path) -> None:
+    """Draw the best shown episode of each relation, each from another scene where there is one."""
+    episodes = [json.loads(line) for line in Path(episodes_file).read_text().splitlines()]
+    chosen, scenes = [], set()
+    for relation in Relation:
+        ranked = []
+        for episode in (e for e in episodes if e["relation"] == relation.value):
+            directory = Path(visits_dir) / episode["scene"]
+            first, second = (Visit.load(directory / episode["visits"][v]) for v in ("first", "second"))
+            _, score = best_view(episode, first, second, constants.camera)
+            ranked.append((episode["scene"] in scenes, -score, episode["id"], episode, first, second, directory))
+        if ranked:
+            *_, episode, first, second, directory = min(ranked, key=lambda r: r[:3])
+            scenes.add(episode["scene"])
+            chosen.append((episode, first, second, directory))
+    draw(chosen, constants.camera, Path(output))

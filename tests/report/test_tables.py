@@ -1,0 +1,217 @@
+from __future__ import annotations
+
+import csv
+import io
+from functools import reduce
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+import yaml
+
+from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES, csv_text
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.report import tables
+from ovman.report.constants import KEYS, constants_table, value_text
+from ovman.report.rejections import rejections_table
+from ovman.report.table import csv_text as table_csv
+from ovman.task import Relation
+
+STATIC_MD = """\
+Static gate: the predicted point must fall within 1.0 m of the answer; rates over n episodes. Ranges are
+Wilson 95 % intervals. † The expectation of a stochastic pick, not a count of successes: its range is the
+central one that holds the rate of one realised pass over these very episodes with a probability of at least
+95 % (Poisson-binomial).
+
+| system           | memory       | grounding | positions | MOVED | FORMER | MOVING | STABLE | APPEARED | REMOVED |   ALL | 95 %
+|   n | | ---------------- | ------------ | --------- | --------- | ----: | -----: | -----: | -----: | -------: | ------: |
+----: | ------------ | --: | | ours (reference) | single visit | handed    | handed    | 0.250 |  0.250 |  0.250 |  0.250 |
+0.250 |   0.250 | 0.250 | 0.083–0.417† |  24 | | ours (reference) | two visits   | handed    | handed    | 1.000 |  1.000 |
+1.000 |  1.000 |    1.000 |   1.000 | 1.000 | 0.862–1.000  |  24 |
+"""  # noqa: E501
+REJECTIONS_MD = """\
+Audit of the candidates: first reason of rejection by relation, in the order of the checks.
+
+| stage         | reason               | MOVED | FORMER | MOVING | STABLE | APPEARED | REMOVED | ALL |
+| ------------- | -------------------- | ----: | -----: | -----: | -----: | -------: | ------: | --: |
+| drawn         | —                    |     9 |      9 |      9 |      9 |        9 |       9 |  54 |
+| placement     | placement_refused    |     3 |      2 |      2 |      2 |        2 |       2 |  13 |
+| certification | certification_failed |     0 |      1 |      1 |      1 |        1 |       1 |   5 |
+| certified     | —                    |     6 |      6 |      6 |      6 |        6 |       6 |  36 |
+| released      | —                    |     5 |      6 |      6 |      6 |        6 |       6 |  35 |
+"""
+CONFIG = Path(__file__).parents[2] / "config.yaml"
+
+
+def namespace(value):
+    return SimpleNamespace(**{key: namespace(member) for key, member in value.items()}) if isinstance(value, dict) else value
+
+
+@pytest.fixture
+def constants():
+    return namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+
+
+def static(arm, successes, outcome="answered", per_relation=4):
+    """Outcomes of one arm: in each relation the given number of successes, or that share of each episode if it is expected."""
+    rows = []
+    for relation in Relation:
+        for number in range(per_relation):
+            success = successes / per_relation if outcome == "expected" else float(number < successes)
+            episode = f"FloorPlan1/{relation}/{number:04d}"
+            rows.append(StaticOutcome(episode, "FloorPlan1", relation, "Chair", 2, arm, 0, outcome, None, None, success))
+    return rows
+
+
+def embodied(arm, seeds=3, per_relation=2):
+    return [
+        EmbodiedOutcome(f"FloorPlan1/{relation}/{number:04d}", "FloorPlan1", relation, "Chair", 2, arm, seed, "stopped",
+                        (number, seed) != (0, 1), 0.9 * ((number, seed) != (0, 1)), 3.0, 20)
+        for seed in range(seeds) for relation in Relation for number in range(per_relation)
+    ]  # fmt: skip
+
+
+REJECTIONS = "relation,stage,reason,count\n" + "".join(
+    f"{relation},drawn,,9\n{relation},placement,placement_refused,{3 if relation == 'moved' else 2}\n"
+    f"{relation},certification,certification_failed,{0 if relation == 'moved' else 1}\n"
+    f"{relation},certified,,6\n{relation},released,,{5 if relation == 'moved' else 6}\n"
+    for relation in (relation.value for relation in Relation)
+)
+
+
+@pytest.fixture
+def metrics(tmp_path):
+    header = list(Rate.__dataclass_fields__)
+
+    def write(name, rates):
+        (tmp_path / name).write_text(csv_text(header, [{key: getattr(rate, key) for key in header} for rate in rates]))
+
+    outcomes = static("positions_single_visit", 1, "expected") + static("positions_two_visits", 4)
+    write(STATIC_RATES, static_rates(outcomes, 0.95))
+    write(EMBODIED_RATES, embodied_rates(embodied("oracle_check"), 0.95))
+    (tmp_path / "rejections.csv").write_text(REJECTIONS)
+    return tmp_path / STATIC_RATES, tmp_path / EMBODIED_RATES, tmp_path / "rejections.csv"
+
+
+def read(path):
+    return list(csv.DictReader(io.StringIO(path.read_text(encoding="utf-8"))))
+
+
+def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_path):
+    for where in ("one", "other"):
+        tables.run(*metrics, constants, tmp_path / where)
+    names = {
+        f"{table}.{suffix}" for table in ("constants", "static", "embodied", "rejections") for suffix in ("csv", "md", "tex")
+    }
+    assert {path.name for path in (tmp_path / "one").iterdir()} == names
+    assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes() for name in names)
+
+
+def test_the_static_table_on_a_page(metrics, constants, tmp_path):
+    tables.run(*metrics, constants, tmp_path / "tables")
+    assert (tmp_path / "tables" / "static.md").read_text(encoding="utf-8") == STATIC_MD
+    tex = (tmp_path / "tables" / "static.tex").read_text(encoding="utf-8")
+    assert r"\multicolumn{11}{l}{\emph{positions handed over (diagnostic)}} \\" in tex
+    assert r"\begin{table*}" in tex and r"$^\dagger$" in tex
+    assert tex.isascii()
+
+
+def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tmp_path):
+    tables.run(*metrics, constants, tmp_path / "tables")
+    single, two = read(tmp_path / "tables" / "static.csv")
+    design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n"]
+    assert [key for key in single if not key.endswith(("_low", "_high")) and key != "interval"] == design
+    for row in (single, two):
+        for key in (*(relation.value for relation in Relation), "all"):
+            assert float(row[f"{key}_low"]) <= float(row[key]) <= float(row[f"{key}_high"])
+    assert (single["memory"], single["all"], single["interval"]) == ("single visit", "0.250", "poisson_binomial")
+    assert (two["memory"], two["all"], two["all_low"], two["all_high"]) == ("two visits", "1.000", "0.862", "1.000")
+    assert two["n"] == "24"
+
+
+def test_the_embodied_csv(metrics, constants, tmp_path):
+    tables.run(*metrics, constants, tmp_path / "tables")
+    (row,) = read(tmp_path / "tables" / "embodied.csv")
+    assert [row[key] for key in ("agent", "sr", "spl", "n", "seeds")] == ["oracle check", "0.833", "0.750", "12", "3"]
+    assert float(row["sr_low"]) < 0.833 < float(row["sr_high"])
+
+
+def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
+    lines = metrics[0].read_text().splitlines(keepends=True)
+    metrics[0].write_text("".join(line for line in lines if not line.startswith("positions_single_visit")))
+    tables.run(*metrics, constants, tmp_path / "tables")
+    assert [row["memory"] for row in read(tmp_path / "tables" / "static.csv")] == ["two visits"]
+    assert "†" not in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
+
+
+def test_a_relation_without_episodes_is_empty_not_zero(metrics, constants, tmp_path):
+    lines = metrics[0].read_text().splitlines(keepends=True)
+    metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
+    tables.run(*metrics, constants, tmp_path / "tables")
+    assert all(row["stable"] == row["stable_low"] == "" for row in read(tmp_path / "tables" / "static.csv"))
+    assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
+
+
+def test_an_arm_in_the_wrong_table_is_refused(metrics, constants, tmp_path):
+    metrics[1].write_text(metrics[1].read_text().replace("oracle_check", "positions_two_visits"))
+    with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is no embodied arm"):
+        tables.run(*metrics, constants, tmp_path / "tables")
+
+
+def test_the_audit_adds_up(metrics, constants, tmp_path):
+    tables.run(*metrics, constants, tmp_path / "tables")
+    assert (tmp_path / "tables" / "rejections.md").read_text(encoding="utf-8") == REJECTIONS_MD
+    rows = read(tmp_path / "tables" / "rejections.csv")
+    drawn, *rejected, certified, released = rows
+    for key in (*(relation.value for relation in Relation), "all"):
+        assert int(drawn[key]) == sum(int(row[key]) for row in rejected) + int(certified[key])
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("moved,drawn,,9", "moved,drawn,,10"), "moved has 10 drawn, but 3 rejected and 6 certified"),
+        (("moved,released,,5", "moved,released,,7"), "7 released of 6 certified"),
+        (("placement,placement_refused", "placement,tired"), "placement tired"),
+        (("former,drawn,,9", "moved,drawn,,9"), "counted twice"),
+        (("former,drawn,,9", "vanished,drawn,,9"), "not a change relation"),
+    ],
+)
+def test_an_audit_that_contradicts_itself_is_not_printed(change, message):
+    with pytest.raises(ValueError, match=message):
+        rejections_table(list(csv.DictReader(io.StringIO(REJECTIONS.replace(*change)))))
+
+
+def test_constants_are_those_in_force(constants):
+    before = {row["setting"]: row for row in csv.DictReader(io.StringIO(table_csv(constants_table(constants))))}
+    assert list(before) == list(KEYS)
+    assert before["success.radius_m"]["symbol"] == "R"
+    for key in KEYS:
+        section, name = key.split(".")
+        value = getattr(getattr(constants, section), name)
+        changed = [*value, 75] if isinstance(value, list) else value + 3
+        setattr(getattr(constants, section), name, changed)
+        after = {row["setting"]: row for row in csv.DictReader(io.StringIO(table_csv(constants_table(constants))))}
+        assert {other for other in KEYS if after[other] != before[other]} == {key}
+        setattr(getattr(constants, section), name, value)
+
+
+def test_values_of_the_paper(constants):
+    values = {row.cells["setting"]: (row.cells["value"], row.cells["unit"]) for row in constants_table(constants).rows}
+    assert values["success.radius_m"] == ("1.0", "m")
+    assert values["association.gate_m"] == ("1.25", "m")
+    assert values["success.sweep_deg"] == ("0, 30, 60", "°")
+    assert values["primitives.turn_deg"] == ("30", "°")
+    assert values["primitives.action_budget"] == ("500", "actions")
+
+
+def test_a_whole_number_of_metres_is_the_same_however_it_is_written():
+    assert value_text(2, "m") == value_text(2.0, "m") == "2.0"
+    assert value_text(30, "°") == value_text(30.0, "°") == "30"
+
+
+def test_every_shown_constant_is_a_setting(constants):
+    assert len(set(KEYS)) == len(KEYS)
+    for key in KEYS:
+        assert reduce(getattr, key.split("."), constants) is not None
