@@ -27,7 +27,7 @@ BEST_DISTANCE_M = 2.2
 def project(
     point: Sequence[float], view: Mapping[str, Any], width_px: int, height_px: int, field_of_view_deg: float
 ) -> tuple[float, float, float]:
-    """Pixel (u, v) and planar depth in metres of a world point (x, y, z) in a recorded view; depth <= 0 lies behind the camera."""
+    """Pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; nan where it lies behind the camera."""
     camera, yaw, pitch = view["camera"], math.radians(view["pose"]["yaw_deg"]), math.radians(view["pose"]["horizon_deg"])
     offset = np.subtract(point, [camera["x"], camera["y"], camera["z"]])
     right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
