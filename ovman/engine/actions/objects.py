@@ -1,0 +1,87 @@
+"""Actions that put objects somewhere, hide them or take them away."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ovman.engine.actions.registry import action
+from ovman.engine.actions.values import Vector3, converted
+from ovman.engine.engine import Engine
+from ovman.engine.floorplan import rotation_matrix
+from ovman.engine.world import Refused
+
+
+def _turned(rotation: Vector3 | None) -> np.ndarray | None:
+    return None if rotation is None else rotation_matrix(rotation.array)
+
+
+@action("PlaceObjectAtPoint")
+def place_object_at_point(
+    engine: Engine, objectId: str, position: Vector3, rotation: Vector3 | None = None, forceKinematic: bool = False
+) -> dict[str, float]:
+    return Vector3.of(engine.world.place(objectId, position.array, _turned(rotation), forceKinematic)).to_json()
+
+
+@action("PlaceObjectAtPoint")
+def place_object_at_first_free_point(
+    engine: Engine, objectId: str, positions: list[Vector3], rotation: Vector3 | None = None, forceKinematic: bool = False
+) -> dict[str, float]:
+    refusal = Refused("PlaceObjectAtPoint needs at least one position.")
+    for position in positions:
+        try:
+            return place_object_at_point(engine, objectId, position, rotation, forceKinematic)
+        except Refused as error:
+            refusal = error
+    raise refusal
+
+
+@action("TeleportObject")
+def teleport_object(
+    engine: Engine,
+    objectId: str,
+    position: Vector3,
+    rotation: Vector3 | None = None,
+    forceAction: bool = False,
+    forceKinematic: bool = False,
+) -> None:
+    engine.world.teleport(objectId, position.array, _turned(rotation), forceAction, forceKinematic)
+
+
+@action("SetObjectPoses")
+def set_object_poses(engine: Engine, objectPoses: list[dict], placeStationary: bool = True, **rest: Any) -> None:
+    poses = []
+    for number, pose in enumerate(objectPoses):
+        for key in ("objectName", "position", "rotation"):
+            if key not in pose:
+                raise Refused(f"objectPoses[{number}] has no {key}.")
+        poses.append(
+            {
+                "objectName": converted(pose["objectName"], str),
+                "position": converted(pose["position"], Vector3).array,
+                "rotation": rotation_matrix(converted(pose["rotation"], Vector3).array),
+            }
+        )
+    engine.world.set_poses(poses, placeStationary)
+
+
+@action("DisableObject")
+def disable_object(engine: Engine, objectId: str) -> None:
+    engine.world.set_active(objectId, False)
+
+
+@action("EnableObject")
+def enable_object(engine: Engine, objectId: str) -> None:
+    engine.world.set_active(objectId, True)
+
+
+@action("RemoveFromScene")
+def remove_from_scene(engine: Engine, objectId: str) -> None:
+    engine.world.remove(objectId)
+
+
+@action("RemoveFromScene")
+def remove_all_from_scene(engine: Engine, objectIds: list[str]) -> None:
+    for object_id in objectIds:
+        engine.world.remove(object_id)

@@ -1,0 +1,128 @@
+"""Arguments as they arrive in JSON, as the values that an action's signature asks for. Conversions are those of AI2-THOR's
+dispatcher: numbers and texts stand for each other where they can."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from typing import Any, get_args, get_origin
+
+import numpy as np
+
+
+class Inconvertible(ValueError):
+    """A value does not convert to a plain type; AI2-THOR reports these with the code InvalidArgument."""
+
+
+class Malformed(ValueError):
+    """A value does not convert to a vector or a list; AI2-THOR reports these without a code."""
+
+
+@dataclass(frozen=True)
+class Vector3:
+    """A position in metres or Euler angles in degrees; components that are not given are 0."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+    @property
+    def array(self) -> np.ndarray:
+        return np.array([self.x, self.y, self.z])
+
+    def text(self, digits: int) -> str:
+        """As Unity writes it, e.g. (1.00, 0.90, -2.00)."""
+        return f"({self.x:.{digits}f}, {self.y:.{digits}f}, {self.z:.{digits}f})"
+
+    @staticmethod
+    def of(array: Any) -> Vector3:
+        return Vector3(*(float(v) for v in array))
+
+    def to_json(self) -> dict[str, float]:
+        return {"x": self.x, "y": self.y, "z": self.z}
+
+
+NAMES = {float: "float", int: "int", bool: "Boolean", str: "String", Vector3: "Vector3"}
+"""Types as messages call them."""
+CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3", dict: "Dictionary`2"}
+"""Types as signatures in messages call them."""
+
+
+def shown(value: Any) -> str:
+    """A JSON value as messages show it."""
+    if isinstance(value, str):
+        return value
+    if value is None or isinstance(value, bool):
+        return {None: "", True: "True", False: "False"}[value]
+    return json.dumps(value, indent=2)
+
+
+def converted(value: Any, kind: Any) -> Any:
+    """`value` as a `kind`: float, int, bool, str, Vector3, dict, list[...] or Any. Raises Inconvertible or Malformed.
+
+    A number must be finite: a world with a NaN in it has no next state.
+    """
+    if kind is Any:
+        return value
+    if get_origin(kind) is list:
+        if not isinstance(value, list):
+            raise Malformed(f"Error converting value {shown(value)} to a list")
+        try:
+            return [converted(v, get_args(kind)[0]) for v in value]
+        except Inconvertible as error:
+            raise Malformed(str(error)) from None
+    return _PLAIN[kind](value)
+
+
+def _number(value: Any) -> float:
+    if not isinstance(value, bool | int | float | str):
+        raise Inconvertible(shown(value))
+    try:
+        number = float(value)
+    except (ValueError, OverflowError):
+        raise Inconvertible(shown(value)) from None
+    if not math.isfinite(number):
+        raise Inconvertible(shown(value))
+    return number
+
+
+def _integer(value: Any) -> int:
+    number = round(_number(value))
+    if not -(2**31) <= number < 2**31:
+        raise Inconvertible(shown(value))
+    return number
+
+
+def _truth(value: Any) -> bool:
+    if isinstance(value, bool):
+        return value
+    if isinstance(value, int | float):
+        return value != 0
+    if isinstance(value, str) and value.strip().lower() in ("true", "false"):
+        return value.strip().lower() == "true"
+    raise Inconvertible(shown(value))
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool | int | float | str):
+        return shown(value)
+    raise Inconvertible(shown(value))
+
+
+def _vector(value: Any) -> Vector3:
+    if not isinstance(value, dict):
+        raise Malformed(f"Error converting value {shown(value)} to type 'UnityEngine.Vector3'.")
+    try:
+        return Vector3(**{axis: _number(value[axis]) for axis in "xyz" if axis in value})
+    except Inconvertible as error:
+        raise Malformed(f"Could not convert to a component of a Vector3: {error}.") from None
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise Malformed(f"Error converting value {shown(value)} to a dictionary.")
+    return value
+
+
+_PLAIN = {float: _number, int: _integer, bool: _truth, str: _text, Vector3: _vector, dict: _mapping}

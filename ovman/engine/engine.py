@@ -1,0 +1,201 @@
+"""The engine: a world, a camera on it, and the state that a client's actions go by."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import msgpack
+
+from ovman.engine import event
+from ovman.engine.event import Outcome, thrown
+from ovman.engine.settings import Images, Settings
+from ovman.engine.wire import Field
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ovman.engine.camera import Renderer, View
+    from ovman.engine.metadata import SceneMetadata
+    from ovman.engine.world import World
+
+ACTION_S = 0.1
+"""Simulated time that an action takes while physics runs by itself. AI2-THOR's actions take as long as the frames that Unity
+draws for them; a tenth of a second lets a dropped thing fall and come to rest within the few actions that AI2-THOR needs."""
+SCENE_SUFFIX = "_physics"
+"""What AI2-THOR appends to the names of the iTHOR scenes."""
+
+
+class Engine:
+    """Answers one client, action by action. Imports the world when the first scene is asked for and the camera with the first
+    image, so that a client has its first event at once."""
+
+    def __init__(self, width: int = 300, height: int = 300, draws: bool = True) -> None:
+        """Pictures of `width` x `height` pixels; none at all unless it `draws`."""
+        self.width, self.height, self._draws = width, height, draws
+        self.settings = Settings()
+        self.scene_name = ""
+        self.auto_simulation = True
+        self.seed = 0
+        self.time_s = 0.0
+        self._world: World | None = None
+        self._metadata: SceneMetadata | None = None
+        self._renderer: Renderer | None = None
+        self._last_state: tuple[Any, ...] | None = None
+        self._last_images = Images()
+        self._sequence: Any = 0
+        self._resets = 0
+
+    # What actions use
+
+    @property
+    def world(self) -> World:
+        """Refused while no scene is loaded."""
+        if self._world is None:
+            from ovman.engine.world import Refused
+
+            raise Refused("No scene is loaded: send the action Reset with a sceneName first.")
+        return self._world
+
+    def load(self, scene_name: str) -> None:
+        """A fresh world of the scene ("FloorPlan201_physics"), settings as before any Initialize. KeyError if there is none."""
+        from ovman.engine import floorplan
+        from ovman.engine.metadata import SceneMetadata
+        from ovman.engine.world import World
+
+        world = World(floorplan.load(scene_name.removesuffix(SCENE_SUFFIX)), seed=self.seed)
+        self._resets += 1
+        self._world, self._metadata, self._renderer = world, SceneMetadata(world), None
+        self.scene_name = scene_name
+        self.settings = Settings()
+        self.auto_simulation = True
+        self.time_s = 0.0
+
+    def change(self, **settings: Any) -> None:
+        """Replaces settings by name."""
+        self.settings = replace(self.settings, **settings)
+
+    def snapped(self, position: np.ndarray) -> np.ndarray:
+        """The position (3,) on the grid in x and z, if positions snap to it."""
+        if not self.settings.snap_to_grid:
+            return position
+        import numpy as np
+
+        grid = self.settings.grid_m
+        return np.array([round(position[0] / grid) * grid, position[1], round(position[2] / grid) * grid])
+
+    def in_bounds(self, position: np.ndarray) -> bool:
+        """Whether a position (3,) is within the bounds of the scene."""
+        low, high = self.world.bounds()
+        return bool(((low <= position) & (position <= high)).all())
+
+    def view(self) -> View:
+        """What the agent's camera looks at."""
+        from ovman.engine.camera import View
+
+        agent, s = self.world.agent, self.settings
+        return View(
+            agent.camera,
+            agent.yaw_deg,
+            agent.horizon_deg,
+            s.field_of_view_deg,
+            self.width,
+            self.height,
+            near_m=s.near_m,
+            far_m=s.far_m,
+        )
+
+    # What the client sees
+
+    def first_message(self) -> list[tuple[Field, bytes | memoryview]]:
+        """The message that the client waits for before it sends anything."""
+        return self._message({"action": "", "sequenceId": 0}, Outcome(), Images())
+
+    def answer(self, body: bytes) -> list[tuple[Field, bytes | memoryview]]:
+        """Does what the action in `body` (JSON) asks for and returns the frames of the reply. Never raises: a client whose engine
+        falls silent waits for ever."""
+        try:
+            request = json.loads(body)
+            problem = "" if isinstance(request, dict) else f"An action is a JSON object, not {request!r:.100}."
+        except ValueError as error:
+            problem = f"An action is a JSON object: {error}."
+        if problem:
+            self._sequence = self._sequence + 1 if isinstance(self._sequence, int) else 0
+            return self._message({}, Outcome(success=False, message=problem), Images())
+        self._sequence = request.get("sequenceId", 0)
+        outcome = self._perform(request)
+        try:
+            return self._message(request, outcome, self._wanted(request))
+        except Exception as error:
+            self._last_state = None
+            return self._message(request, thrown(error), Images())
+
+    def _perform(self, request: Mapping[str, Any]) -> Outcome:
+        from ovman.engine import dispatch
+
+        outcome = dispatch.perform(self, request)
+        if self._world is None:
+            return outcome
+        self.time_s += ACTION_S
+        try:
+            if self.auto_simulation and not self._world.at_rest:
+                self._world.advance(ACTION_S)
+        except Exception as error:
+            return thrown(error)
+        return outcome
+
+    def _wanted(self, request: Mapping[str, Any]) -> Images:
+        """Reset is answered without images: the client sends Initialize before anybody sees its event."""
+        if not self._draws or self._world is None or request.get("action") == "Reset" or request.get("renderImage") is False:
+            return Images()
+        s = self.settings
+
+        def asked(*keys: str) -> bool:
+            return any(request.get(key) is True for key in keys)
+
+        return Images(
+            True,
+            s.depth,
+            s.instances or asked("renderInstanceSegmentation", "renderObjectImage"),
+            s.classes or asked("renderSemanticSegmentation", "renderClassImage"),
+            s.normals or asked("renderNormalsImage"),
+        )
+
+    def _message(self, request: Mapping[str, Any], outcome: Outcome, wanted: Images) -> list[tuple[Field, bytes | memoryview]]:
+        state = self._state()
+        if (
+            self.settings.fast_emit
+            and state is not None
+            and state == self._last_state
+            and (wanted == self._last_images or not wanted.any)
+        ):
+            return [(Field.METADATA_PATCH, msgpack.packb(event.patch(request, outcome, self.time_s)))]
+        images: list[tuple[Field, memoryview]] = []
+        colours = None
+        if wanted.any:
+            images, colours = self._draw(wanted)
+        agent = event.agent(self, request, outcome, self._metadata, colours)
+        self._last_state, self._last_images = state, wanted
+        return [(Field.METADATA, msgpack.packb(event.message(agent, self._sequence))), *images]
+
+    def _state(self) -> tuple[Any, ...] | None:
+        """Equal for two events only if they show the same world in the same way; None while there is no world, or it moves."""
+        world = self._world
+        if world is None or not world.at_rest:
+            return None
+        pose = (*world.agent.position.tolist(), world.agent.yaw_deg, world.agent.horizon_deg, world.agent.standing)
+        return (self._resets, world.version, pose, self.settings, self.width, self.height)
+
+    def _draw(self, wanted: Images) -> tuple[list[tuple[Field, memoryview]], list[dict[str, Any]] | None]:
+        from ovman.engine.camera import Renderer
+        from ovman.engine.images import colour_table, encoded
+
+        if self._renderer is None:
+            self._renderer = Renderer(self.world)
+        view = self.view()
+        ids = wanted.instances or wanted.classes
+        frame = self._renderer.frame(view, rgb=wanted.colour, depth=wanted.depth, ids=ids, normals=wanted.normals)
+        names = self._renderer.names
+        return encoded(frame, names, view, wanted), colour_table(names) if ids else None

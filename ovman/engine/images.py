@@ -1,0 +1,72 @@
+"""Frames of the camera as AI2-THOR puts them on the wire: raw, rows from the bottom up; colours that stand for names."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ovman.engine.settings import Images
+from ovman.engine.wire import Field
+
+if TYPE_CHECKING:
+    from ovman.engine.camera import Frame, View
+
+OPAQUE = 0xFF000000
+BACKGROUND = np.uint32(OPAQUE)
+"""What belongs to no named thing; no name has this colour."""
+
+
+@cache
+def colour(tag: str) -> tuple[int, int, int]:
+    """Colour (r, g, b), 0 to 255, of an instance or a class in segmentation images."""
+    red, green, blue = hashlib.md5(tag.encode("utf8"), usedforsecurity=False).digest()[:3]
+    return red, green, blue
+
+
+def class_of(name: str) -> str:
+    """Class of an instance: its name up to the first bar."""
+    return name.split("|", 1)[0]
+
+
+def colour_table(names: Sequence[str]) -> list[dict[str, Any]]:
+    """The metadata's colors: one entry for each instance in `names`, one for each of their classes."""
+    tags = list(dict.fromkeys([*names, *map(class_of, names)]))
+    return [{"name": tag, "color": list(colour(tag))} for tag in tags]
+
+
+@cache
+def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
+    """(N + 1,) uint32 little-endian RGBA, the background last, where an index of -1 finds it."""
+    tags = [class_of(n) if classes else n for n in names]
+    packed = [r | g << 8 | b << 16 | OPAQUE for r, g, b in map(colour, tags)]
+    return np.array([*packed, BACKGROUND], dtype="<u4")
+
+
+def encoded(frame: Frame, names: Sequence[str], view: View, wanted: Images) -> list[tuple[Field, memoryview]]:
+    """The images of `frame` that are `wanted`, ready for the wire. `names` are those that its ids index."""
+    images: list[tuple[Field, np.ndarray]] = []
+    if wanted.colour:
+        images.append((Field.RGB, frame.rgb))
+    if wanted.depth:
+        images.append((Field.DEPTH, frame.depth))
+    if wanted.normals:
+        images.append((Field.NORMALS, _normals(frame.normals, view)))
+    if wanted.classes:
+        images.append((Field.CLASSES, _palette(tuple(names), True)[frame.ids]))
+    if wanted.instances:
+        images.append((Field.IDS, _palette(tuple(names), False)[frame.ids]))
+    return [(field, memoryview(np.ascontiguousarray(image[::-1]))) for field, image in images]
+
+
+def _normals(world: np.ndarray, view: View) -> np.ndarray:
+    """Normals (H, W, 3) in the world frame as (H, W, 3) uint8 in the camera's: x right, y up, z towards the camera."""
+    yaw, pitch = np.radians([view.yaw_deg, view.horizon_deg])
+    right = [np.cos(yaw), 0.0, -np.sin(yaw)]
+    forward = [np.sin(yaw) * np.cos(pitch), -np.sin(pitch), np.cos(yaw) * np.cos(pitch)]
+    up = [np.sin(yaw) * np.sin(pitch), np.cos(pitch), np.cos(yaw) * np.sin(pitch)]
+    axes = np.array([right, up, np.negative(forward)], dtype=np.float32)
+    return np.round((world @ axes.T + 1.0) * 127.5).astype(np.uint8)

@@ -1,0 +1,46 @@
+"""What Initialize sets, and every later action goes by until the next Reset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Defaults are AI2-THOR's."""
+
+    grid_m: float = 0.25
+    """Length of a move that names none, and spacing of the grid that positions snap to."""
+    snap_to_grid: bool = True
+    turn_deg: float = 90.0
+    """Angle of a rotation that names none."""
+    field_of_view_deg: float = 90.0
+    """Vertical."""
+    visibility_m: float = 1.5
+    """How near an object must be to count as visible."""
+    near_m: float = 0.1
+    far_m: float = 20.0
+    look_up_deg: float = 30.0
+    look_down_deg: float = 60.0
+    """Largest pitch of the camera above and below the horizon."""
+    depth: bool = False
+    instances: bool = False
+    classes: bool = False
+    normals: bool = False
+    fast_emit: bool = True
+    """An event in which nothing changed but the action's outcome may be sent as a patch of the one before."""
+
+
+@dataclass(frozen=True)
+class Images:
+    """The kinds of image that an event carries."""
+
+    colour: bool = False
+    depth: bool = False
+    instances: bool = False
+    classes: bool = False
+    normals: bool = False
+
+    @property
+    def any(self) -> bool:
+        return self.colour or self.depth or self.instances or self.classes or self.normals
