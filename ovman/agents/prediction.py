@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.task.record import line, records
 
 SCHEMA = "ovman-prediction/1"
 
@@ -59,17 +59,17 @@ class Prediction:
 def read(path: Path) -> list[Prediction]:
     """The predictions of a file of JSON lines. Raises ValueError in one line: file, line number, key and remedy."""
     predictions = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+    for place, record in records(path):
         try:
-            predictions.append(Prediction.from_json(json.loads(line)))
+            predictions.append(Prediction.from_json(record))
         except (ValueError, TypeError) as error:
-            raise ValueError(f"{path}:{number}: {error}") from None
+            raise ValueError(f"{place}: {error}") from None
     return predictions
 
 
 def write(path: Path, predictions: Iterable[Prediction]) -> None:
-    """One JSON line a prediction, in the order given."""
-    path.write_text("".join(json.dumps(prediction.to_json()) + "\n" for prediction in predictions), encoding="utf-8")
+    """One JSON line a prediction, in the order given, coordinates rounded as all records are."""
+    path.write_text("".join(line(prediction.to_json()) for prediction in predictions), encoding="utf-8")
 
 
 def _outcome(record: Mapping[str, Any], form: str) -> Outcome:

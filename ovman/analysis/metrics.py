@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
@@ -14,6 +13,7 @@ from ovman.agents import prediction
 from ovman.agents.arms import ARMS
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
 STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
@@ -32,7 +32,7 @@ def run(
     """
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases)]
-    runs = [record for path in run_files for record in read_json_lines(path)]
+    runs = [record for path in run_files for _, record in records(path)]
     static = static_outcomes(
         cases,
         predictions,
@@ -68,11 +68,11 @@ def read_cases(episodes_file: Path) -> list[Case]:
     Raises ValueError that names file and line, or the id that is there twice.
     """
     cases = []
-    for number, record in enumerate(read_json_lines(episodes_file), start=1):
+    for place, record in records(episodes_file):
         try:
             cases.append(Case.of(record))
         except (ValueError, TypeError) as error:
-            raise ValueError(f"{episodes_file}:{number}: {error}") from None
+            raise ValueError(f"{place}: {error}") from None
     seen: set[str] = set()
     for case in cases:
         if case.id in seen:
@@ -82,22 +82,11 @@ def read_cases(episodes_file: Path) -> list[Case]:
 
 
 def _predictions(path: Path, cases: Sequence[Case]) -> list[prediction.Prediction]:
-    records = prediction.read(path)
+    answered = prediction.read(path)
     # Without this an arm that broke off before its first answer would leave the tables as silently as one that does not exist.
-    if cases and not records:
+    if cases and not answered:
         raise ValueError(f"{path}: no predictions for {len(cases)} episodes; make the file again")
-    return records
-
-
-def read_json_lines(path: Path) -> list[dict[str, Any]]:
-    """The records of a file of JSON lines. Raises ValueError that names file and line."""
-    records = []
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-        try:
-            records.append(json.loads(line))
-        except ValueError as error:
-            raise ValueError(f"{path}:{number}: {error}") from None
-    return records
+    return answered
 
 
 def csv_text(header: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:

@@ -38,8 +38,13 @@ def test_files_keep_the_order(tmp_path):
     write(path, predictions)
     assert read(path) == predictions
     assert path.read_text().splitlines()[1] == (
-        '{"schema": "ovman-prediction/1", "episode": "FloorPlan201/moved/0001", "arm": "a", "seed": 0, "abstain": "no_motion"}'
+        '{"schema":"ovman-prediction/1","episode":"FloorPlan201/moved/0001","arm":"a","seed":0,"abstain":"no_motion"}'
     )
+
+
+def test_what_is_written_is_rounded_to_a_tenth_of_a_millimetre(tmp_path):
+    write(tmp_path / "a.jsonl", [Prediction("e", "a", 0, Answer(0.1 + 0.2, -1.23456))])
+    assert read(tmp_path / "a.jsonl")[0].outcome == Answer(0.3, -1.2346)
 
 
 GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "x": 1.0, "z": 2.0}
