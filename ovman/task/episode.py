@@ -75,6 +75,19 @@ class Episode:
         """Ids of the instances of the scripted changes."""
         return frozenset(change.instance for change in self.changes)
 
+    @property
+    def states(self) -> tuple[WorldState, WorldState]:
+        """W_1 and W_2 as Eq. 1 reads them: an instance without a track of its own that a change set in motion has its path for one."""
+        paths = {change.instance: change.path for change in self.changes if change.path}
+        return self.world_1, WorldState(
+            tuple(
+                Instance.tracked(instance.id, instance.category, paths[instance.id])
+                if instance.id in paths and not instance.track
+                else instance
+                for instance in self.world_2
+            )
+        )
+
     def to_json(self) -> dict[str, Any]:
         """The record, rounded, its keys in the order that the schema lists them."""
         return rounded(

@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 METRE_DECIMALS = 4
 """0.1 mm."""
 DEGREE_DECIMALS = 2
@@ -35,11 +33,11 @@ def rounded(value: Any, key: str = "") -> Any:
     """`value` with every float in it rounded: to 0.01 degrees under a key that ends in "_deg", to six decimals under "spl" and
     "probability", to 0.1 mm elsewhere. Applied through mappings (which name the key) and sequences (which inherit it).
 
-    Integers, booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers become Python's and tuples lists. Applying it
-    twice changes nothing. Raises ValueError for a number that is not finite, which JSON cannot hold.
+    Integers, booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's and tuples lists.
+    Applying it twice changes nothing. Raises ValueError for a number that is not finite, which JSON cannot hold.
     """
-    if isinstance(value, np.generic):
-        value = value.item()
+    if hasattr(value, "tolist"):
+        value = value.tolist()
     if isinstance(value, Mapping):
         return {name: rounded(inner, str(name)) for name, inner in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):

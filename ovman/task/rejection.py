@@ -17,17 +17,16 @@ class RejectionStage(StrEnum):
 
 
 class Rejection(StrEnum):
-    """The first reason, in the order of this enumeration, is the one that is counted."""
+    """The reasons in the order in which they are looked for: of several, the first is the one that is counted."""
 
     NO_PLACEMENT = "no_placement"
     NO_LANE = "no_lane"
     NO_SPAWN = "no_spawn"
-    SIMULATOR_ERROR = "simulator_error"
     PLACEMENT_REFUSED = "placement_refused"
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
     SPAWN_TOO_CLOSE = "spawn_too_close"
-    ANSWER_UNREACHABLE = "answer_unreachable"
     SPAWN_IMMOBILE = "spawn_immobile"
+    ANSWER_UNREACHABLE = "answer_unreachable"
     ANSWER_NOT_VISIBLE = "answer_not_visible"
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
     REFERENT_ABSENT = "referent_absent"
@@ -37,6 +36,7 @@ class Rejection(StrEnum):
     DRIFTED = "drifted"
     FEASIBILITY_FAILED = "feasibility_failed"
     CERTIFICATION_FAILED = "certification_failed"
+    SIMULATOR_ERROR = "simulator_error"
 
     @property
     def stage(self) -> RejectionStage:
@@ -47,12 +47,11 @@ _STAGES = {
     Rejection.NO_PLACEMENT: RejectionStage.DRAW,
     Rejection.NO_LANE: RejectionStage.DRAW,
     Rejection.NO_SPAWN: RejectionStage.DRAW,
-    Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
     Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
     Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
     Rejection.SPAWN_TOO_CLOSE: RejectionStage.PLACEMENT,
-    Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
     Rejection.SPAWN_IMMOBILE: RejectionStage.GEOMETRY,
+    Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
     Rejection.ANSWER_NOT_VISIBLE: RejectionStage.GEOMETRY,
     Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
     Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
@@ -62,4 +61,5 @@ _STAGES = {
     Rejection.DRIFTED: RejectionStage.OBSERVATION,
     Rejection.FEASIBILITY_FAILED: RejectionStage.CERTIFICATION,
     Rejection.CERTIFICATION_FAILED: RejectionStage.CERTIFICATION,
+    Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
 }

@@ -1,0 +1,139 @@
+"""Intervals and tests against other formulas, enumeration, and the numbers that the paper prints."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import binom, binomtest
+
+from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
+
+PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
+COUNTS = st.integers(1, 400).flatmap(lambda trials: st.tuples(st.integers(0, trials), st.just(trials)))
+PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
+
+
+@PROPERTY
+@given(COUNTS, st.sampled_from([0.5, 0.9, 0.95, 0.99]))
+def test_wilson_agrees_with_scipy(counts, confidence):
+    theirs = binomtest(*counts).proportion_ci(confidence, method="wilson")
+    assert wilson_interval(*counts, confidence) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
+
+
+@PROPERTY
+@given(COUNTS)
+def test_wilson_encloses_the_rate_and_mirrors(counts):
+    successes, trials = counts
+    low, high = wilson_interval(successes, trials)
+    assert 0.0 <= low <= successes / trials <= high <= 1.0
+    assert (low, high) == pytest.approx([1.0 - bound for bound in reversed(wilson_interval(trials - successes, trials))])
+    wide = wilson_interval(successes, trials, 0.99)
+    assert wide[0] <= low and high <= wide[1]
+
+
+@pytest.mark.parametrize(("successes", "low", "high"), [(62, 0.228, 0.346), (99, 0.388, 0.518), (217, 0.967, 0.997)])
+def test_wilson_gives_the_intervals_of_the_paper(successes, low, high):
+    assert [round(bound, 3) for bound in wilson_interval(successes, 219)] == [low, high]
+
+
+@pytest.mark.parametrize(("successes", "trials", "confidence"), [(1, 0, 0.95), (3, 2, 0.95), (-1, 2, 0.95), (1, 2, 1.0)])
+def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
+    with pytest.raises(ValueError, match="no rate|confidence"):
+        wilson_interval(successes, trials, confidence)
+
+
+@PROPERTY
+@given(st.integers(0, 120), st.integers(0, 120))
+def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
+    p = mcnemar_exact(wins, losses)
+    assert p == mcnemar_exact(losses, wins)
+    if wins + losses:
+        assert p == pytest.approx(binomtest(wins, wins + losses).pvalue, rel=1e-9)
+    else:
+        assert p == 1.0
+
+
+def test_mcnemar_gives_the_tests_of_the_paper():
+    assert mcnemar_exact(49, 35) == pytest.approx(0.16, abs=0.005)
+    assert mcnemar_exact(83, 11) < 1e-14
+    assert mcnemar_exact(1, 0) == 1.0
+    assert mcnemar_exact(6, 0) == 2 / 64
+
+
+def test_mcnemar_refuses_negative_counts():
+    with pytest.raises(ValueError, match="at least 0"):
+        mcnemar_exact(-1, 3)
+
+
+@PROPERTY
+@given(st.lists(PROBABILITIES, max_size=7), st.integers(-1, 8))
+def test_the_tail_agrees_with_enumeration(probabilities, successes):
+    expected = math.fsum(
+        math.prod(p if hit else 1.0 - p for p, hit in zip(probabilities, outcome, strict=True))
+        for outcome in itertools.product([False, True], repeat=len(probabilities))
+        if sum(outcome) >= successes
+    )
+    assert poisson_binomial_tail(probabilities, successes) == pytest.approx(expected, abs=1e-12)
+
+
+@PROPERTY
+@given(st.integers(1, 250), st.floats(0.01, 0.99), st.integers(0, 250))
+def test_equal_probabilities_make_it_binomial_to_relative_precision(trials, probability, successes):
+    expected = float(binom.sf(successes - 1, trials, probability))
+    assert poisson_binomial_tail([probability] * trials, successes) == pytest.approx(expected, rel=1e-8, abs=1e-290)
+
+
+@PROPERTY
+@given(st.lists(PROBABILITIES, max_size=30), st.integers(0, 30), st.randoms(use_true_random=False))
+def test_the_tail_falls_with_the_threshold_and_does_not_depend_on_the_order(probabilities, successes, random):
+    mixed = list(probabilities)
+    random.shuffle(mixed)
+    tail = poisson_binomial_tail(probabilities, successes)
+    assert poisson_binomial_tail(mixed, successes) == pytest.approx(tail, rel=1e-9, abs=1e-300)
+    assert poisson_binomial_tail(probabilities, successes + 1) <= tail <= 1.0
+
+
+@PROPERTY
+@given(st.lists(PROBABILITIES, min_size=1, max_size=30))
+def test_the_tails_sum_to_the_expected_number_of_successes(probabilities):
+    tails = [poisson_binomial_tail(probabilities, k) for k in range(1, len(probabilities) + 1)]
+    assert math.fsum(tails) == pytest.approx(math.fsum(probabilities), abs=1e-9)
+
+
+@pytest.mark.parametrize("probability", [-0.1, 1.1, float("nan")])
+def test_the_tail_refuses_what_is_no_probability(probability):
+    with pytest.raises(ValueError, match="no probability"):
+        poisson_binomial_tail([0.5, probability], 1)
+
+
+@PROPERTY
+@given(st.lists(st.floats(0.0, 1.0), max_size=8), st.floats(0.01, 0.99))
+def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, level):
+    rejected, remaining = set(), len(p_values)
+    for k in sorted(range(len(p_values)), key=lambda k: p_values[k]):
+        if p_values[k] * remaining > level:
+            break
+        rejected.add(k)
+        remaining -= 1
+    assert {k for k, p in enumerate(holm(p_values)) if p <= level} == rejected
+
+
+@PROPERTY
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
+def test_holm_lies_between_the_raw_value_and_bonferroni_and_keeps_the_order(p_values):
+    adjusted = holm(p_values)
+    for p, q in zip(p_values, adjusted, strict=True):
+        assert p <= q <= min(1.0, len(p_values) * p)
+    for (p, q), (r, s) in itertools.combinations(zip(p_values, adjusted, strict=True), 2):
+        assert p > r or q <= s
+
+
+def test_holm_on_a_family_worked_by_hand():
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
+    assert holm([]) == ()
+    with pytest.raises(ValueError, match="no p-value"):
+        holm([0.5, 1.5])

@@ -1,0 +1,129 @@
+"""The grid of reachable positions."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.navigation.grid import LATTICE_TOLERANCE_M, Grid
+
+PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
+STEP = 0.25
+CELLS = st.frozensets(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=60)
+OFFSETS = st.sampled_from([0.0, 0.05, 0.1, 0.125, -0.0625, -0.1])
+POINTS = st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0))
+
+
+def positions(cells, offset=(0.0, 0.0)):
+    return [(offset[0] + STEP * i, offset[1] + STEP * j) for i, j in cells]
+
+
+@PROPERTY
+@given(CELLS, OFFSETS, OFFSETS, st.integers(0, 2**32 - 1))
+def test_positions_come_back_as_centres_in_any_order_and_precision(cells, offset_x, offset_z, seed):
+    points = positions(cells, (offset_x, offset_z))
+    rng = np.random.default_rng(seed)
+    noise = rng.normal(0, 1e-7, len(points))
+    rough = [(float(np.float32(x)) + e, float(np.float32(z)) - e) for (x, z), e in zip(points, noise, strict=True)]
+    rng.shuffle(rough)
+    grid, exact = Grid.from_positions(rough, STEP), Grid.from_positions(points, STEP)
+    assert grid == exact
+    assert len(grid.cells) == len(cells)
+    centres = sorted(grid.centre(cell) for cell in grid.cells)
+    assert np.allclose(centres, sorted(points), atol=1e-4)
+
+
+@PROPERTY
+@given(CELLS, CELLS, OFFSETS, OFFSETS)
+def test_grids_of_one_lattice_share_their_indices(before, after, offset_x, offset_z):
+    grids = [Grid.from_positions(positions(cells, (offset_x, offset_z)), STEP) for cells in (before, after)]
+    assert grids[0].origin == grids[1].origin
+    assert grids[0].cells & grids[1].cells == Grid.from_positions(positions(before & after, (offset_x, offset_z)), STEP).cells
+
+
+@PROPERTY
+@given(CELLS, st.integers(0, 1), st.floats(2 * LATTICE_TOLERANCE_M, STEP / 2), st.sampled_from([-1, 1]))
+def test_a_position_off_the_lattice_is_an_error_that_names_it(cells, axis, off_m, sign):
+    cells = cells | {(-6, -6)}
+    points = positions(cells)
+    stray = [STEP, STEP]
+    stray[axis] += sign * off_m
+    with pytest.raises(ValueError, match="off the lattice of 0.25 m"):
+        Grid.from_positions([*points, tuple(stray)], STEP)
+
+
+def test_heights_are_passed_over_and_no_positions_are_no_cells():
+    points = [(0.0, 0.9, 1.0), (0.25, 0.9, 1.0)]
+    assert Grid.from_positions(points, STEP) == Grid.from_positions([(x, z) for x, _, z in points], STEP)
+    empty = Grid.from_positions([], STEP)
+    assert empty.cells == frozenset() and empty.components() == ()
+    with pytest.raises(ValueError, match="empty"):
+        empty.nearest(0.0, 0.0)
+
+
+@PROPERTY
+@given(CELLS, POINTS, st.data())
+def test_nearest_is_nearest_and_ties_go_to_the_smallest_cell(cells, point, data):
+    grid = Grid(STEP, (0.1, -0.05), cells)
+    within = data.draw(st.one_of(st.none(), st.sets(st.sampled_from(sorted(cells)), min_size=1)))
+    candidates = cells if within is None else within
+    nearest = grid.nearest(*point, within=within)
+    distance = {cell: math.dist(grid.centre(cell), point) for cell in candidates}
+    assert nearest in candidates
+    assert distance[nearest] <= min(distance.values()) + 1e-9
+
+
+def test_a_point_between_cells_goes_to_the_smallest():
+    grid = Grid(STEP, (0.1, 0.1), frozenset([(0, 0), (0, 1), (1, 0), (1, 1), (2, 0)]))
+    assert grid.nearest(0.225, 0.225) == (0, 0)
+    assert grid.nearest(0.225, 0.225, within=[(1, 1), (1, 0), (0, 1)]) == (0, 1)
+    assert grid.nearest(0.475, 0.1) == (1, 0)
+    assert grid.nearest(9.0, 9.0) == (1, 1)
+    assert grid.nearest(0.1, 0.1, within={(2, 0)}) == (2, 0)
+
+
+@PROPERTY
+@given(CELLS, POINTS)
+def test_the_cell_at_a_point_is_the_square_around_it(cells, point):
+    grid = Grid(STEP, (0.0, 0.0), cells)
+    cell = grid.cell_at(*point)
+    around = [c for c in cells if max(abs(p - q) for p, q in zip(grid.centre(c), point, strict=True)) <= STEP / 2 - 1e-9]
+    assert around in ([], [cell])
+    if cell is not None:
+        assert cell in cells
+        assert max(abs(p - q) for p, q in zip(grid.centre(cell), point, strict=True)) <= STEP / 2 + 1e-9
+        assert grid.nearest(*point) == cell
+
+
+@PROPERTY
+@given(CELLS)
+def test_components_partition_the_grid_into_closed_connected_sets(cells):
+    grid = Grid(STEP, (0.0, 0.0), cells)
+    components = grid.components()
+    assert sorted(cell for component in components for cell in component) == sorted(cells)
+    assert [len(c) for c in components] == sorted((len(c) for c in components), reverse=True)
+    for component in components:
+        for cell in component:
+            assert grid.component(cell) == component
+            assert set(grid.neighbours(cell)) <= component
+
+
+@PROPERTY
+@given(CELLS)
+def test_neighbourhood_is_symmetric_and_one_step_wide(cells):
+    grid = Grid(STEP, (0.0, 0.0), cells)
+    for cell in cells:
+        for neighbour in grid.neighbours(cell):
+            assert cell in grid.neighbours(neighbour)
+            assert math.dist(grid.centre(cell), grid.centre(neighbour)) == pytest.approx(STEP)
+        expected = {c for c in cells if abs(c[0] - cell[0]) + abs(c[1] - cell[1]) == 1}
+        assert set(grid.neighbours(cell)) == expected
+
+
+def test_a_cell_outside_the_grid_has_no_component():
+    with pytest.raises(ValueError, match="not one of the 1 cells"):
+        Grid(STEP, (0.0, 0.0), frozenset([(0, 0)])).component((3, 3))

@@ -1,0 +1,268 @@
+"""Records: rounding, bytes, and errors that say where and what to do."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.task import (
+    Episode,
+    Measurement,
+    Query,
+    RecordError,
+    Rejection,
+    RejectionStage,
+    Relation,
+    TaskConstants,
+    episode_lines,
+    line,
+    read_episodes,
+    records,
+    referents,
+    rounded,
+    success,
+)
+
+PROPERTY = settings(max_examples=150, derandomize=True, deadline=None)
+CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
+
+RUN = {
+    "run": 0,
+    "seed": 17,
+    "success": True,
+    "stop": {"x": 0.5, "z": 1.25, "yaw_deg": 30.0},
+    "box_distance_m": 0.21,
+    "answer_distance_m": 0.4,
+    "navigable_distance_m": 0.25,
+    "visible_px": {"0": 0, "30": 812, "60": 3001},
+    "path_length_m": 3.25,
+    "actions": 31,
+}
+MOVED = {
+    "schema": "ovman-episode/1",
+    "id": "FloorPlan201/moved/0003",
+    "split": "main",
+    "backend": "embedded",
+    "scene": "FloorPlan201",
+    "relation": "moved",
+    "category": "Chair",
+    "noun": "chair",
+    "sentence": "go to the chair that was moved",
+    "target": "Chair|1",
+    "distractor": None,
+    "changes": [
+        {
+            "instance": "Chair|1",
+            "kind": "displace",
+            "before": {"x": 0.0, "y": 0.4, "z": 0.0},
+            "after": {"x": 2.0, "y": 0.4, "z": 0.0},
+            "path": None,
+        }
+    ],
+    "spawn": {"x": -1.0, "z": 0.25, "yaw_deg": 270.0},
+    "answer": {"x": 2.0, "z": 0.0},
+    "nearest_navigable": {"x": 1.75, "z": 0.25},
+    "shortest_path_m": 2.75,
+    "instances_in_category": 2,
+    "world_1": [
+        {"id": "Chair|1", "category": "Chair", "x": 0.0, "z": 0.0},
+        {"id": "Chair|2", "category": "Chair", "x": -2.0, "z": 0.0},
+    ],
+    "world_2": [
+        {"id": "Chair|1", "category": "Chair", "x": 2.0, "z": 0.0},
+        {"id": "Chair|2", "category": "Chair", "x": -2.0, "z": 0.0},
+    ],
+    "visits": {"first": "untouched", "second": "displace-Chair-1a2b"},
+    "drift_m": {"Chair|1": 0.0131},
+    "certification": [RUN, RUN | {"run": 1, "seed": 18}],
+}
+
+
+def moving():
+    record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/moving/0000", "relation": "moving"}
+    path = [{"x": 0.0, "z": 0.0}, {"x": 0.1, "z": 0.0}, {"x": 2.0, "z": 0.0}]
+    record["changes"][0] |= {"kind": "motion", "path": path}
+    record["drift_m"] = {}
+    return record
+
+
+def removed():
+    record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/removed/12", "relation": "removed"}
+    record["changes"][0] |= {"kind": "disable", "after": None}
+    record["world_2"] = record["world_2"][1:]
+    record["certification"] = [RUN | {"box_distance_m": None, "visible_px": None, "stop": None}]
+    return record
+
+
+def stable():
+    record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/stable/0001", "relation": "stable"}
+    return record | {"target": "Chair|2", "distractor": "Chair|1"}
+
+
+RECORDS = {"moved": MOVED, "moving": moving(), "removed": removed(), "stable": stable()}
+
+
+# --- rounding -------------------------------------------------------------------------------------
+
+KEYS = st.sampled_from(["x", "z", "yaw_deg", "answer_distance_m", "spl", "probability", "seed", "Chair|1"])
+SCALARS = st.one_of(st.none(), st.booleans(), st.integers(-(2**40), 2**40), st.floats(-1e4, 1e4), st.text(max_size=3))
+VALUES = st.recursive(SCALARS, lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(KEYS, inner, max_size=3)))
+
+
+@PROPERTY
+@given(VALUES)
+def test_rounding_twice_is_rounding_once_and_survives_the_file(value):
+    once = rounded(value)
+    assert rounded(once) == once
+    text = line({"value": value})
+    assert text.endswith("}\n") and text.count("\n") == 1
+    assert line(json.loads(text)) == text
+
+
+@PROPERTY
+@given(st.floats(-1e4, 1e4), KEYS)
+def test_rounding_moves_a_number_by_at_most_half_its_unit(value, key):
+    unit = {"yaw_deg": 1e-2, "spl": 1e-6, "probability": 1e-6}.get(key, 1e-4)
+    (result,) = rounded({key: [value]})[key]
+    assert abs(result - value) <= unit / 2 + 1e-9
+    assert result == pytest.approx(round(result / unit) * unit)
+
+
+@PROPERTY
+@given(st.floats(-100.0, 100.0), st.sampled_from(["x", "yaw_deg"]))
+def test_the_last_bit_of_the_processor_does_not_reach_the_file(value, key):
+    unit = 10_000 if key == "x" else 100
+    steady = (round(value * unit) + 0.25) / unit
+    assert line({key: float(np.nextafter(steady, 1e9))}) == line({key: float(np.nextafter(steady, -1e9))})
+
+
+def test_integers_and_numpy_numbers_and_negative_zero():
+    value = {"seed": 3, "actions": np.int64(31), "x": np.float32(0.1), "z": -0.0, "yaw_deg": -0.001, "ok": True}
+    assert line(value) == '{"seed":3,"actions":31,"x":0.1,"z":0.0,"yaw_deg":0.0,"ok":true}\n'
+    assert rounded({"pixels": (1, 2), "x": np.array([0.12345, 1.0])}) == {"pixels": [1, 2], "x": [0.1235, 1.0]}
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_number_that_is_not_finite_is_refused(value):
+    with pytest.raises(ValueError, match="answer_distance_m is"):
+        line({"answer_distance_m": value})
+
+
+# --- episodes -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", RECORDS)
+def test_a_record_comes_back_byte_for_byte_in_the_order_of_the_schema(name, tmp_path):
+    text = line(RECORDS[name])
+    path = tmp_path / "main.jsonl"
+    path.write_text(text)
+    (episode,) = read_episodes(path)
+    assert episode_lines([episode]) == text
+    assert Episode.from_json(episode.to_json()) == episode
+
+
+def test_an_episode_can_be_judged_from_its_record():
+    for record in RECORDS.values():
+        episode = Episode.from_json(record)
+        assert episode.query == Query("Chair", Relation(record["relation"]))
+        assert referents(*episode.states, episode.query, CONSTANTS) == (episode.target,)
+        assert episode.changed == {"Chair|1"}
+        for run in episode.certification:
+            assert success(run.measurement, episode.relation, CONSTANTS) == run.success
+
+
+def test_the_path_of_a_mover_is_its_track_unless_one_was_recorded():
+    record = moving()
+    mover = Episode.from_json(record).states[1]["Chair|1"]
+    assert mover.track == ((0.0, 0.0), (0.1, 0.0), (2.0, 0.0)) and mover.position == (2.0, 0.0)
+    record["world_2"][0]["track"] = [{"x": 0.5, "z": 0.0}, {"x": 2.0, "z": 0.0}]
+    assert Episode.from_json(record).states[1]["Chair|1"].track == ((0.5, 0.0), (2.0, 0.0))
+    assert line(Episode.from_json(record).to_json()) == line(record)
+
+
+def test_pitches_are_numbers_in_the_program_and_text_in_the_file():
+    episode = Episode.from_json(MOVED)
+    assert episode.certification[0].measurement == Measurement(0.21, 0.4, 0.25, {0: 0, 30: 812, 60: 3001})
+    assert episode.to_json()["certification"][0]["visible_px"] == {"0": 0, "30": 812, "60": 3001}
+
+
+def test_keys_of_later_versions_are_passed_over():
+    assert Episode.from_json(MOVED | {"colour": "red"}) == Episode.from_json(MOVED)
+
+
+def without(record, key):
+    return {name: value for name, value in record.items() if name != key}
+
+
+CONTRADICTIONS = [
+    (MOVED | {"schema": "ovman-episode/2"}, "schema: expected 'ovman-episode/1'"),
+    (without(MOVED, "spawn"), "spawn: the key is missing"),
+    (without(MOVED, "sentence") | {"sentense": "x"}, "sentence: the key is missing; rename 'sentense'"),
+    (MOVED | {"relation": "mooved"}, 'relation: "mooved" is not one of'),
+    (MOVED | {"spawn": {"x": "left", "z": 0.0, "yaw_deg": 0.0}}, 'spawn.x: expected a number, found "left"'),
+    (MOVED | {"spawn": {"x": True, "z": 0.0, "yaw_deg": 0.0}}, "spawn.x: expected a number, found true"),
+    (MOVED | {"spawn": [0.0, 1.0]}, "spawn: expected an object, found [0.0, 1.0]"),
+    (MOVED | {"shortest_path_m": -1.0}, "shortest_path_m: expected a length"),
+    (MOVED | {"shortest_path_m": float("inf")}, "shortest_path_m: expected a number"),
+    (MOVED | {"changes": {}}, "changes: expected a list"),
+    (MOVED | {"changes": [MOVED["changes"][0] | {"kind": "shove"}]}, 'changes[0].kind: "shove" is not one of'),
+    (MOVED | {"instances_in_category": 2.0}, "instances_in_category: expected an integer"),
+    (MOVED | {"instances_in_category": 1}, "instances_in_category is 1"),
+    (MOVED | {"certification": [RUN, RUN | {"success": 1}]}, "certification[1].success: expected true or false"),
+    (MOVED | {"certification": [RUN | {"visible_px": {"down": 3}}]}, "certification[0].visible_px.down: the pitch 'down'"),
+    (MOVED | {"certification": [RUN | {"answer_distance_m": None}]}, "certification[0].answer_distance_m: expected a number"),
+    (MOVED | {"noun": ""}, "noun: expected text"),
+    (MOVED | {"id": "FloorPlan202/moved/0003"}, "id is 'FloorPlan202/moved/0003'"),
+    (MOVED | {"id": "FloorPlan201/former/0003"}, "id is 'FloorPlan201/former/0003'"),
+    (MOVED | {"distractor": "Chair|2"}, "distractor is 'Chair|2'"),
+    (stable() | {"distractor": None}, "distractor is None"),
+    (MOVED | {"target": "Chair|9"}, "target 'Chair|9' is no Chair of world_2"),
+    (MOVED | {"category": "Vase"}, "target 'Chair|1' is no Vase of world_2"),
+    (removed() | {"world_1": []}, "is no Chair of world_1"),
+    (MOVED | {"changes": []}, "changes do not hold 'Chair|1'"),
+    (MOVED | {"world_1": MOVED["world_1"] * 2}, "instance Chair|1 is in the world state twice"),
+]
+
+
+@pytest.mark.parametrize(("record", "complaint"), CONTRADICTIONS, ids=[complaint for _, complaint in CONTRADICTIONS])
+def test_a_bad_record_is_one_line_with_place_key_and_remedy(record, complaint):
+    with pytest.raises(RecordError) as error:
+        Episode.from_json(record, "main.jsonl:7")
+    message = str(error.value)
+    assert message.startswith("main.jsonl:7: ") and complaint in message
+    assert "\n" not in message and "; " in message
+
+
+def test_a_record_that_is_no_object_is_told_so():
+    with pytest.raises(RecordError, match=r"episode: expected an object, found \[1, 2\]"):
+        Episode.from_json([1, 2])
+
+
+def test_errors_name_file_and_line(tmp_path):
+    path = tmp_path / "main.jsonl"
+    path.write_text(line(MOVED) + "\n" + line(MOVED)[:40] + "\n")
+    with pytest.raises(RecordError, match=r"main.jsonl:3: not JSON"):
+        read_episodes(path)
+    path.write_text(line(MOVED) + line(MOVED))
+    with pytest.raises(RecordError, match=r"main.jsonl:2: id: FloorPlan201/moved/0003 is in the file already"):
+        read_episodes(path)
+    path.write_text("")
+    assert list(records(path)) == [] == read_episodes(path)
+
+
+# --- reasons of rejection -------------------------------------------------------------------------
+
+
+def test_every_reason_has_a_stage_and_every_stage_a_reason():
+    assert {reason.stage for reason in Rejection} == set(RejectionStage)
+
+
+def test_reasons_are_listed_stage_by_stage():
+    stages = [reason.stage for reason in Rejection]
+    assert [stage for stage, _ in itertools.groupby(stages)] == list(RejectionStage)
