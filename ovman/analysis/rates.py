@@ -16,10 +16,10 @@ ALL = "all"
 class Interval(StrEnum):
     """What the numbers beside a rate are.
 
-    WILSON: Wilson's score interval of successes in trials. An arm with several seeds pools them: its trials are episodes times seeds,
-    which the interval takes as independent though the seeds share their episodes, so it is about the spread of single runs and
-    narrower than one for new episodes would be. POISSON_BINOMIAL: for the expectation over a stochastic pick, which is no count of
-    successes: the central range in which the rate of one realised pass over these very episodes falls.
+    WILSON: Wilson's score interval of successes in trials. An arm with several seeds pools them: its trials are episodes times
+    seeds, which the interval takes as independent though the seeds share their episodes, so it is about the spread of single
+    runs and narrower than one for new episodes would be. POISSON_BINOMIAL: for the expectation over a stochastic pick, which is
+    no count of successes: the central range in which the rate of one realised pass over these very episodes falls.
     """
 
     WILSON = "wilson"
@@ -30,9 +30,9 @@ class Interval(StrEnum):
 class Rate:
     """The success of one arm on one relation, or on ``all``.
 
-    n: episodes. trials: n times seeds. successes: their count, or its expectation (a float) for a stochastic pick. rate: successes
-    over trials, in [0, 1]; low, high: the interval at ``confidence``. spl: the mean of Eq. 5 for embodied arms, None for static ones;
-    it has no interval, being neither a count nor an expectation of one.
+    n: episodes. trials: n times seeds. successes: their count, or its expectation (a float) for a stochastic pick. rate:
+    successes over trials, in [0, 1]; low, high: the interval at ``confidence``. spl: the mean of Eq. 5 for embodied arms, None
+    for static ones; it has no interval, being neither a count nor an expectation of one.
     """
 
     arm: str
@@ -74,8 +74,8 @@ def embodied_rates(outcomes: Sequence[EmbodiedOutcome], confidence: float) -> li
 def poisson_binomial_range(probabilities: Sequence[float], confidence: float) -> tuple[float, float]:
     """Central range (low, high) of the rate of independent trials with these probabilities (n,), n >= 1, exact.
 
-    The realised rate lies below low, or above high, with probability at most (1 - confidence) / 2 each. low <= mean <= high up to the
-    spacing 1 / n of the rates that can be realised.
+    The realised rate lies below low, or above high, with probability at most (1 - confidence) / 2 each. low <= mean <= high up
+    to the spacing 1 / n of the rates that can be realised.
     """
     n, outside = len(probabilities), (1.0 - confidence) / 2.0
     tails = [poisson_binomial_tail(probabilities, successes) for successes in range(n + 1)] + [0.0]
