@@ -18,7 +18,7 @@ STANDS_M = 0.01
 
 
 def carriers(plan: FloorPlan) -> dict[str, str]:
-    """objectId of a fixed part -> objectId of the movable receptacle that it is a part of: drawers of dressers, shelves of units."""
+    """objectId of a fixed part (a drawer) -> objectId of the movable receptacle that it is a part of (its dresser)."""
     movable = [o for o in plan.objects if o.moveable and o.record["receptacle"]]
     out = {}
     for part in plan.objects:

@@ -154,7 +154,7 @@ class Dynamics:
                 for name, pieces in self._pieces.items()
             ]
             boxes = {name: self._bodies[name].box for name in self._pieces}
-            walls = {w.name: w.box for w in (*self._room.walls, *self._room.shell)}
+            walls = {w.name: w.box for w in self._room.solids}
             self._model = Model(solids, boxes, free, walls, self._plan.floor_y, self._capsule)
             self._written = {}
         model = self._model

@@ -44,7 +44,10 @@ def first_hit(boxes: Boxes, axis: Axis, start: np.ndarray, end: np.ndarray) -> i
 
 
 def reachable(boxes: Boxes, axis: Axis, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float) -> np.ndarray:
-    """Positions `here` + step_m * (i, j) within [`low`, `high`] (2,) that unblocked moves along x and z lead to: (N, 2), `here` first."""
+    """Positions `here` + step_m * (i, j) within [`low`, `high`] (2,) that unblocked moves along x and z lead to: (N, 2).
+
+    `here` comes first, the others in the order of i, then j.
+    """
     boxes = boxes.take((boxes.low < axis.high + axis.reach) & (boxes.high > axis.low - axis.reach))
     first = np.minimum(np.ceil((low - here) / step_m).astype(int), 0)
     last = np.maximum(np.floor((high - here) / step_m).astype(int), 0)

@@ -203,7 +203,7 @@ class Model:
     # Questions
 
     def below(self, point: np.ndarray, length_m: float, but: str) -> tuple[float, str] | None:
-        """Height and name of the first surface below `point`, seen through the agent and the body `but`; None within `length_m`."""
+        """Height and name of the first surface within `length_m` below `point`, through the agent and the body `but`."""
         groups = np.ones(6, dtype=np.uint8)
         groups[[_ABSENT_GROUP, _AGENT_GROUP]] = 0
         geom = np.full(1, -1, dtype=np.int32)

@@ -1,8 +1,11 @@
-"""The room around the objects: its outline from the evidence in a floor plan, and what of it bounds agent and bodies.
+"""The room around the objects: where its walls are, from the evidence in a floor plan.
 
-Floor plans record no walls. The recorded floor is a rectangle that is too large in half of the scenes, but paintings, windows,
-mirrors and switches hang on walls. So the room is the floor rectangle, drawn in by a margin and by what else there is, and cut
-back to every wall that something hangs on. World frame as in `floorplan`.
+Floor plans record no walls. The recorded floor is a rectangle, too large in half of the scenes; but paintings, windows, mirrors and
+switches hang on walls, and furniture stands inside them. So the room is a rectangle, and where something hangs on a wall deeper
+inside it, the wall stands there: a block that goes on to both sides until something shows that the room does.
+
+Agent and bodies are kept in by different rectangles. AI2-THOR's agents stay farther from the recorded floor's edge than their
+radius; how much farther was fitted to recorded reachable grids. World frame as in `floorplan`; plan rectangles are (x_0, z_0, x_1, z_1).
 """
 
 from __future__ import annotations
@@ -13,23 +16,33 @@ from typing import Any
 
 import numpy as np
 
-from ovman.engine.floorplan import Box, FloorPlan
+from ovman.engine.floorplan import Box, FloorPlan, SimObject
+
+Rectangle = tuple[float, float, float, float]
 
 FLOOR_MARGIN_M = 0.45
-"""How far inside the recorded floor rectangle its walls stand, where nothing says otherwise; fitted to recorded reachable grids."""
+"""How far inside the recorded floor the agent's bounds are, where nothing says otherwise; fitted to recorded reachable grids."""
 WALL_ITEMS = frozenset(
-    ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains", "HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
+    ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains"]
+    + ["HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
 )
 """Types that hang flat on a wall."""
 THIN_M = 0.2
-"""A wall item thicker than this does not tell where its wall is."""
+"""A wall item at least this thick does not tell where its wall is."""
 BESIDE_M = 0.3
-"""How far to both sides of a wall item its wall goes on for certain."""
+"""How far to both sides of an item on another plane its own wall goes on."""
+BEYOND_M = 0.05
+"""What reaches this far beyond a plane shows that there is no wall."""
+OUTSIDE_M = 0.3
+"""What is farther outside the recorded floor than this is scenery beyond the window."""
+ELBOW_M = 0.2
+"""Around the agent's start there is no wall."""
 SLAB_M = 3.0
 """Depth of the solid behind a wall's face: nothing passes at any speed that physics allows."""
-
-BEYOND_M = 0.02
+SHELL_M = 0.02
 """Distance of the shell from everything."""
+CEILING_M = (2.5, 3.0)
+"""Lowest and highest ceiling above the floor."""
 
 
 @dataclass(frozen=True)
@@ -41,15 +54,44 @@ class Wall:
 
 
 @dataclass(frozen=True)
+class Block:
+    """Everything beyond a plane, over a stretch of it: the wall of an item that hangs deeper inside the room than the others."""
+
+    axis: int
+    """0: the plane is x = `plane`; 1: it is z = `plane`"""
+    outwards: int
+    """-1 if the solid lies towards lower coordinates, else 1"""
+    plane: float
+    low: float
+    high: float
+
+    def rectangle(self, beyond: Rectangle) -> Rectangle:
+        """Plan rectangle of the block up to the sides of `beyond`."""
+        first, last = np.zeros(2), np.zeros(2)
+        first[1 - self.axis], last[1 - self.axis] = self.low, self.high
+        if self.outwards < 0:
+            first[self.axis], last[self.axis] = beyond[self.axis], self.plane
+        else:
+            first[self.axis], last[self.axis] = self.plane, beyond[2 + self.axis]
+        return float(first[0]), float(first[1]), float(last[0]), float(last[1])
+
+
+@dataclass(frozen=True)
 class Room:
     """What bounds a floor plan."""
 
     plan: FloorPlan
-    rectangle: tuple[float, float, float, float]
-    """(x_0, z_0, x_1, z_1) metres: no wall stands outside it"""
+    rectangle: Rectangle
+    """The agent's body stays inside"""
+    outline: Rectangle
+    """Everything stands inside; the walls that are seen"""
+    blocks: tuple[Block, ...]
+    """Solid parts of the outline"""
     walls: tuple[Wall, ...]
-    shell: tuple[Wall, ...]
-    """Solids around everything that the plan holds: what stands in a wall from the beginning stays inside these"""
+    """What the agent walks into"""
+    solids: tuple[Wall, ...]
+    """What bodies bump into: the outline, the blocks, and a shell around everything that the plan holds, for what stands in a
+    wall from the beginning"""
     ceiling_y: float
 
     @property
@@ -59,40 +101,42 @@ class Room:
     @staticmethod
     def of(plan: FloorPlan) -> Room:
         """The room of `plan`."""
-        rectangle = _rectangle(plan)
-        ceiling_y = _ceiling(plan)
-        low, high = plan.floor_y - 1.0, ceiling_y + 1.0
-        walls = [_wall(*sides, low, high) for sides in (*_around(rectangle), *_behind(plan, rectangle))]
+        rectangle, outline, ceiling_y = _agent_rectangle(plan), _outline(plan), _ceiling(plan)
+        blocks = _blocks(plan, rectangle)
+        heights = plan.floor_y - 1.0, ceiling_y + 1.0
         bounds = [o.box.bounds() for o in plan.objects]
-        least, most = np.min([b[0] for b in bounds], axis=0) - BEYOND_M, np.max([b[1] for b in bounds], axis=0) + BEYOND_M
-        shell = [_wall(*sides, low, high) for sides in _around((least[0], least[2], most[0], most[2]))]
-        return Room(plan, rectangle, tuple(walls), tuple(shell), ceiling_y)
+        low, high = np.min([b[0] for b in bounds], axis=0) - SHELL_M, np.max([b[1] for b in bounds], axis=0) + SHELL_M
+        everything = (float(low[0]), float(low[2]), float(high[0]), float(high[2]))
+        beyond = (everything[0] - SLAB_M, everything[1] - SLAB_M, everything[2] + SLAB_M, everything[3] + SLAB_M)
+        inner = [_wall("wall", b.rectangle(beyond), *heights) for b in blocks]
+        return Room(
+            plan,
+            rectangle,
+            outline,
+            blocks,
+            (*(_wall("wall", sides, *heights) for sides in _around(rectangle)), *inner),
+            (
+                *(_wall("wall", sides, *heights) for sides in _around(outline)),
+                *inner,
+                *(_wall("shell", sides, *heights) for sides in _around(everything)),
+            ),
+            ceiling_y,
+        )
 
     def parts(self) -> tuple[tuple[str, tuple[Any, ...], Mapping[str, Any]], ...]:
-        """(structure name, parts in the world frame, palette) of walls and ceiling."""
-        from ovman.engine.materials import Material
-        from ovman.engine.shapes.part import Part
+        """(structure name, parts in the world frame, palette by slot) of walls, doors and ceiling."""
+        from ovman.engine.masonry import structures
 
-        paint = {"main": Material(np.array([0.7, 0.68, 0.64]))}
-        x_0, z_0, x_1, z_1 = self.rectangle
-        top, bottom, t = self.ceiling_y, self.floor_y - 0.05, 0.1
-        slabs = [
-            ((x_0 - t, bottom, z_0 - t), (x_0, top, z_1 + t)),
-            ((x_1, bottom, z_0 - t), (x_1 + t, top, z_1 + t)),
-            ((x_0, bottom, z_0 - t), (x_1, top, z_0)),
-            ((x_0, bottom, z_1), (x_1, top, z_1 + t)),
-        ]
-        out = []
-        for kind, (low, high) in [("wall", s) for s in slabs] + [
-            ("ceiling", ((x_0 - t, top, z_0 - t), (x_1 + t, top + t, z_1 + t)))
-        ]:
-            low, high = np.array(low), np.array(high)
-            out.append((structure_name(kind, (low + high) / 2), (Part("box", (low + high) / 2, high - low),), paint))
-        return tuple(out)
+        return structures(self)
 
 
-def _around(rectangle: tuple[float, float, float, float]) -> list[tuple[float, float, float, float]]:
-    x_0, z_0, x_1, z_1 = rectangle
+def structure_name(kind: str, centre: np.ndarray) -> str:
+    """Name of a structure as AI2-THOR writes it: kind|x|y|z."""
+    return kind + "".join(f"|{value:+06.2f}" for value in centre)
+
+
+def _around(inside: Rectangle) -> list[Rectangle]:
+    x_0, z_0, x_1, z_1 = inside
     return [
         (x_0 - SLAB_M, z_0 - SLAB_M, x_0, z_1 + SLAB_M),
         (x_1, z_0 - SLAB_M, x_1 + SLAB_M, z_1 + SLAB_M),
@@ -101,50 +145,104 @@ def _around(rectangle: tuple[float, float, float, float]) -> list[tuple[float, f
     ]
 
 
-def structure_name(kind: str, centre: np.ndarray) -> str:
-    """Name of a structure as AI2-THOR writes it: kind|x|y|z."""
-    return kind + "".join(f"|{value:+06.2f}" for value in centre)
-
-
-def _wall(x_0: float, z_0: float, x_1: float, z_1: float, low: float, high: float) -> Wall:
+def _wall(kind: str, sides: Rectangle, low: float, high: float) -> Wall:
+    x_0, z_0, x_1, z_1 = sides
     centre = np.array([(x_0 + x_1) / 2, (low + high) / 2, (z_0 + z_1) / 2])
     half = np.array([x_1 - x_0, high - low, z_1 - z_0]) / 2
-    return Wall(structure_name("wall", centre), Box(centre, half, np.eye(3)))
+    return Wall(structure_name(kind, centre), Box(centre, half, np.eye(3)))
 
 
-def _rectangle(plan: FloorPlan) -> tuple[float, float, float, float]:
-    floor = plan.floor.box.bounds()
-    others = [o.box.bounds() for o in plan.objects if o.type != "Floor"]
+def _plan_bounds(box: Box) -> tuple[np.ndarray, np.ndarray]:
+    low, high = box.bounds()
+    return low[[0, 2]], high[[0, 2]]
+
+
+def _agent_rectangle(plan: FloorPlan) -> Rectangle:
+    floor = _plan_bounds(plan.floor.box)
+    others = [_plan_bounds(o.box) for o in plan.objects if o.type != "Floor"]
     low = np.maximum(floor[0] + FLOOR_MARGIN_M, np.min([b[0] for b in others], axis=0))
     high = np.minimum(floor[1] - FLOOR_MARGIN_M, np.max([b[1] for b in others], axis=0))
-    return float(low[0]), float(low[2]), float(high[0]), float(high[2])
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
+
+
+def _outline(plan: FloorPlan) -> Rectangle:
+    """The least rectangle around the agent's bounds, what stands in the room and the planes of what hangs on its walls."""
+    rectangle, floor = np.array(_agent_rectangle(plan)), _plan_bounds(plan.floor.box)
+    low, high = rectangle[:2], rectangle[2:]
+    for obj in plan.objects:
+        first, last = _plan_bounds(obj.box)
+        middle = (first + last) / 2
+        if obj.type == "Floor" or (middle < floor[0] - OUTSIDE_M).any() or (middle > floor[1] + OUTSIDE_M).any():
+            continue
+        hung = _hung(obj, plan)
+        if hung is not None:
+            axis, outwards, plane = hung
+            first, last = middle.copy(), middle.copy()
+            first[axis] = last[axis] = plane
+        low, high = np.minimum(low, first), np.maximum(high, last)
+    low, high = np.maximum(low, floor[0] - OUTSIDE_M), np.minimum(high, floor[1] + OUTSIDE_M)
+    return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
 def _ceiling(plan: FloorPlan) -> float:
     tops = [o.box.bounds()[1][1] for o in plan.objects if o.type != "Floor"]
-    return plan.floor_y + float(np.clip(max(tops) - plan.floor_y + 0.1, 2.5, 3.0))
+    return plan.floor_y + float(np.clip(max(tops) - plan.floor_y + 0.1, *CEILING_M))
 
 
-def _behind(plan: FloorPlan, rectangle: tuple[float, float, float, float]) -> list[tuple[float, float, float, float]]:
-    """Plan rectangles behind the wall items: from each item's plane to beyond the nearer side of the floor."""
-    floor_low, floor_high = (corner[[0, 2]] for corner in plan.floor.box.bounds())
+def _hung(item: SimObject, plan: FloorPlan, thin_m: float = THIN_M) -> tuple[int, int, float] | None:
+    """Axis, outward direction and coordinate of the wall that `item` hangs on, if it tells."""
+    if item.type not in WALL_ITEMS:
+        return None
+    low, high = _plan_bounds(item.box)
+    size = high - low
+    axis = int(np.argmin(size))
+    if size[axis] >= thin_m or size[axis] >= size[1 - axis]:
+        return None
+    middle = float(low[axis] + high[axis]) / 2
+    floor_low, floor_high = _plan_bounds(plan.floor.box)
+    outwards = -1 if abs(middle - floor_low[axis]) < abs(middle - floor_high[axis]) else 1
+    return axis, outwards, middle
+
+
+def _blocks(plan: FloorPlan, rectangle: Rectangle) -> tuple[Block, ...]:
     start = plan.start[[0, 2]]
-    out = []
-    for item in plan.objects:
-        if item.type not in WALL_ITEMS:
+    objects = [(o, *_plan_bounds(o.box)) for o in plan.objects if o.type != "Floor"]
+    blocks = []
+    for item, item_low, item_high in objects:
+        hung = _hung(item, plan)
+        if hung is None:
             continue
-        low, high = (corner[[0, 2]] for corner in item.box.bounds())
-        size = high - low
-        thin = int(np.argmin(size))
-        if size[thin] >= THIN_M or size[thin] >= size[1 - thin]:
-            continue
-        plane = (low[thin] + high[thin]) / 2
-        first, last = np.zeros(2), np.zeros(2)
-        first[1 - thin], last[1 - thin] = low[1 - thin] - BESIDE_M, high[1 - thin] + BESIDE_M
-        if abs(plane - floor_low[thin]) < abs(plane - floor_high[thin]):
-            first[thin], last[thin] = floor_low[thin] - SLAB_M, plane
+        axis, outwards, plane = hung
+        along = 1 - axis
+        intruders = []
+        if outwards * (start[axis] - plane) > -ELBOW_M:
+            intruders.append((start[along] - ELBOW_M, start[along] + ELBOW_M))
+        for other, low, high in objects:
+            beyond = plane - low[axis] if outwards < 0 else high[axis] - plane
+            if other is not item and beyond > BEYOND_M:
+                beside = BESIDE_M if other.type in WALL_ITEMS else 0.0
+                intruders.append((low[along] - beside, high[along] + beside))
+        limits = float(rectangle[along]) - SLAB_M, float(rectangle[2 + along]) + SLAB_M
+        stretch = _stretch(float(item_low[along]), float(item_high[along]), limits, intruders)
+        if stretch is not None:
+            blocks.append(Block(axis, outwards, plane, *stretch))
+    return tuple(blocks)
+
+
+def _stretch(
+    low: float, high: float, limits: tuple[float, float], intruders: list[tuple[float, float]]
+) -> tuple[float, float] | None:
+    """The longest stretch around [`low`, `high`] within `limits` that no intruder cuts; None if one covers it all."""
+    first, last = limits
+    for begin, end in intruders:
+        if begin < low + BEYOND_M and end > high - BEYOND_M:
+            return None
+        if end <= low:
+            first = max(first, end)
+        elif begin >= high:
+            last = min(last, begin)
+        elif begin + end < low + high:
+            first = max(first, end)
         else:
-            first[thin], last[thin] = plane, floor_high[thin] + SLAB_M
-        if not ((start >= first) & (start <= last)).all():
-            out.append((float(first[0]), float(first[1]), float(last[0]), float(last[1])))
-    return out
+            last = min(last, begin)
+    return (float(first), float(last)) if last - first > BEYOND_M else None

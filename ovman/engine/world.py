@@ -6,6 +6,7 @@ World frame as in `floorplan`. What the changes do, and the messages when they a
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
+from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 
 import numpy as np
@@ -199,7 +200,7 @@ class World:
             raise Refused(f"No Pickupable or Moveable object of name {unknown[0]} found in scene.")
 
     def set_active(self, object_id: str, active: bool) -> None:
-        """EnableObject, DisableObject: a disabled object keeps its pose. Refused with an empty message if there is no such object."""
+        """EnableObject, DisableObject: a disabled object keeps its pose. Refused (no message) if there is no such object."""
         body = self.bodies.get(object_id)
         if body is None:
             raise Refused("")
@@ -301,12 +302,11 @@ class World:
 
 
 def object_id(kind: str, position: np.ndarray) -> str:
-    """objectId of an object of type `kind` whose pivot is at `position` (3,) metres."""
+    """objectId of an object of type `kind` whose pivot is at `position` (3,) metres, rounded as single-precision text is."""
     text = kind
     for value in position:
-        number = f"{abs(value):05.2f}"
-        sign = "+" if value >= 0 else "-" if number != "00.00" else ""
-        text += f"|{sign}{number}"
+        number = abs(Decimal(f"{np.float32(value):.7g}")).quantize(Decimal("0.01"), ROUND_HALF_UP)
+        text += f"|{'+' if value >= 0 else '-' if number else ''}{number:05.2f}"
     return text
 
 
