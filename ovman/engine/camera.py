@@ -16,7 +16,7 @@ from ovman.engine import lights, rays, scene_mesh, shading, textures
 
 FIXED_KEPT = 4
 """Embree scenes kept per floor plan: one for each set of displaced objects seen lately."""
-SAMPLES = np.array([[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]], dtype=np.float32)
+SAMPLES = np.array([[-0.05, -0.37], [-0.33, 0.26], [0.36, 0.12]], dtype=np.float32)
 """Where a pixel on an edge is sampled besides its centre, pixels."""
 SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
 """Linear RGB where nothing is."""
@@ -236,8 +236,7 @@ class Renderer:
         return colour
 
     def _shade(self, view, hits, points, facing, footprint, number, planar) -> np.ndarray:
-        rig, looks = self._light(), self._shared.looks
-        width, height = view.width, view.height
+        rig, looks, width, height = self._light(), self._shared.looks, view.width, view.height
         wide, high = (width + 1) // 2, (height + 1) // 2
         total = wide * high
         starts, ways, reach = (
@@ -245,27 +244,25 @@ class Renderer:
             np.empty((2 * total, 3), np.float32),
             np.empty(2 * total, np.float32),
         )
-        weight, at = np.empty(total, np.float32), np.empty(total, np.int64)
-        shading.shadow_rays(
+        weight, grid = np.empty(total, np.float32), np.empty((total, shading.GRID), np.float32)
+        shading.coarse(
             hits.prim, points, facing, width, height, wide, high, rig.lights, rig.samples, shading.directions(),
-            np.float32(shading.REACH_M), starts, ways, reach, weight, at,
+            np.float32(shading.REACH_M), starts, ways, reach, weight, grid,
         )  # fmt: skip
         blocked = self._caster.occluded(starts, ways, reach)
-        lit, free = np.empty(total, np.float32), np.empty(total, np.float32)
-        shading.soften(blocked, weight, at, points, facing, planar, wide, high, lit, free)
+        shading.soften(blocked, weight, grid, np.asarray(view.position, dtype=np.float32), wide, high)
 
-        def light(of: _Hits, where, toward, wideness) -> np.ndarray:
+        def light(of: _Hits, where: np.ndarray, toward: np.ndarray, wideness: np.ndarray) -> np.ndarray:
             out = np.empty((len(of.prim), 3), np.float32)
             shading.shade(
-                of.prim, where, toward, of.rays, of.origins, self._colour(of, where, wideness), of.columns, of.rows,
-                at, lit, free, points, facing, wide, high, self._mesh.material, looks.glosses, looks.emissions,
-                rig.lights, rig.ambient, np.float32(rig.exposure), SKY, out,
+                of.prim, where, toward, of.rays, self._colour(of, where, wideness), of.columns, of.rows, grid, wide, high,
+                self._mesh.material, looks.glosses, looks.emissions, rig.lights, rig.ambient, np.float32(rig.exposure), SKY, out,
             )  # fmt: skip
             return out
 
         linear = light(hits, points, facing, footprint)
         pixels = np.empty(width * height, np.int64)
-        pixels = pixels[: shading.edges(number, planar, facing, width, height, pixels)]
+        pixels = pixels[: shading.edges(number, planar, facing, linear, width, height, pixels)]
         offsets = np.tile(SAMPLES, (len(pixels), 1))
         spots = np.repeat(pixels, len(SAMPLES))
         more = self._cast(view, hits.columns[spots] + offsets[:, 0], hits.rows[spots] + offsets[:, 1])

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-PHASES = 16
-"""Shadow samples that a 4 x 4 neighbourhood shares among all lights."""
+PHASES = 9
+"""Shadow samples that a neighbourhood shares among all lights; as many as `shading` has phases."""
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
 CEILING_AREA_M2 = 18.0
 """One ceiling lamp for about so much floor."""
 MOST_CEILING, MOST_WINDOWS, MOST_LAMPS = 2, 2, 2
+WIDEST_M = 0.28
+"""Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
 MIDDLE_BRIGHTNESS = 0.62
 """What a white card facing up in the middle of the room sends back, of the brightest that can be shown."""
 
@@ -38,7 +40,7 @@ class Rig:
     """All light of a scene as arrays. L lights; PHASES shadow samples."""
 
     lights: np.ndarray
-    """(L, 10) float32: position, colour, axis, softening radius squared"""
+    """(L, 11) float32: position, colour, axis, softening radius squared, 1 if it shines along its axis alone"""
     samples: np.ndarray
     """(PHASES, 6) float32: point on a light, clearance, index of the light, one over the light's number of samples"""
     ambient: np.ndarray
@@ -56,7 +58,7 @@ def _on(obj) -> bool:
 
 
 def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]:
-    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> current oriented box of what is drawn."""
+    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> oriented box of what is drawn."""
     size = high - low
     warm = 0.55 + 0.45 * _hash(plan.name + "light")
     bulb = np.array([1.0, 0.93 - 0.05 * warm, 0.83 - 0.14 * warm])
@@ -69,7 +71,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
         centre = (low + high) / 2
         centre[long] = low[long] + size[long] * (k + 0.5) / count
         centre[1] = high[1] - 0.12
-        lights.append(Light(centre, bulb * 5.5 / np.sqrt(count), down, np.array([0.28, 0.0, 0.28]), 0.05))
+        lights.append(Light(centre, bulb * 5.5 / np.sqrt(count), down, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
     windows = sorted(
         (o for o in plan.objects if o.type == "Window" and o.object_id in boxes), key=lambda o: -np.prod(np.sort(o.box.half)[1:])
     )
@@ -79,7 +81,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
         thin = 0 if reach[0] < reach[2] else 2
         inward = np.zeros(3)
         inward[thin] = np.sign((low + high)[thin] / 2 - box.centre[thin]) or 1.0
-        spread = reach * 0.8
+        spread = np.minimum(reach * 0.8, WIDEST_M)
         spread[thin] = 0.0
         area = 4 * np.prod(np.delete(reach, thin))
         lights.append(Light(box.centre + inward * (reach[thin] + 0.25), sky * 1.9 * np.sqrt(max(area, 0.3)), inward, spread, 0.3))
@@ -107,9 +109,12 @@ def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np
 def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     """The lights as arrays, their shadow samples in a fixed pattern, and the exposure for a room that spans low..high (3,)."""
     table = np.array(
-        [[*light.position, *light.colour, *light.axis, 0.05 + float((light.spread**2).sum())] for light in lights],
+        [
+            [*light.position, *light.colour, *light.axis, 0.05 + float((light.spread**2).sum()), float(np.any(light.axis))]
+            for light in lights
+        ],
         dtype=np.float32,
-    ).reshape(-1, 10)
+    ).reshape(-1, 11)
     grid = np.stack(np.meshgrid(np.linspace(0.2, 0.8, 4), [0.3], np.linspace(0.2, 0.8, 4), indexing="ij"), axis=-1).reshape(-1, 3)
     points = low + grid * (high - low)
     power = np.array([irradiance(table[k : k + 1], points, np.array([0.0, 1.0, 0.0])).sum() for k in range(len(table))])
@@ -124,7 +129,7 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
             samples[row] = [*(light.position + offset * light.spread), light.clearance, k, 1.0 / share[k]]
             row += 1
     # neighbours should see different lights: a stride coprime to the count deals them out
-    samples = samples[(np.arange(PHASES) * 7) % PHASES]
+    samples = samples[(np.arange(PHASES) * 4) % PHASES]
     direct = irradiance(table, points, np.array([0.0, 1.0, 0.0])).mean(axis=0)
     fill = direct.mean()
     tint = direct / max(fill, 1e-9)

@@ -29,7 +29,7 @@ def committed(mesh: SceneMesh) -> EmbreeScene | None:
     return scene
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _passing(origins, directions, reach, lows, highs):
     """Indices of the rays that pass any of the boxes [low, high] (K, 3) before `reach`."""
     found = np.empty(len(origins), np.int64)

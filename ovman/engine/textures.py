@@ -1,8 +1,8 @@
 """Procedural textures, evaluated where a ray hits: what a point of a material looks like.
 
 A texture lies in the frame of its part, so it moves with the thing. It has two coordinates (metres) on the face that the ray hit,
-the half extents of that face, the material's colour, scale and seed, and the footprint of the pixel there (metres): structure that is
-finer than the footprint fades to its mean instead of flickering. `scale_m` is the period of the pattern.
+the half extents of that face, the material's colour, scale and seed, and the footprint of the pixel there (metres): structure
+that is finer than the footprint fades to its mean instead of flickering. `scale_m` is the period of the pattern.
 
 The file is self-contained on purpose: numba's cache watches the file of the compiled function alone.
 """
@@ -44,7 +44,7 @@ def noise() -> np.ndarray:
     return np.stack([clouds, grain, veins, thread]).astype(np.float32)
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _hash(a, b, c):
     h = np.uint32(a) * np.uint32(374761393) + np.uint32(b) * np.uint32(668265263) + np.uint32(c) * np.uint32(2246822519)
     h = (h ^ (h >> np.uint32(13))) * np.uint32(1274126177)
@@ -52,7 +52,7 @@ def _hash(a, b, c):
     return np.float32(h & np.uint32(0xFFFFFF)) * np.float32(1.0 / 16777216.0)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _look(table, k, x, y):
     """Table k at (x, y) in cells, wrapped around, bilinear."""
     fx, fy = np.floor(x), np.floor(y)
@@ -64,14 +64,14 @@ def _look(table, k, x, y):
     return top * (np.float32(1) - ty) + low * ty
 
 
-@njit(cache=True, inline="always")
+@njit(cache=True, error_model="numpy", inline="always")
 def _fade(footprint, period):
     """1 where a structure of this period is well resolved, 0 where pixels are as wide as it."""
     f = np.float32(1.6) - np.float32(2.0) * footprint / period
     return min(max(f, np.float32(0)), np.float32(1))
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _second(r, g, b, seed):
     """A colour that goes with another one: lighter or darker, slightly turned in hue."""
     turn = np.float32(0.25) * _hash(seed, 71, 5)
@@ -84,7 +84,7 @@ def _second(r, g, b, seed):
     return r2 + (np.float32(0.85) - r2) * k, g2 + (np.float32(0.82) - g2) * k, b2 + (np.float32(0.76) - b2) * k
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _picture(s, t, r, g, b, seed):
     """An abstract painting on the unit square: ground, sky, a sun and some strokes; t upwards."""
     one = np.float32(1)
@@ -124,7 +124,7 @@ def _picture(s, t, r, g, b, seed):
     return min(out_r, one), min(out_g, one), min(out_b, one)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table):
     """Colour (r, g, b) of one point; see the module."""
     one, half = np.float32(1), np.float32(0.5)
@@ -289,7 +289,7 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
     return r, g, b
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def albedo(
     prim,
     points,
