@@ -17,9 +17,8 @@ def shortest_path(
 ) -> tuple[Cell, ...] | None:
     """A shortest path from `start` to `goal`, both included, over edges that are not `blocked`; None where there is none.
 
-    A* with the city-block distance. Among paths of equal length the choice hangs on nothing but `directions`, the order in
-    which the neighbours of a cell are tried; of several open cells that promise the same length the deepest goes first, so that
-    paths over free floor run straight and turn rarely. Raises ValueError if either end is not in the grid.
+    A* with the city-block distance. Among paths of equal length the choice hangs on nothing but `directions`, the order in which
+    the neighbours of a cell are tried; over free floor such a path turns once. Raises ValueError if either end is not in the grid.
     """
     grid.require(start)
     grid.require(goal)
@@ -28,7 +27,7 @@ def shortest_path(
     came_from: dict[Cell, Cell | None] = {start: None}
     length = {start: 0}
     closed: set[Cell] = set()
-    # (length of the path through the cell at best, -length up to it, age)
+    # (length of the path through the cell at best, -length up to it, age): of equals the deepest goes first, which opens half as many.
     open_cells = [(abs(start[0] - goal_i) + abs(start[1] - goal_j), 0, 0, start)]
     age = 0
     while open_cells:

@@ -77,7 +77,7 @@ class Episode:
 
     @property
     def states(self) -> tuple[WorldState, WorldState]:
-        """W_1 and W_2 as Eq. 1 reads them: an instance without a track of its own that a change set in motion has its path for one."""
+        """W_1 and W_2 as Eq. 1 reads them: the path of an instance that a change set in motion is its track, unless it has one."""
         paths = {change.instance: change.path for change in self.changes if change.path}
         return self.world_1, WorldState(
             tuple(

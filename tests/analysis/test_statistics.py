@@ -12,7 +12,7 @@ from scipy.stats import binom, binomtest
 
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
 
-PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
+PROPERTY = settings(max_examples=60, derandomize=True, deadline=None)
 COUNTS = st.integers(1, 400).flatmap(lambda trials: st.tuples(st.integers(0, trials), st.just(trials)))
 PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 

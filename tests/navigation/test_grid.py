@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ovman.navigation.grid import LATTICE_TOLERANCE_M, Grid
 
-PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
+PROPERTY = settings(max_examples=50, derandomize=True, deadline=None)
 STEP = 0.25
 CELLS = st.frozensets(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=60)
 OFFSETS = st.sampled_from([0.0, 0.05, 0.1, 0.125, -0.0625, -0.1])

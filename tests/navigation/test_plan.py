@@ -15,7 +15,7 @@ from ovman.navigation.grid import DIRECTIONS, Grid
 from ovman.navigation.plan import geodesic_m, shortest_path, steps_from
 from ovman.navigation.waypoints import farthest_points
 
-PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
+PROPERTY = settings(max_examples=50, derandomize=True, deadline=None)
 STEP = 0.25
 
 

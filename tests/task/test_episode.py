@@ -29,7 +29,7 @@ from ovman.task import (
     success,
 )
 
-PROPERTY = settings(max_examples=150, derandomize=True, deadline=None)
+PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
 CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
 
 RUN = {

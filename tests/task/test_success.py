@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from ovman.task import Measurement, Relation, TaskConstants, spl, success, visible
 
 CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
-PROPERTY = settings(max_examples=200, derandomize=True, deadline=None)
+PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
 RELATIONS = st.sampled_from(Relation)
 # Near the success radius, and on it.
 DISTANCES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 3.0))
