@@ -1,16 +1,90 @@
-"""Forms: one table takes an object's type to a compound of parts fitted to its oriented box, for drawing and for collision alike."""
+"""Forms: one table takes an object's type to a compound of parts fitted to its oriented box, for drawing and collision alike."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+
+import numpy as np
+
 from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.shapes import (
+    appliances,
+    bedding,
+    belongings,
+    built_in,
+    decor,
+    electronics,
+    food,
+    hangings,
+    lamps,
+    sanitary,
+    seating,
+    storage,
+    surroundings,
+    tables,
+    tableware,
+)
+from ovman.engine.shapes.built_in import stoves
 from ovman.engine.shapes.collision import collision
-from ovman.engine.shapes.part import Part
+from ovman.engine.shapes.fit import Form, fitted
+from ovman.engine.shapes.part import Part, moved, span
+from ovman.engine.shapes.style import Style
+from ovman.engine.shapes.subject import Insert, Subject
 from ovman.engine.shapes.tessellation import mesh
 
-__all__ = ["Part", "collision", "compound", "mesh"]
+__all__ = ["FORMS", "LOOSE", "Part", "collision", "compound", "mesh", "stoves"]
+
+FORMS: dict[str, Form] = {}
+for _module in (
+    seating,
+    tables,
+    storage,
+    bedding,
+    lamps,
+    electronics,
+    appliances,
+    tableware,
+    food,
+    sanitary,
+    hangings,
+    decor,
+    belongings,
+):
+    FORMS.update(_module.FORMS)
+
+LOOSE = frozenset({"Shelf", "CounterTop"})
+"""Types that do not fill their box: the box of a shelf includes the room above the board, that of a counter what it encloses."""
+_SMALLEST_M = 1e-3
+
+
+def _plain(s: Subject) -> tuple[Part, ...]:
+    return (span((-s.x, 0, -s.z), (s.x, s.h, s.z), bevel=min(0.01, 0.2 * min(s.w, s.h, s.d))),)
+
+
+@lru_cache(maxsize=4096)
+def _compound(
+    kind: str, size: tuple[float, ...], key: str, inserts: tuple[Insert, ...], hung: bool, quarter: int
+) -> tuple[Part, ...]:
+    """The compound of one asset; cached, because every world of a floor plan asks for the same."""
+    width, height, depth = size if quarter % 2 == 0 else (size[2], size[1], size[0])
+    subject = Subject(kind, width, height, depth, Style(key), inserts, hung)
+    if kind in LOOSE:
+        parts = tuple(p.but(centre=p.centre - [0, height / 2, 0]) for p in FORMS[kind](subject))
+    else:
+        parts = fitted(FORMS.get(kind, _plain), subject)
+    return moved(parts, surroundings.turn(quarter))
 
 
 def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """Parts of `obj` in the frame of its oriented box: origin at its centre, metres. Deterministic in the asset and its surroundings."""
-    size = 2 * obj.box.half
-    return (Part("box", (0.0, 0.0, 0.0), size.clip(1e-4), bevel=min(0.01, float(size.min()) * 0.2)),)
+    """Parts of `obj` in the frame of its oriented box: origin at its centre, metres.
+
+    What is drawn touches all six faces of the box and stays within it to 1 mm, but for the types in `LOOSE`.
+    Deterministic in the asset (in the name where there is none) and, for what is built in, in its surroundings.
+    """
+    if obj.type == "CounterTop":
+        return built_in.counter(obj, plan)
+    quarter = surroundings.front(obj, plan)
+    low, _ = obj.box.bounds()
+    size = tuple(float(v) for v in np.maximum(2 * obj.box.half, _SMALLEST_M))
+    hung = bool(low[1] > plan.floor_y + 0.25)
+    return _compound(obj.type, size, obj.asset_id or obj.name, surroundings.inserts(obj, plan, quarter), hung, quarter)

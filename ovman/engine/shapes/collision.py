@@ -67,7 +67,7 @@ def _shell(part: Part) -> list[Piece]:
 
 
 def collision(part: Part) -> list[Piece]:
-    """Convex pieces of `part` in the frame of the oriented box; none if the part is not solid. Hollow lathes become walls and a bottom."""
+    """Convex pieces of `part` in the frame of the oriented box; none if not solid. A hollow lathe gives walls and bottom."""
     if not part.solid:
         return []
     half = part.size / 2

@@ -1,7 +1,7 @@
 """Parts: the primitives that every object is made of, and short ways to write them.
 
-A part is drawn (`tessellation.mesh`) and collided with (`collision.collision`). It lives in the frame of an oriented box: origin at
-the centre of the box, metres, y up, -z the back. Kinds, and what `ratio` and `points` mean for each:
+A part is drawn (`tessellation.mesh`) and collided with (`collision.collision`). It lives in the frame of an oriented box: origin
+at the centre of the box, metres, y up, -z the back. Kinds, and what `ratio` and `points` mean for each:
 
 ======== ============================================================ =========================== =====================
 kind     form, within `size` along the part's own axes                ratio                       points (metres)
@@ -107,7 +107,10 @@ def span(low: Iterable[float], high: Iterable[float], slot: str = "main", **fiel
 def bar(
     start: Iterable[float], end: Iterable[float], width: float, depth: float | None = None, slot: str = "main", **fields: Any
 ) -> Part:
-    """A beam (or other `kind`) of rectangular section `width` x `depth` (width if None) whose axis runs from `start` to `end`."""
+    """A beam (or other `kind`) from `start` to `end` of section `width` x `depth` (width if None), metres.
+
+    An upright beam has its width along x and its depth along z; a level one stands on edge: its width is upright.
+    """
     start, end = np.array(start, dtype=float), np.array(end, dtype=float)
     length = float(np.linalg.norm(end - start))
     size = (width, length, width if depth is None else depth)

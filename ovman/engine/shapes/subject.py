@@ -3,23 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ovman.engine.shapes.style import Style
 
 
+class Insert(NamedTuple):
+    """A drawer, door or shelf that is an object of its own within a piece of furniture, in the frame of `Subject`, metres."""
+
+    kind: str
+    """drawer, door or shelf"""
+    x0: float
+    x1: float
+    y0: float
+    y1: float
+    z0: float
+    z1: float
+
+
 @dataclass(frozen=True)
 class Subject:
-    """The object to be formed, in its own frame: x to the sides, y up from 0 to h, z from the back -d/2 to the front d/2; metres."""
+    """The object to be formed, in its own frame: x sideways, y up from 0 to h, z from the back -d/2 to the front d/2; metres."""
 
     type: str
     w: float
     h: float
     d: float
     style: Style
-    inserts: tuple[tuple[float, float, float, float], ...] = ()
-    """Fronts of drawers, doors and shelves that are objects of their own within it: (x low, x high, y low, y high)."""
+    inserts: tuple[Insert, ...] = ()
     hung: bool = False
-    """It hangs on a wall or stands within something else, so nothing has to carry it from below."""
+    """It does not reach the floor, so no legs carry it."""
 
     @property
     def x(self) -> float:
@@ -30,3 +43,9 @@ class Subject:
     def z(self) -> float:
         """Half its depth."""
         return self.d / 2
+
+    def of_size(self, w: float, h: float, d: float) -> Subject:
+        """The same asset asked for in another size, its inserts scaled with it."""
+        kx, ky, kz = w / self.w, h / self.h, d / self.d
+        inserts = tuple(Insert(i.kind, i.x0 * kx, i.x1 * kx, i.y0 * ky, i.y1 * ky, i.z0 * kz, i.z1 * kz) for i in self.inserts)
+        return Subject(self.type, w, h, d, self.style, inserts, self.hung)

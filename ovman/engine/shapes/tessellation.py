@@ -264,6 +264,6 @@ def local_mesh(part: Part) -> Mesh:
 
 
 def mesh(part: Part) -> Mesh:
-    """Vertices (V, 3) float64 in metres and triangles (T, 3) int32 of `part`, in the frame of the oriented box, wound outwards."""
+    """Vertices (V, 3) float64 in metres and triangles (T, 3) int32 of `part`, in the oriented box's frame, wound outwards."""
     vertices, faces = local_mesh(part)
     return vertices @ part.rotation.T + part.centre, faces

@@ -1,0 +1,59 @@
+"""Fits a form to its box: asks for a slightly other size until the bounds of what is drawn are those of the box."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from ovman.engine.shapes.part import Part
+from ovman.engine.shapes.subject import Subject
+from ovman.engine.shapes.tessellation import mesh
+
+Form = Callable[[Subject], Iterable[Part]]
+
+TOLERANCE_M = 2e-4
+ROUNDS = 6
+
+
+def bounds(parts: Iterable[Part], drawn_only: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper corner (3,) of `parts`, metres."""
+    lows, highs = [], []
+    for part in parts:
+        if part.drawn or not drawn_only:
+            if part.kind == "box" and part.rotation is not None:
+                reach = np.abs(part.rotation) @ (part.size / 2)
+                if part.bevel == 0 or np.allclose(np.abs(part.rotation).sum(axis=0), 1):
+                    lows.append(part.centre - reach)
+                    highs.append(part.centre + reach)
+                    continue
+            vertices = mesh(part)[0]
+            lows.append(vertices.min(axis=0))
+            highs.append(vertices.max(axis=0))
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def fitted(form: Form, subject: Subject) -> tuple[Part, ...]:
+    """Parts of `form` centred on the origin, their bounds those of `subject`'s size. Undrawn parts may only be smaller."""
+    size = np.array([subject.w, subject.h, subject.d])
+    asked = size.copy()
+    parts: tuple[Part, ...] = ()
+    for _ in range(ROUNDS):
+        parts = tuple(form(subject.of_size(*asked)))
+        low, high = bounds(parts)
+        if np.abs(high - low - size).max() < TOLERANCE_M:
+            break
+        asked = np.clip(asked * size / (high - low), 0.3 * size, 2.5 * size)
+    low, high = bounds(parts)
+    middle = (low + high) / 2
+    shrink = min(1.0, float((size / (high - low)).min()))
+    shrink = 1.0 if shrink > 1 - 1e-4 else shrink
+    return tuple(_shrunk(p.but(centre=p.centre - middle), shrink) for p in parts)
+
+
+def _shrunk(part: Part, share: float) -> Part:
+    if share == 1.0:
+        return part
+    points = None if part.points is None else part.points * share
+    ratio = part.ratio * share if part.kind == "tube" else part.ratio
+    return part.but(centre=part.centre * share, size=part.size * share, points=points, ratio=ratio, bevel=part.bevel * share)

@@ -1,0 +1,350 @@
+"""Dressers, shelves, cabinets, drawers, boxes, cans: what holds things. Front at +z."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ovman.engine.shapes.fronts import HANDLE_M, PANEL_M, closed_block, doors, drawers, handle, panel
+from ovman.engine.shapes.part import Part, about, bar, column, lathe, span, tube
+from ovman.engine.shapes.seating import legs
+from ovman.engine.shapes.subject import Subject
+
+
+def dresser(s: Subject) -> Iterator[Part]:
+    st = s.style
+    foot = st.uniform("foot", 0.04, 0.15)
+    top = st.uniform("top", 0.02, 0.035)
+    face = s.z - HANDLE_M
+    yield span((-s.x, s.h - top, -s.z), (s.x, s.h, s.z), "main", bevel=0.006)
+    if st.chance("plinth", 0.4):
+        yield span((-s.x + 0.02, 0, -s.z), (s.x - 0.02, foot, face - 0.03), "trim")
+    else:
+        yield from legs(Subject(s.type, s.w, s.h, s.d - HANDLE_M, st), foot + 0.01, 0.01, 0.045, 0.0, "trim", solid=False)
+    if s.inserts:
+        inner = Subject(s.type, s.w, s.h, s.d, st, s.inserts)
+        for sx in (-1, 1):
+            low, high = sorted((sx * s.x, sx * (s.x - 0.02)))
+            yield span((low, foot, -s.z), (high, s.h - top, face), "main", bevel=0.002)
+        yield span((-s.x, foot, -s.z), (s.x, s.h - top, -s.z + 0.014), "main")
+        yield from closed_block(inner, s.h - top)
+        return
+    yield span((-s.x + 0.004, foot, -s.z), (s.x - 0.004, s.h - top, face), "main", bevel=0.003)
+    body = s.h - top - foot
+    rows = max(2, min(5, round(body / st.uniform("row", 0.18, 0.26))))
+    columns = 1 if s.w < 0.95 else 2 if s.w < 1.7 else 3
+    area = (-s.x + 0.022, s.x - 0.022, foot + 0.012, s.h - top - 0.008)
+    if s.h > 1.3:
+        split = foot + 0.35 * body
+        yield from drawers((*area[:2], area[2], split), face, st, 2, max(1, columns - 1))
+        yield from doors((*area[:2], split + 0.01, area[3]), face, st, max(2, columns))
+    else:
+        yield from drawers(area, face, st, rows, columns)
+
+
+def shelving(s: Subject) -> Iterator[Part]:
+    st = s.style
+    thick = st.uniform("thick", 0.016, 0.03)
+    levels = sorted({round(i.y0, 2) for i in s.inserts if i.kind == "shelf"})
+    frame = st.chance("frame", 0.4)
+    if not levels:
+        count = max(2, min(6, round(s.h / st.uniform("pitch", 0.3, 0.42))))
+        first = st.uniform("first", 0.02, 0.12)
+        levels = list(np.linspace(first, s.h - thick, count))
+    else:
+        levels.append(s.h - thick)
+    if frame:
+        post = st.uniform("post", 0.02, 0.035)
+        for sx in (-1, 1):
+            for sz in (-1, 1):
+                low, high = sorted((sx * s.x, sx * (s.x - post)))
+                near, far = sorted((sz * s.z, sz * (s.z - post)))
+                yield span((low, 0, near), (high, s.h, far), "metal")
+        for end in (-1, 1):
+            yield bar(
+                (end * (s.x - post / 2), 0.04, -s.z + 0.005),
+                (-end * (s.x - post / 2), s.h - 0.04, -s.z + 0.005),
+                0.008,
+                slot="metal",
+                solid=False,
+            )
+    else:
+        for sx in (-1, 1):
+            low, high = sorted((sx * s.x, sx * (s.x - thick)))
+            yield span((low, 0, -s.z), (high, s.h, s.z), "main", bevel=0.003)
+        yield span((-s.x, 0.02, -s.z), (s.x, s.h, -s.z + 0.01), "second")
+    for y in levels:
+        y = min(y, s.h - thick)
+        yield span((-s.x + 0.003, y, -s.z + 0.003), (s.x - 0.003, y + thick, s.z - 0.003), "main", bevel=0.002)
+    yield from closed_block(s, s.h - thick)
+
+
+def shelf(s: Subject) -> Iterator[Part]:
+    """A board at the bottom of its box: what is above is the room for things. A shelf on a wall has brackets."""
+    thick = min(0.022, max(0.006, s.h))
+    yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
+    if s.hung and s.h > 0.06:
+        inset = 0.15 * s.w
+        for sx in (-1, 1):
+            x = sx * (s.x - inset)
+            yield span((x - 0.006, thick, -s.z), (x + 0.006, min(s.h, thick + 0.5 * s.d), -s.z + 0.008), "metal", solid=False)
+
+
+def cabinet(s: Subject) -> Iterator[Part]:
+    """A built-in cupboard: body, one or two doors, handles where they are reached: low on wall units, high on base units."""
+    reach = min(HANDLE_M, 0.35 * s.d)
+    face = s.z - reach
+    if s.d < 0.09:
+        yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.002)
+        yield from _leaf(s, face - PANEL_M * 0.6, reach, 1)
+        return
+    foot = 0.0 if s.hung or s.h < 0.4 else 0.04
+    yield span((-s.x, foot, -s.z), (s.x, s.h, face), "main", bevel=0.002)
+    if foot:
+        yield span((-s.x + 0.002, 0, -s.z), (s.x - 0.002, foot, face - 0.05), "dark", solid=False)
+    yield from _leaf(s, face, reach, 2 if s.w > 0.62 else 1)
+
+
+def _leaf(s: Subject, face: float, reach: float, count: int) -> Iterator[Part]:
+    wide = s.w / count
+    front = face + PANEL_M * 0.6
+    for i in range(count):
+        x0, x1 = -s.x + i * wide + 0.002, -s.x + (i + 1) * wide - 0.002
+        foot = 0.002 if s.hung else min(0.042, 0.1 * s.h)
+        yield from panel((x0, x1, foot, s.h - 0.002), front, s.style)
+        right = i % 2 == 0 if count > 1 else s.style.chance("opens right", 0.5)
+        at = x1 - 0.035 if right else x0 + 0.035
+        y = 0.16 * s.h + 0.02 if s.hung else 0.84 * s.h
+        yield from handle(at, y, front, s.style, True, min(0.14, 0.3 * s.h), s.z - front)
+
+
+def drawer(s: Subject) -> Iterator[Part]:
+    """Front, handle and an open tray behind it."""
+    reach = min(HANDLE_M, 0.2 * s.d)
+    face = s.z - reach
+    thick = 0.012
+    yield span((-s.x + 0.004, 0.004, -s.z), (s.x - 0.004, 0.012, face - PANEL_M), "second")
+    for sx in (-1, 1):
+        low, high = sorted((sx * (s.x - 0.004), sx * (s.x - 0.004 - thick)))
+        yield span((low, 0.004, -s.z), (high, 0.75 * s.h, face - PANEL_M), "second")
+    yield span((-s.x + 0.004, 0.004, -s.z), (s.x - 0.004, 0.75 * s.h, -s.z + thick), "second")
+    yield span((-s.x, 0, face - PANEL_M), (s.x, s.h, face), drawn=False)
+    yield from panel((-s.x, s.x, 0.0, s.h), face, s.style)
+    for offset in (-0.27, 0.27) if s.w > 0.85 else (0.0,):
+        yield from handle(offset * s.w, 0.5 * s.h, face, s.style, False, min(0.16, 0.4 * s.w), reach)
+
+
+def safe(s: Subject) -> Iterator[Part]:
+    face = s.z - 0.045
+    yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.012)
+    yield span((-s.x * 0.84, 0.1 * s.h, face), (s.x * 0.84, 0.9 * s.h, face + 0.012), "second", bevel=0.006, solid=False)
+    yield span((-0.16 * s.w, 0.55 * s.h, face), (0.08 * s.w, 0.72 * s.h, face + 0.018), "dark", bevel=0.003, solid=False)
+    for i in range(9):
+        x, y = -0.12 * s.w + 0.08 * s.w * (i % 3), 0.58 * s.h + 0.045 * s.h * (i // 3)
+        yield span((x - 0.015 * s.w, y, face + 0.016), (x + 0.015 * s.w, y + 0.03 * s.h, face + 0.022), "pale", solid=False)
+    radius = 0.1 * s.w
+    for i in range(3):
+        turn = about("z", 120.0 * i)
+        yield bar(
+            turn @ [0, -0.9 * radius, 0] + [0.18 * s.w, 0.4 * s.h, face + 0.035],
+            turn @ [0, 0.9 * radius, 0] + [0.18 * s.w, 0.4 * s.h, face + 0.035],
+            0.012,
+            slot="metal",
+            solid=False,
+        )
+    yield Part(
+        "torus",
+        (0.18 * s.w, 0.4 * s.h, face + 0.035),
+        (2 * radius, 0.02, 2 * radius),
+        about("x", 90.0),
+        "metal",
+        solid=False,
+        ratio=0.2,
+    )
+
+
+def hamper(s: Subject) -> Iterator[Part]:
+    """A laundry basket: woven walls that widen upwards, a rim and a lid or washing heaped in it."""
+    st = s.style
+    round_form = abs(s.w - s.d) < 0.08
+    lid = st.chance("lid", 0.5)
+    high = s.h - (0.03 if lid else 0.07)
+    if round_form:
+        yield _can(s, 0.82, high, 0.02)
+    else:
+        yield from _tub(s, 0.9, high, 0.02, "main")
+    yield span(
+        (-s.x, high - 0.035, -s.z), (s.x, high, s.z), "trim", bevel=0.01, solid=False, kind="cylinder" if round_form else "box"
+    )
+    if lid:
+        yield span(
+            (-s.x * 0.98, high, -s.z * 0.98),
+            (s.x * 0.98, s.h, s.z * 0.98),
+            "second",
+            kind="cylinder" if round_form else "box",
+            bevel=0.01,
+        )
+    else:
+        yield span((-s.x * 0.8, high - 0.1, -s.z * 0.8), (s.x * 0.8, s.h, s.z * 0.8), "cloth", kind="ellipsoid")
+    for sx in (-1, 1):
+        yield span(
+            (sx * s.x * 0.97 - 0.006, 0.7 * s.h, -0.06),
+            (sx * s.x * 0.97 + 0.006, 0.7 * s.h + 0.03, 0.06),
+            "dark",
+            bevel=0.004,
+            solid=False,
+        )
+
+
+def _can(s: Subject, taper: float, high: float, wall: float, slot: str = "main") -> Part:
+    radius = s.x
+    profile = [(0, 0), (taper * radius, 0), (radius, high), (radius - wall, high), (taper * radius - wall, wall), (0, wall)]
+    return lathe(profile, slot=slot, stretch=(1.0, s.z / s.x))
+
+
+def _tub(s: Subject, taper: float, high: float, wall: float, slot: str) -> Iterator[Part]:
+    """Four leaning walls and a bottom."""
+    x, z = taper * s.x, taper * s.z
+    yield span((-x, 0, -z), (x, wall, z), slot, bevel=0.002)
+    lean_x, lean_z = (1 - taper) * s.x, (1 - taper) * s.z
+    for sign in (-1, 1):
+        foot, head = (sign * (x - wall / 2), 0, 0), (sign * (x - wall / 2 + lean_x), high, 0)
+        yield bar(foot, head, wall, 2 * s.z - lean_z, slot)
+        foot, head = (0, 0, sign * (z - wall / 2)), (0, high, sign * (z - wall / 2 + lean_z))
+        yield bar(foot, head, 2 * s.x - lean_x, wall, slot)
+
+
+def garbage_can(s: Subject) -> Iterator[Part]:
+    st = s.style
+    form = st.choice("form", ("open", "open", "pedal", "swing"))
+    round_form = abs(s.w - s.d) < 0.06 * (s.w + s.d)
+    taper = st.uniform("taper", 0.7, 0.92)
+    body = s.h if form == "open" else 0.86 * s.h
+    if round_form or st.chance("oval", 0.3):
+        yield _can(s, taper, body, 0.012)
+        if form == "open":
+            yield span((-s.x, body - 0.03, -s.z), (s.x, body, s.z), "trim", kind="torus", ratio=0.12, solid=False)
+            yield lathe(
+                [(0, 0.3 * body), (0.8 * s.x, 0.3 * body), (0.7 * s.x, 0.45 * body), (0, 0.4 * body)],
+                slot="pale",
+                solid=False,
+                stretch=(1.0, s.z / s.x),
+            )
+        else:
+            crown = [(0, body), (s.x, body), (0.98 * s.x, body + 0.3 * (s.h - body)), (0.6 * s.x, s.h), (0, s.h)]
+            yield lathe(crown, slot="second", stretch=(1.0, s.z / s.x))
+    else:
+        yield from _tub(s, taper, body, 0.012, "main")
+        if form != "open":
+            yield span((-s.x, body, -s.z), (s.x, s.h, s.z), "second", bevel=0.03)
+        else:
+            for sign in (-1, 1):
+                yield span(
+                    (-s.x, body - 0.03, sign * (s.z - 0.01) - 0.01), (s.x, body, sign * (s.z - 0.01) + 0.01), "trim", solid=False
+                )
+                yield span(
+                    (sign * (s.x - 0.01) - 0.01, body - 0.03, -s.z), (sign * (s.x - 0.01) + 0.01, body, s.z), "trim", solid=False
+                )
+    if form == "pedal":
+        yield span((-0.05, 0.01, taper * s.z - 0.02), (0.05, 0.03, s.z), "metal", bevel=0.005, solid=False)
+    if form == "swing":
+        yield span((-0.5 * s.x, body + 0.02, 0.6 * s.z), (0.5 * s.x, s.h - 0.02, 0.97 * s.z), "dark", bevel=0.006, solid=False)
+
+
+def garbage_bag(s: Subject) -> Iterator[Part]:
+    neck = 0.78 * s.h
+    yield lathe(
+        [
+            (0, 0),
+            (0.36 * s.w, 0),
+            (0.49 * s.w, 0.14 * s.h),
+            (0.5 * s.w, 0.34 * s.h),
+            (0.4 * s.w, 0.56 * s.h),
+            (0.2 * s.w, 0.7 * s.h),
+            (0.06 * s.w, neck),
+            (0, neck),
+        ],
+        stretch=(1.0, s.d / s.w),
+        segments=14,
+    )
+    for i in range(9):
+        angle = 40.0 * i + s.style.uniform(f"fold {i}", -14, 14)
+        tip = about("y", angle) @ [0.16 * s.w, 0, 0]
+        yield bar(
+            (0, neck - 0.03, 0),
+            (tip[0], s.h - 0.02 - s.style.uniform(f"ear {i}", 0, 0.06), tip[2]),
+            0.1 * s.w,
+            0.006,
+            "main",
+            solid=False,
+        )
+        side = about("y", angle + 20) @ [0.43 * s.w, 0, 0]
+        yield tube(
+            [
+                (side[0] * 0.5, 0.62 * s.h, side[2] * 0.5 * s.d / s.w),
+                (side[0], 0.36 * s.h, side[2] * s.d / s.w),
+                (side[0] * 0.95, 0.12 * s.h, side[2] * 0.95 * s.d / s.w),
+            ],
+            0.012,
+            "main",
+            solid=False,
+        )
+    yield column(0, 0, neck - 0.012, neck + 0.012, 0.045 * s.w, "accent", solid=False)
+    yield column(0, 0, neck, s.h, 0.03 * s.w, "main")
+
+
+def box(s: Subject) -> Iterator[Part]:
+    """A cardboard box, its flaps open or folded in."""
+    st = s.style
+    wall = 0.006
+    open_flaps = st.chance("open", 0.7)
+    flap = 0.0
+    if open_flaps:
+        flap = min(0.16 * s.w, 0.3 * s.h)
+    high = s.h - 0.45 * flap
+    x, z = s.x - 0.75 * flap, s.z - 0.75 * flap
+    yield span((-x, 0, -z), (x, wall, z), "main")
+    for sign in (-1, 1):
+        low, far = sorted((sign * x, sign * (x - wall)))
+        yield span((low, 0, -z), (far, high, z), "main")
+        low, far = sorted((sign * z, sign * (z - wall)))
+        yield span((-x, 0, low), (x, high, far), "main")
+    yield span((-x - 0.0008, 0.35 * high, z - 0.02), (x + 0.0008, 0.62 * high, z + 0.0008), "picture", solid=False)
+    if open_flaps:
+        rise = 0.45 * flap
+        for sign in (-1, 1):
+            yield bar(
+                (sign * x, high, 0),
+                (sign * s.x, high + rise * st.uniform(f"flap {sign}", -0.6, 1.0), 0),
+                0.004,
+                2 * z,
+                "main",
+                solid=False,
+            )
+            yield bar(
+                (0, high, sign * z),
+                (0, high + rise * st.uniform(f"end {sign}", 0.4, 1.0), sign * s.z),
+                2 * x,
+                0.004,
+                "main",
+                solid=False,
+            )
+    else:
+        yield span((-x, high - 0.005, -z), (-0.003, high, z), "main")
+        yield span((0.003, high - 0.005, -z), (x, high, z), "main")
+        yield span((-0.03, high - 0.006, -z), (0.03, high + 0.0005, z), "accent", solid=False)
+
+
+FORMS = {
+    "Dresser": dresser,
+    "ShelvingUnit": shelving,
+    "Shelf": shelf,
+    "Cabinet": cabinet,
+    "Drawer": drawer,
+    "Safe": safe,
+    "LaundryHamper": hamper,
+    "GarbageCan": garbage_can,
+    "GarbageBag": garbage_bag,
+    "Box": box,
+}
