@@ -66,7 +66,7 @@ def _bound(action: Action, arguments: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _value(action: Action, parameter: Parameter, value: Any) -> Any:
-    if value is None and (parameter.nullable or parameter.kind in (str, Any, dict)):
+    if value is None and (parameter.nullable or parameter.kind in (str, Any)):
         return None
     try:
         return converted(value, parameter.kind)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import msgpack
@@ -18,14 +19,24 @@ if TYPE_CHECKING:
     import numpy as np
 
     from ovman.engine.camera import Renderer, View
+    from ovman.engine.floorplan import FloorPlan
     from ovman.engine.metadata import SceneMetadata
     from ovman.engine.world import World
 
 ACTION_S = 0.1
 """Simulated time that an action takes while physics runs by itself. AI2-THOR's actions take as long as the frames that Unity
 draws for them; a tenth of a second lets a dropped thing fall and come to rest within the few actions that AI2-THOR needs."""
+SCENES_KEPT = 6
+"""Floor plans kept for the next Reset to them; what is drawn of a plan is kept with it."""
 SCENE_SUFFIX = "_physics"
 """What AI2-THOR appends to the names of the iTHOR scenes."""
+
+
+@lru_cache(maxsize=SCENES_KEPT)
+def _plan(name: str) -> FloorPlan:
+    from ovman.engine import floorplan
+
+    return floorplan.load(name)
 
 
 class Engine:
@@ -61,11 +72,10 @@ class Engine:
 
     def load(self, scene_name: str) -> None:
         """A fresh world of the scene ("FloorPlan201_physics"), settings as before any Initialize. KeyError if there is none."""
-        from ovman.engine import floorplan
         from ovman.engine.metadata import SceneMetadata
         from ovman.engine.world import World
 
-        world = World(floorplan.load(scene_name.removesuffix(SCENE_SUFFIX)), seed=self.seed)
+        world = World(_plan(scene_name.removesuffix(SCENE_SUFFIX)), seed=self.seed)
         self._resets += 1
         self._world, self._metadata, self._renderer = world, SceneMetadata(world), None
         self.scene_name = scene_name

@@ -26,10 +26,11 @@ class SceneMetadata:
         self._world = world
         low, high = world.bounds()
         self._bounds = {**_aligned((low + high) / 2, high - low), "cornerPoints": _corners(low, high)}
-        self._version = -1
+        self._version: tuple[int, bool] | None = None
         self._seen_from: tuple[Any, ...] | None = None
         self._records: dict[str, dict[str, Any]] = {}
         self._made_of: dict[str, tuple[Any, ...]] = {}
+        self._rearranged = False
 
     def state(self, settings: Settings, aspect: float) -> dict[str, Any]:
         """The part of an event's metadata that tells of the world, its agent and its objects. The lists and dicts are reused:
@@ -52,9 +53,10 @@ class SceneMetadata:
 
     def _objects(self, settings: Settings, aspect: float) -> list[dict[str, Any]]:
         world, agent = self._world, self._world.agent
-        if self._version != world.version:
+        version = (world.version, world.at_rest)
+        if self._version != version:
             self._refresh()
-            self._version = world.version
+            self._version = version
             self._seen_from = None
         eye = Eye(agent.position, agent.camera, agent.yaw_deg, agent.horizon_deg, settings.field_of_view_deg, aspect)
         seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, settings, aspect)
@@ -74,7 +76,7 @@ class SceneMetadata:
             self._records[body.object_id]["isMoving"] = bool(body.velocity @ body.velocity > MOTION)
         self._list = [self._records[b.object_id] for b in bodies]
         self._positions = np.array([b.pose.position for b in bodies]).reshape(-1, 3)
-        self._sight = Sight([b.box for b in bodies], [b.active and b.obj.type != "Floor" for b in bodies])
+        self._sight = Sight([b.box for b in bodies], [b.active for b in bodies], [b.obj.type != "Floor" for b in bodies])
         self._keep_receptacles(bodies)
 
     def _look(self, eye: Eye, distance_m: float) -> None:
@@ -85,27 +87,27 @@ class SceneMetadata:
             record["visible"] = record["isInteractable"] = seen
 
     def _keep_receptacles(self, bodies: list[Body]) -> None:
-        """Who is in what: as recorded between things that were not touched, by their boxes otherwise."""
-        changed = {b.object_id for b in bodies if not b.untouched or not b.active or b.object_id != b.obj.object_id}
-        gone = set(self._world.plan._by_id) - {b.object_id for b in bodies}
-        if not changed and not gone and not getattr(self, "_shuffled", False):
+        """Who is on or in what: as recorded between things that are where they were, by their boxes otherwise."""
+        there = {b.object_id: b for b in bodies if b.active}
+        changed = {name for name, b in there.items() if not b.untouched or name != b.obj.object_id}
+        if changed or len(there) < len(self._world.plan.objects):
+            self._rearranged = True
+        elif not self._rearranged:
             return
-        self._shuffled = True
-        still = {b.object_id for b in bodies} - changed
-        parents: dict[str, list[str]] = {b.object_id: [p for p in b.obj.parents if p in still] for b in bodies}
-        holders = [b for b in bodies if b.active and b.obj.record["receptacle"]]
-        for body in bodies:
-            if not body.active:
-                parents[body.object_id] = []
-            elif body.object_id in changed:
-                parents[body.object_id] = [h.object_id for h in holders if h is not body and _holds(h, body, self._world)]
-            else:
-                moved = [h for h in holders if h.object_id in changed]
-                parents[body.object_id] += [h.object_id for h in moved if h is not body and _holds(h, body, self._world)]
+        still = there.keys() - changed
+        holders = {name: b for name, b in there.items() if b.obj.record["receptacle"]}
+        parents: dict[str, list[str]] = {}
         children: dict[str, list[str]] = {b.object_id: [] for b in bodies}
-        for child, holding in parents.items():
-            for parent in holding:
-                children[parent].append(child)
+        for name, holder in holders.items():
+            if name in still:
+                children[name] = [c for c in holder.obj.record["receptacleObjectIds"] or () if c in still]
+        for body in bodies:
+            name = body.object_id
+            parents[name] = [p for p in body.obj.parents if p in still] if name in still else []
+            for other in holders if name in changed else holders.keys() & changed if name in still else ():
+                if other != name and _holds(holders[other], body, self._world.plan.floor_y):
+                    parents[name].append(other)
+                    children[other].append(name)
         for body in bodies:
             record = self._records[body.object_id]
             record["parentReceptacles"] = parents[body.object_id] or None
@@ -139,10 +141,10 @@ def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
-def _holds(receptacle: Body, body: Body, world: World) -> bool:
+def _holds(receptacle: Body, body: Body, floor_y: float) -> bool:
     low, high = body.box.bounds()
     foot = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
-    on_floor = foot[1] < world.plan.floor_y + ABOVE_M
+    on_floor = foot[1] < floor_y + ABOVE_M
     if receptacle.obj.type == "Floor":
         return bool(on_floor)
     box = receptacle.box

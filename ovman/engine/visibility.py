@@ -49,19 +49,20 @@ class Eye:
 class Sight:
     """The boxes of N objects, asked who of them is visible."""
 
-    def __init__(self, boxes: Sequence[Box], solid: Sequence[bool]) -> None:
-        """Only `solid` objects are seen, and only they hide others."""
+    def __init__(self, boxes: Sequence[Box], there: Sequence[bool], hiding: Sequence[bool]) -> None:
+        """Only objects that are `there` are seen, and those of them that are `hiding` hide others."""
         self._centre = np.array([b.centre for b in boxes]).reshape(-1, 3)
         self._half = np.array([b.half for b in boxes]).reshape(-1, 3)
         self._rotation = np.array([b.rotation for b in boxes]).reshape(-1, 3, 3)
-        self._solid = np.array(solid, dtype=bool)
+        self._there = np.array(there, dtype=bool)
+        self._hiding = self._there & np.array(hiding, dtype=bool)
         self._reach = np.linalg.norm(self._half, axis=1)
 
     def visible(self, eye: Eye, distance_m: float) -> np.ndarray:
         """(N,) bool."""
         result = np.zeros(len(self._centre), dtype=bool)
         far = np.linalg.norm(self._centre[:, [0, 2]] - eye.agent[[0, 2]], axis=1)
-        near = np.flatnonzero(self._solid & (far - self._reach <= distance_m))
+        near = np.flatnonzero(self._there & (far - self._reach <= distance_m))
         near = near[self._distance(near, eye.agent) <= distance_m]
         if not len(near):
             return result
@@ -70,7 +71,7 @@ class Sight:
         target, point = np.nonzero(seen)
         if not len(target):
             return result
-        others = np.flatnonzero(self._solid & (far - self._reach <= far[near].max() + self._reach[near].max()))
+        others = np.flatnonzero(self._hiding & (far - self._reach <= far[near].max() + self._reach[near].max()))
         free = ~self._hidden(eye.position, points[target, point], near[target], others)
         result[near[target[free]]] = True
         return result

@@ -27,6 +27,9 @@ PATIENCE_S = 1.0
 """How often an idle engine looks whether its parent still lives."""
 OPENING_S = 0.002
 """How often the engine looks whether the client has opened its end of the server pipe."""
+OPENING_LIMIT_S = 60.0
+"""How long the engine waits for that. The client opens it as soon as it has started the engine, so it must have died since; if it
+was quick about it, the engine never saw it alive."""
 
 
 class Field(IntEnum):
@@ -68,6 +71,7 @@ class Wire:
         self._to_client = self._open_server_pipe(server_pipe)
 
     def _open_server_pipe(self, path: str) -> int:
+        end = time.monotonic() + OPENING_LIMIT_S
         while True:
             try:
                 pipe = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
@@ -77,6 +81,8 @@ class Wire:
                 if error.errno != errno.ENXIO:
                     raise
                 self._check_parent()
+                if time.monotonic() > end:
+                    raise ClientGone("nobody opened the server pipe") from None
                 time.sleep(OPENING_S)
             else:
                 os.set_blocking(pipe, True)

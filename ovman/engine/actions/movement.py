@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.actions.registry import Failed, Thrown, action, out_of_range
-from ovman.engine.actions.values import Vector3
+from ovman.engine.actions.values import FARTHEST, Vector3
 from ovman.engine.engine import Engine
 from ovman.engine.world import Refused
 
@@ -34,6 +34,8 @@ def _move(engine: Engine, heading_deg: float, magnitude: float | None, force: bo
     length = magnitude if magnitude is not None and magnitude > 0 else engine.settings.grid_m
     step = _direction((agent.yaw_deg + heading_deg) % 360.0) * length
     target = agent.position + step
+    if np.abs(target).max() > FARTHEST:
+        raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")
     if not force:
         if not engine.in_bounds(target):
             raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")

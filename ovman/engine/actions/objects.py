@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.actions.registry import action
-from ovman.engine.actions.values import Vector3, converted
+from ovman.engine.actions.values import ObjectPose, Vector3
 from ovman.engine.engine import Engine
 from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.world import Refused
@@ -50,19 +50,11 @@ def teleport_object(
 
 
 @action("SetObjectPoses")
-def set_object_poses(engine: Engine, objectPoses: list[dict], placeStationary: bool = True, **rest: Any) -> None:
-    poses = []
-    for number, pose in enumerate(objectPoses):
-        for key in ("objectName", "position", "rotation"):
-            if key not in pose:
-                raise Refused(f"objectPoses[{number}] has no {key}.")
-        poses.append(
-            {
-                "objectName": converted(pose["objectName"], str),
-                "position": converted(pose["position"], Vector3).array,
-                "rotation": rotation_matrix(converted(pose["rotation"], Vector3).array),
-            }
-        )
+def set_object_poses(engine: Engine, objectPoses: list[ObjectPose], placeStationary: bool = True, **rest: Any) -> None:
+    poses = [
+        {"objectName": p.objectName, "position": p.position.array, "rotation": rotation_matrix(p.rotation.array)}
+        for p in objectPoses
+    ]
     engine.world.set_poses(poses, placeStationary)
 
 

@@ -10,6 +10,9 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
+FARTHEST = 1e6
+"""Largest component of a vector, metres or degrees: beyond it, sums of lengths lose the millimetres that worlds are made of."""
+
 
 class Inconvertible(ValueError):
     """A value does not convert to a plain type; AI2-THOR reports these with the code InvalidArgument."""
@@ -43,9 +46,18 @@ class Vector3:
         return {"x": self.x, "y": self.y, "z": self.z}
 
 
+@dataclass(frozen=True)
+class ObjectPose:
+    """Where SetObjectPoses puts an object."""
+
+    objectName: str
+    position: Vector3
+    rotation: Vector3
+
+
 NAMES = {float: "float", int: "int", bool: "Boolean", str: "String", Vector3: "Vector3"}
 """Types as messages call them."""
-CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3", dict: "Dictionary`2"}
+CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3"}
 """Types as signatures in messages call them."""
 
 
@@ -59,7 +71,7 @@ def shown(value: Any) -> str:
 
 
 def converted(value: Any, kind: Any) -> Any:
-    """`value` as a `kind`: float, int, bool, str, Vector3, dict, list[...] or Any. Raises Inconvertible or Malformed.
+    """`value` as a `kind`: float, int, bool, str, Vector3, ObjectPose, list[...] or Any. Raises Inconvertible or Malformed.
 
     A number must be finite: a world with a NaN in it has no next state.
     """
@@ -114,15 +126,25 @@ def _vector(value: Any) -> Vector3:
     if not isinstance(value, dict):
         raise Malformed(f"Error converting value {shown(value)} to type 'UnityEngine.Vector3'.")
     try:
-        return Vector3(**{axis: _number(value[axis]) for axis in "xyz" if axis in value})
+        vector = Vector3(**{axis: _number(value[axis]) for axis in "xyz" if axis in value})
     except Inconvertible as error:
         raise Malformed(f"Could not convert to a component of a Vector3: {error}.") from None
+    if max(abs(vector.x), abs(vector.y), abs(vector.z)) > FARTHEST:
+        raise Malformed(f"A component of {shown(value)} is beyond {FARTHEST:g}.")
+    return vector
 
 
-def _mapping(value: Any) -> dict[str, Any]:
+def _object_pose(value: Any) -> ObjectPose:
     if not isinstance(value, dict):
-        raise Malformed(f"Error converting value {shown(value)} to a dictionary.")
-    return value
+        raise Malformed(f"Error converting value {shown(value)} to type 'ObjectPose'.")
+    missing = [key for key in ("objectName", "position", "rotation") if key not in value]
+    if missing:
+        raise Malformed(f"Required property '{missing[0]}' not found in an ObjectPose.")
+    try:
+        name = _text(value["objectName"])
+    except Inconvertible as error:
+        raise Malformed(f"Could not convert the name of an object: {error}.") from None
+    return ObjectPose(name, _vector(value["position"]), _vector(value["rotation"]))
 
 
-_PLAIN = {float: _number, int: _integer, bool: _truth, str: _text, Vector3: _vector, dict: _mapping}
+_PLAIN = {float: _number, int: _integer, bool: _truth, str: _text, Vector3: _vector, ObjectPose: _object_pose}
