@@ -18,7 +18,7 @@ def shortest_path(
     """A shortest path from `start` to `goal`, both included, over edges that are not `blocked`; None where there is none.
 
     A* with the city-block distance. Among paths of equal length the choice hangs on nothing but `directions`, the order in which
-    the neighbours of a cell are tried; over free floor such a path turns once. Raises ValueError if either end is not in the grid.
+    the neighbours of a cell are tried; over free floor such a path turns once. Raises ValueError if an end is not in the grid.
     """
     grid.require(start)
     grid.require(goal)
@@ -27,7 +27,7 @@ def shortest_path(
     came_from: dict[Cell, Cell | None] = {start: None}
     length = {start: 0}
     closed: set[Cell] = set()
-    # (length of the path through the cell at best, -length up to it, age): of equals the deepest goes first, which opens half as many.
+    # (length of the path through the cell at best, -length up to it, age): of equals the deepest first, which takes half the time.
     open_cells = [(abs(start[0] - goal_i) + abs(start[1] - goal_j), 0, 0, start)]
     age = 0
     while open_cells:

@@ -77,7 +77,7 @@ class Episode:
 
     @property
     def states(self) -> tuple[WorldState, WorldState]:
-        """W_1 and W_2 as Eq. 1 reads them: the path of an instance that a change set in motion is its track, unless it has one."""
+        """W_1 and W_2 as Eq. 1 reads them: the path of an instance that a change set in motion is its track if it has none."""
         paths = {change.instance: change.path for change in self.changes if change.path}
         return self.world_1, WorldState(
             tuple(
