@@ -27,7 +27,7 @@ def shortest_path(
     came_from: dict[Cell, Cell | None] = {start: None}
     length = {start: 0}
     closed: set[Cell] = set()
-    # (length of the path through the cell at best, -length up to it, age): of equals the deepest first, which takes half the time.
+    # (length of the path through the cell at best, -length up to it, age): of equals the deepest first, in half the time.
     open_cells = [(abs(start[0] - goal_i) + abs(start[1] - goal_j), 0, 0, start)]
     age = 0
     while open_cells:
