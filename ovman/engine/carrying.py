@@ -38,26 +38,31 @@ def _share_inside(inner: Box, outer: Box) -> float:
     return float(np.prod(np.maximum(common, 0.0)) / max(np.prod(high - low), 1e-12))
 
 
-def carried(body: Body, surfaces: Sequence[Box], parts: Iterable[str], bodies: Iterable[Body], floor_y: float) -> list[str]:
-    """objectIds of the movable bodies that rest on `body` or lie in it.
-
-    `surfaces` are the boxes of its pieces, `parts` the objectIds of what it is made of beside itself.
-    """
-    others = [
-        b for b in bodies if b is not body and b.dynamic and b.present and not b.kinematic and b.object_id != body.object_id
-    ]
-    if not others:
-        return []
-    bounds = [b.box.bounds() for b in others]
-    low, high = np.array([b[0] for b in bounds]), np.array([b[1] for b in bounds])
-    piece_bounds = [s.bounds() for s in surfaces]
-    piece_low, piece_high = np.array([b[0] for b in piece_bounds]), np.array([b[1] for b in piece_bounds])
-    over = np.ones((len(others), len(surfaces)), dtype=bool)
+def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> set[str]:
+    """objectIds of those of `others` that rest on one of `surfaces`, boxes around the pieces of a body; not of what stands on the floor."""
+    if not others or not surfaces:
+        return set()
+    low, high = _bounds([b.box for b in others])
+    piece_low, piece_high = _bounds(surfaces)
+    over = np.abs(low[:, None, 1] - piece_high[None, :, 1]) <= RESTS_M
     for axis in (0, 2):
         over &= (low[:, None, axis] < piece_high[None, :, axis]) & (high[:, None, axis] > piece_low[None, :, axis])
-    rests = (over & (np.abs(low[:, None, 1] - piece_high[None, :, 1]) <= RESTS_M)).any(axis=1)
-    box, names = body.box, {body.obj.object_id, *parts}
-    inside = (np.abs(((low + high) / 2 - box.centre) @ box.rotation) <= box.half).all(axis=1)
-    recorded = np.array([b.untouched and not names.isdisjoint(b.obj.parents) for b in others])
-    above_floor = low[:, 1] > floor_y + STANDS_M
-    return [b.object_id for b, yes in zip(others, (rests | (inside & recorded)) & above_floor, strict=True) if yes]
+    rests = over.any(axis=1) & (low[:, 1] > floor_y + STANDS_M)
+    return {b.object_id for b, yes in zip(others, rests, strict=True) if yes}
+
+
+def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: float) -> set[str]:
+    """objectIds of those of `others` that lie in `body`, of which `parts` are parts: by the record, and in its box still."""
+    names = {body.obj.object_id, *parts}
+    recorded = [b for b in others if b.untouched and not names.isdisjoint(b.obj.parents)]
+    if not recorded:
+        return set()
+    low, high = _bounds([b.box for b in recorded])
+    box = body.box
+    within = (np.abs(((low + high) / 2 - box.centre) @ box.rotation) <= box.half).all(axis=1) & (low[:, 1] > floor_y + STANDS_M)
+    return {b.object_id for b, yes in zip(recorded, within, strict=True) if yes}
+
+
+def _bounds(boxes: Sequence[Box]) -> tuple[np.ndarray, np.ndarray]:
+    bounds = [b.bounds() for b in boxes]
+    return np.array([b[0] for b in bounds]), np.array([b[1] for b in bounds])

@@ -80,8 +80,9 @@ class Dynamics:
         return [b for b in self._bodies.values() if b.carrier == object_id]
 
     def surfaces(self, body: Body) -> list[Box]:
-        """Boxes around the pieces of a body and of its parts where they are now."""
-        return within(body.box, self._pieces[body.object_id])
+        """Boxes around the pieces of a body and of its parts where they are now; of its carrier if it is a part itself."""
+        whole = body if body.carrier is None else self._bodies[body.carrier]
+        return within(whole.box, self._pieces[whole.object_id])
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:

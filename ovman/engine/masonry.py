@@ -182,7 +182,7 @@ def _crosses(other: Face, face: Face, begin: float, end: float) -> bool:
 
 
 def _door_parts(room: Room, face: Face, begin: float, end: float, style: Style) -> tuple[Part, ...]:
-    floor, (width, height), f = room.floor_y, DOOR_M, DOOR_FRAME_M
+    floor, height, f = room.floor_y, DOOR_M[1], DOOR_FRAME_M
     parts = [
         face.box(begin, begin + f, floor, floor + height + f, -0.03, 0.0, "trim"),
         face.box(end - f, end, floor, floor + height + f, -0.03, 0.0, "trim"),

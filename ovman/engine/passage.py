@@ -18,45 +18,59 @@ DEEPER_M = 1e-6
 
 
 @dataclass(frozen=True)
-class Axis:
-    """The axis of the agent's capsule and how far from it things block."""
+class Obstacles:
+    """What may stand in the way of a capsule whose axis is the vertical segment from `low` to `high` (heights, metres)."""
 
+    boxes: Boxes
+    reach: np.ndarray
+    """(N,) how close the axis may come to each box, metres: the radius of the capsule and what its controller keeps clear of"""
     low: float
-    """Height of its lower end, metres"""
     high: float
-    reach: float
-    """Radius of the capsule and what its controller keeps clear of, metres"""
+
+    def take(self, index: np.ndarray) -> Obstacles:
+        """Those at `index` (integers or a mask)."""
+        return Obstacles(self.boxes.take(index), self.reach[index], self.low, self.high)
+
+    def distances(self, points: np.ndarray, within: float) -> np.ndarray:
+        """Distances from the axis at `points` (M, 2) to each box: (M, N), exact below `within`."""
+        return self.boxes.distances(points, self.low, self.high, within)
 
 
-def first_hit(boxes: Boxes, axis: Axis, start: np.ndarray, end: np.ndarray) -> int | None:
+def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int | None:
     """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if nothing does.
 
-    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it.
+    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it. If the two points
+    are one, the question is whether the capsule is clear of everything there.
     """
     length = float(np.linalg.norm(end - start))
-    at_start = boxes.distances(start[None], axis.low, axis.high, axis.reach + length)[0]
-    near = np.nonzero(at_start < axis.reach + length)[0]
+    at_start = obstacles.distances(start[None], float(obstacles.reach.max(initial=0.0)) + length)[0]
+    if length == 0.0:
+        hit = np.nonzero(at_start < obstacles.reach)[0]
+        return int(hit[at_start[hit].argmin()]) if len(hit) else None
+    near = np.nonzero(at_start < obstacles.reach + length)[0]
     if not len(near):
         return None
-    nearest = boxes.sweeps(np.tile(start, (len(near), 1)), np.tile(end, (len(near), 1)), near, axis.low, axis.high)
-    hit = near[nearest < np.minimum(axis.reach, at_start[near] - DEEPER_M)]
+    starts, ends = np.tile(start, (len(near), 1)), np.tile(end, (len(near), 1))
+    nearest = obstacles.boxes.sweeps(starts, ends, near, obstacles.low, obstacles.high)
+    hit = near[nearest < np.minimum(obstacles.reach[near], at_start[near] - DEEPER_M)]
     return int(hit[at_start[hit].argmin()]) if len(hit) else None
 
 
-def reachable(boxes: Boxes, axis: Axis, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float) -> np.ndarray:
+def reachable(obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float) -> np.ndarray:
     """Positions `here` + step_m * (i, j) within [`low`, `high`] (2,) that unblocked moves along x and z lead to: (N, 2).
 
     `here` comes first, the others in the order of i, then j.
     """
-    boxes = boxes.take((boxes.low < axis.high + axis.reach) & (boxes.high > axis.low - axis.reach))
+    boxes, most = obstacles.boxes, float(obstacles.reach.max(initial=0.0))
+    obstacles = obstacles.take((boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0))
     first = np.minimum(np.ceil((low - here) / step_m).astype(int), 0)
     last = np.maximum(np.floor((high - here) / step_m).astype(int), 0)
     cells = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), axis=-1)
     number = np.arange(cells.shape[0] * cells.shape[1]).reshape(cells.shape[:2])
     points = (here + step_m * cells).reshape(-1, 2)
-    clearance = boxes.distances(points, axis.low, axis.high, axis.reach + step_m)
-    free = (clearance >= axis.reach).all(axis=1)
-    label = _components(boxes, axis, points, number, clearance, free, step_m)
+    clearance = obstacles.distances(points, most + step_m)
+    free = (clearance >= obstacles.reach).all(axis=1)
+    label = _components(obstacles, points, number, clearance, free, step_m)
     own = int(number[tuple(-first)])
     seen, queue, entered = {own}, [own], set()
     while queue:
@@ -67,7 +81,7 @@ def reachable(boxes: Boxes, axis: Axis, here: np.ndarray, low: np.ndarray, high:
                 seen.update(np.nonzero((label == label[index]) & free)[0].tolist())
             continue
         for target in _beside(number, index):
-            if target not in seen and first_hit(boxes, axis, points[index], points[target]) is None:
+            if target not in seen and first_hit(obstacles, points[index], points[target]) is None:
                 seen.add(target)
                 queue.append(target)
     return points[[own, *sorted(seen - {own})]]
@@ -80,7 +94,7 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
 
 
 def _components(
-    boxes: Boxes, axis: Axis, points: np.ndarray, number: np.ndarray, clearance: np.ndarray, free: np.ndarray, step_m: float
+    obstacles: Obstacles, points: np.ndarray, number: np.ndarray, clearance: np.ndarray, free: np.ndarray, step_m: float
 ) -> np.ndarray:
     """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
     along_x = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
@@ -88,10 +102,10 @@ def _components(
     edges = np.concatenate([along_x, along_z])
     edges = edges[free[edges].all(axis=1)]
     # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
-    edge, box = np.nonzero(clearance[edges[:, 0]] + clearance[edges[:, 1]] < 2 * axis.reach + step_m)
+    edge, box = np.nonzero(clearance[edges[:, 0]] + clearance[edges[:, 1]] < 2 * obstacles.reach + step_m)
     if len(edge):
         a, b = points[edges[edge, 0]], points[edges[edge, 1]]
-        hit = boxes.sweeps(a, b, box, axis.low, axis.high) < axis.reach
+        hit = obstacles.boxes.sweeps(a, b, box, obstacles.low, obstacles.high) < obstacles.reach[box]
         edges = np.delete(edges, np.unique(edge[hit]), axis=0)
     graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(points), len(points)))
     return connected_components(graph, directed=False)[1]

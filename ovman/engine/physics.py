@@ -29,6 +29,8 @@ OVERLAP_M = 0.005
 """Deeper overlaps of a waking body with what is fixed are not contacts."""
 FRICTION = (0.7, 0.005, 0.001)
 """Sliding, torsional and rolling."""
+DRAG_1_S = 0.05
+"""Share of its speed that a body loses to the air in a second."""
 LEAST_M = 0.0005
 """Least half extent of a piece: thinner ones fall through what they lie on."""
 LEAST_KG = 0.01
@@ -146,8 +148,8 @@ class Model:
             inertia = model.body_inertia[i] * scale
             model.body_inertia[i] = np.maximum(inertia, max(0.05 * inertia.max(), 1e-6))
             first = model.body_dofadr[i]
-            model.dof_damping[first : first + 3] = 0.05 * model.body_mass[i]
-            model.dof_damping[first + 3 : first + 6] = 0.2 * model.body_inertia[i]
+            model.dof_damping[first : first + 3] = DRAG_1_S * model.body_mass[i]
+            model.dof_damping[first + 3 : first + 6] = DRAG_1_S * model.body_inertia[i].min()
         mujoco.mj_setConst(model, self.data)
 
     # State
@@ -168,11 +170,14 @@ class Model:
     def box(self, name: str, half: np.ndarray) -> tuple[Box, np.ndarray]:
         """Oriented box of a free body with half extents `half`, and its velocity (6,)."""
         i = self._ids[name]
-        v = self.model.body_dofadr[i]
-        rotation = _matrix(self.data.xmat[i].reshape(3, 3))
-        linear, spin = self.data.qvel[v : v + 3], self.data.xmat[i].reshape(3, 3) @ self.data.qvel[v + 3 : v + 6]
+        q, v = self.model.jnt_qposadr[self.model.body_jntadr[i]], self.model.body_dofadr[i]
+        frame = np.empty(9)
+        mujoco.mju_quat2Mat(frame, self.data.qpos[q + 3 : q + 7])
+        frame = frame.reshape(3, 3)
+        linear, spin = self.data.qvel[v : v + 3], frame @ self.data.qvel[v + 3 : v + 6]
         # Unity is left-handed: what turns one way there turns the other way here.
-        return Box(self.data.xpos[i][_SWAP], half, rotation), np.concatenate([linear[_SWAP], -spin[_SWAP]])
+        velocity = np.concatenate([linear[_SWAP], -spin[_SWAP]])
+        return Box(self.data.qpos[q : q + 3][_SWAP], half, _matrix(frame)), velocity
 
     @staticmethod
     def _into_body(velocity: np.ndarray, rotation: np.ndarray) -> np.ndarray:

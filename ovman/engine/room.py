@@ -1,11 +1,12 @@
 """The room around the objects: where its walls are, from the evidence in a floor plan.
 
-Floor plans record no walls. The recorded floor is a rectangle, too large in half of the scenes; but paintings, windows, mirrors and
-switches hang on walls, and furniture stands inside them. So the room is a rectangle, and where something hangs on a wall deeper
-inside it, the wall stands there: a block that goes on to both sides until something shows that the room does.
+Floor plans record no walls. The recorded floor is a rectangle, too large in half of the scenes; but paintings, windows, mirrors
+and switches hang on walls, and furniture stands inside them. So the room is a rectangle, and where something hangs on a wall
+deeper inside it, the wall stands there: a block that goes on to both sides until something shows that the room does.
 
 Agent and bodies are kept in by different rectangles. AI2-THOR's agents stay farther from the recorded floor's edge than their
-radius; how much farther was fitted to recorded reachable grids. World frame as in `floorplan`; plan rectangles are (x_0, z_0, x_1, z_1).
+radius; how much farther was fitted to recorded reachable grids. World frame as in `floorplan`; plan rectangles are
+(x_0, z_0, x_1, z_1).
 """
 
 from __future__ import annotations

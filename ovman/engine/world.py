@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.body import Agent, Body, Pose
-from ovman.engine.carrying import carried, carriers
+from ovman.engine.carrying import carriers, inside, resting
 from ovman.engine.dynamics import Dynamics
 from ovman.engine.floorplan import Box, FloorPlan
 from ovman.engine.footprint import Boxes
-from ovman.engine.passage import Axis, first_hit, reachable
+from ovman.engine.passage import DEEPER_M, Obstacles, first_hit, reachable
 from ovman.engine.room import Room
 
 __all__ = ["Agent", "Body", "Pose", "Refused", "World"]
@@ -58,8 +58,8 @@ class World:
             self.bodies[part].carrier = carrier
         self._dynamics = Dynamics(plan, self.room, self.bodies, self.agent, (AGENT_RADIUS_M, AGENT_HEIGHT_M))
         self._walls = Boxes.of([w.box for w in self.room.walls])
-        self._oversized = _oversized(plan)
-        self._obstacles_at = -1
+        self._clearances = _clearances(plan, self.room)
+        self._obstacles_of: tuple[int, float, Obstacles, list[str]] | None = None
 
     # What is where
 
@@ -83,38 +83,34 @@ class World:
     def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
         """Name of what blocks the agent's straight way from `start_xz` to `end_xz` (metres), None if it is free.
 
-        A body that the agent overlaps already blocks only ways that lead deeper into it.
+        A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the agent
+        would collide with there.
         """
-        boxes, names = self._obstacles()
+        obstacles, names = self._obstacles()
         if ignore:
             kept = np.array([i for i, name in enumerate(names) if name not in ignore], dtype=int)
-            boxes, names = boxes.take(kept), [names[i] for i in kept]
-        hit = first_hit(boxes, self._axis(), np.array(start_xz, dtype=float), np.array(end_xz, dtype=float))
+            obstacles, names = obstacles.take(kept), [names[i] for i in kept]
+        hit = first_hit(obstacles, np.array(start_xz, dtype=float), np.array(end_xz, dtype=float))
         return None if hit is None else names[hit]
 
     def reachable(self, step_m: float = 0.25) -> list[tuple[float, float, float]]:
         """Positions that moves of `step_m` along world x and z take the agent to, its own first; y is the agent's."""
-        boxes, _ = self._obstacles()
         x_0, z_0, x_1, z_1 = self.room.rectangle
         here = self.agent.position[[0, 2]]
-        found = reachable(boxes, self._axis(), here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m)
+        found = reachable(self._obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m)
         y = float(self.agent.position[1])
         return [(x, y, z) for x, z in found.tolist()]
 
-    def _obstacles(self) -> tuple[Boxes, list[str]]:
-        if self._obstacles_at != self.version:
-            bodies = [b for b in self.bodies.values() if self._blocks(b)]
-            self._names = [w.name for w in self.room.walls] + [b.object_id for b in bodies]
-            self._boxes = self._walls.join(Boxes.of([b.box for b in bodies]))
-            self._obstacles_at = self.version
-        return self._boxes, self._names
-
-    def _blocks(self, body: Body) -> bool:
-        return body.present and body.obj.type not in PASSABLE and not (body.untouched and body.obj.object_id in self._oversized)
-
-    def _axis(self) -> Axis:
+    def _obstacles(self) -> tuple[Obstacles, list[str]]:
         foot = float(self.agent.position[1]) - AGENT_CENTRE_M
-        return Axis(foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M, AGENT_RADIUS_M + SKIN_M)
+        if self._obstacles_of is None or self._obstacles_of[:2] != (self.version, foot):
+            bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
+            names = [w.name for w in self.room.walls] + [b.object_id for b in bodies]
+            known = [w.name for w in self.room.walls] + [b.obj.object_id if b.untouched else None for b in bodies]
+            reach = np.array([self._clearances.get(name, AGENT_RADIUS_M + SKIN_M) for name in known])
+            boxes = self._walls.join(Boxes.of([b.box for b in bodies]))
+            self._obstacles_of = self.version, foot, Obstacles(boxes, reach, *_axis(foot)), names
+        return self._obstacles_of[2:]
 
     # Changes
 
@@ -233,12 +229,23 @@ class World:
         found: list[str] = []
         queue = [body]
         while queue:
-            below = queue.pop()
-            parts = [p.object_id for p in self._dynamics.parts(below.object_id)]
-            for name in carried(below, self._dynamics.surfaces(below), parts, self.bodies.values(), self.plan.floor_y):
+            for name in sorted(self._carried(queue.pop())):
                 if name not in found and name != body.object_id:
                     found.append(name)
                     queue.append(self.bodies[name])
+        return found
+
+    def _carried(self, body: Body) -> set[str]:
+        """What rests on a body, and what lies in it and rests on nothing else."""
+        others = [b for b in self.bodies.values() if b is not body and b.dynamic and b.present and not b.kinematic]
+        floor_y = self.plan.floor_y
+        found = resting(self._dynamics.surfaces(body), others, floor_y)
+        own = {body.object_id, *(p.object_id for p in self._dynamics.parts(body.object_id))}
+        for name in inside(body, own, others, floor_y) - found:
+            parents = (self.bodies.get(parent) for parent in self.bodies[name].obj.parents if parent not in own)
+            standing = [p for p in parents if p is not None and p.present and p.obj.type != "Floor"]
+            if not any(resting(self._dynamics.surfaces(p), [self.bodies[name]], floor_y) for p in standing):
+                found.add(name)
         return found
 
     def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
@@ -310,17 +317,24 @@ def object_id(kind: str, position: np.ndarray) -> str:
     return text
 
 
-def _oversized(plan: FloorPlan) -> frozenset[str]:
-    """Objects whose boxes are known to be larger than they are: those that cover the start, and counters with an opening."""
-    foot = plan.start[1] - AGENT_CENTRE_M
-    objects = [o for o in plan.objects if o.type not in PASSABLE]
-    boxes = Boxes.of([o.box for o in objects])
-    at_start = boxes.distances(
-        plan.start[None, [0, 2]], foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M, AGENT_RADIUS_M
-    )
-    found = {o.object_id for o, distance in zip(objects, at_start[0], strict=True) if distance == 0.0}
-    for o in objects:
-        low, high = o.box.bounds()
-        if o.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M:
-            found.add(o.object_id)
-    return frozenset(found)
+def _axis(foot: float) -> tuple[float, float]:
+    """Heights of the ends of the axis of the agent's capsule, which stands at `foot`."""
+    return foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M
+
+
+def _clearances(plan: FloorPlan, room: Room) -> dict[str, float]:
+    """How close the agent may come to what is known to be smaller than its box, metres.
+
+    The agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does. And
+    counters with an opening are walked into.
+    """
+    boxes = {w.name: w.box for w in room.walls} | {o.object_id: o.box for o in plan.objects if o.type not in PASSABLE}
+    low, high = _axis(float(plan.start[1]) - AGENT_CENTRE_M)
+    reach = AGENT_RADIUS_M + SKIN_M
+    at_start = Boxes.of(list(boxes.values())).distances(plan.start[None, [0, 2]], low, high, reach)[0]
+    found = {name: max(float(d) - DEEPER_M, 0.0) for name, d in zip(boxes, at_start, strict=True) if d < reach}
+    for o in plan.objects:
+        first, last = o.box.bounds()
+        if o.type == "CounterTop" and min((last - first)[[0, 2]]) > WIDE_COUNTER_M:
+            found[o.object_id] = 0.0
+    return found
