@@ -1,22 +1,39 @@
 """Colour and texture of an instance's slots, drawn from a hash of its asset and its scene, never from its type.
 
-Colour must not give the category away, so nothing here reads the type except to group what is built in (cabinet fronts match each other).
+Colour must not give the category away: every slot that makes up a body draws from the same home palette, whatever the object is.
+The scene is part of the key because many assets occur in all scenes; were they painted alike everywhere, colour would name them.
+The type is read only to let what is built in match: cabinet fronts, window frames and counters of one scene are of one make.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.shapes import surroundings
 from ovman.engine.shapes.style import Style
 
-TEXTURES = (
-    "plain wood fabric weave tiles marble metal_brushed print picture leaves pages cardboard checker stripes screen".split()
-)
-SLOTS = "main second accent trim metal dark pale cloth cloth_second glass screen glow sky leaf leaf_second soil picture pages mirror rubber".split()
+MAKES = {
+    "Cabinet": "cabinetry",
+    "Drawer": "cabinetry",
+    "CounterTop": "counter",
+    "Shelf": "shelves",
+    "Window": "windows",
+    "Blinds": "blinds",
+    "Curtains": "curtains",
+    "StoveBurner": "stove",
+    "StoveKnob": "stove",
+    "ShowerDoor": "shower",
+    "ShowerGlass": "shower",
+    "SinkBasin": "basins",
+    "BathtubBasin": "basins",
+}
+"""Types without assets of their own, and the make that all of a scene share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,17 +59,259 @@ def linear(hue: float, saturation: float, lightness: float) -> np.ndarray:
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
 
 
-def palette(obj: SimObject, plan: FloorPlan) -> Mapping[str, Material]:
-    """Material of every slot of `obj`."""
-    style = Style(f"{plan.name}|{obj.asset_id or obj.name}")
-    return {
-        slot: Material(
-            linear(
-                style.fraction(slot + " hue"),
-                style.uniform(slot + " saturation", 0.1, 0.5),
-                style.uniform(slot + " lightness", 0.25, 0.75),
-            ),
-            seed=style.integer(slot) % 2**31,
+def _wood(s: Style) -> Material:
+    hue, tone = s.uniform("hue", 0.045, 0.11), s.uniform("lightness", 0.2, 0.66)
+    return Material(
+        linear(hue, s.uniform("saturation", 0.22, 0.5), tone),
+        "wood",
+        s.uniform("scale", 0.14, 0.4),
+        gloss=s.uniform("gloss", 0.05, 0.35),
+    )
+
+
+def _white(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.22), s.uniform("lightness", 0.72, 0.9)),
+        gloss=s.uniform("gloss", 0.05, 0.5),
+    )
+
+
+def _grey(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.12), s.uniform("lightness", 0.1, 0.55)),
+        gloss=s.uniform("gloss", 0.05, 0.5),
+    )
+
+
+def _muted(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.16, 0.42), s.uniform("lightness", 0.3, 0.66)),
+        gloss=s.uniform("gloss", 0.03, 0.45),
+    )
+
+
+def _deep(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.35, 0.6), s.uniform("lightness", 0.2, 0.38)),
+        gloss=s.uniform("gloss", 0.03, 0.5),
+    )
+
+
+def _vivid(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.5, 0.72), s.uniform("lightness", 0.42, 0.58)),
+        gloss=s.uniform("gloss", 0.05, 0.5),
+    )
+
+
+def _stone(s: Style) -> Material:
+    tone = linear(s.fraction("hue"), s.uniform("saturation", 0.02, 0.16), s.uniform("lightness", 0.25, 0.82))
+    return Material(tone, "marble", s.uniform("scale", 0.25, 0.7), gloss=s.uniform("gloss", 0.3, 0.7))
+
+
+def _metal(s: Style) -> Material:
+    tone = s.choice(
+        "alloy",
+        ((0.6, 0.03, 0.62), (0.58, 0.04, 0.45), (0.12, 0.42, 0.5), (0.06, 0.4, 0.45), (0.6, 0.03, 0.14), (0.1, 0.05, 0.85)),
+    )
+    light = tone[2] * s.uniform("lightness", 0.85, 1.1)
+    return Material(linear(tone[0], tone[1], min(light, 0.9)), "metal_brushed", 0.1, gloss=s.uniform("gloss", 0.45, 0.85))
+
+
+PALETTE: tuple[Callable[[Style], Material], ...] = (
+    *(_wood,) * 5,
+    *(_white,) * 3,
+    *(_grey,) * 3,
+    *(_muted,) * 8,
+    *(_deep,) * 3,
+    *(_vivid,) * 2,
+    _stone,
+    _metal,
+)
+"""What homes are made of, by how often."""
+PATTERNS = ("plain",) * 5 + ("fabric",) * 4 + ("weave",) * 3 + ("stripes", "checker", "print", "leaves", "tiles")
+
+
+def _body(s: Style) -> Material:
+    """Any material of the house. Painted things may carry a pattern."""
+    made = s.choice("family", PALETTE)(s)
+    if made.texture == "plain":
+        texture = s.choice("pattern", PATTERNS)
+        made = replace(
+            made,
+            texture=texture,
+            scale_m=s.uniform("scale", 0.03, 0.16),
+            gloss=made.gloss if texture == "plain" else 0.3 * made.gloss,
         )
-        for slot in SLOTS
+    return made
+
+
+def _accent(s: Style) -> Material:
+    return s.choice("family", (_muted, _vivid, _white, _deep, _muted, _wood))(s)
+
+
+def _dark(s: Style) -> Material:
+    return Material(
+        linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.15), s.uniform("lightness", 0.06, 0.2)),
+        gloss=s.uniform("gloss", 0.1, 0.6),
+    )
+
+
+def _pale(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.05, 0.2), s.uniform("saturation", 0.05, 0.2), s.uniform("lightness", 0.78, 0.9)),
+        s.choice("texture", ("plain", "fabric")),
+        0.04,
+    )
+
+
+def _leaf(s: Style) -> Material:
+    """Foliage as it comes: green, olive, blue-green, red, purple, straw."""
+    low, high = s.choice(
+        "kind", ((0.2, 0.38),) * 4 + ((0.12, 0.2),) * 2 + ((0.38, 0.5), (0.94, 1.06), (0.94, 1.06), (0.76, 0.88), (0.08, 0.13))
+    )
+    tone = linear(s.uniform("hue", low, high) % 1.0, s.uniform("saturation", 0.18, 0.52), s.uniform("lightness", 0.2, 0.48))
+    return Material(tone, "plain", 0.05, gloss=s.uniform("gloss", 0.05, 0.3))
+
+
+def _soil(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.04, 0.1), s.uniform("saturation", 0.1, 0.35), s.uniform("lightness", 0.1, 0.4)),
+        "fabric",
+        0.02,
+        gloss=0.0,
+    )
+
+
+def _glow(s: Style) -> Material:
+    tone = linear(s.uniform("hue", 0.06, 0.14), s.uniform("saturation", 0.15, 0.55), s.uniform("lightness", 0.78, 0.9))
+    return Material(tone, s.choice("texture", ("plain", "fabric")), 0.03, emission=s.choice("lit", (0.0, 0.35, 0.6)), gloss=0.0)
+
+
+def _sky(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.53, 0.62), s.uniform("saturation", 0.15, 0.5), s.uniform("lightness", 0.78, 0.9)),
+        emission=s.uniform("light", 0.75, 1.0),
+        gloss=0.3,
+    )
+
+
+def _screen(s: Style) -> Material:
+    lit = s.chance("lit", 0.45)
+    tone = linear(
+        s.fraction("hue"),
+        s.uniform("saturation", 0.1, 0.5),
+        s.uniform("lightness", 0.3, 0.6) if lit else s.uniform("off", 0.04, 0.1),
+    )
+    return Material(tone, "screen" if lit else "plain", 0.3, gloss=0.75, emission=0.5 if lit else 0.0)
+
+
+def _picture(s: Style) -> Material:
+    return Material(_muted(s).colour, s.choice("texture", ("picture", "picture", "print")), 0.3, gloss=0.1)
+
+
+def _pages(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.08, 0.16), s.uniform("saturation", 0.05, 0.25), s.uniform("lightness", 0.75, 0.9)),
+        "pages",
+        0.01,
+        gloss=0.0,
+    )
+
+
+def _glass(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.3, 0.65), s.uniform("saturation", 0.05, 0.25), s.uniform("lightness", 0.6, 0.82)), gloss=0.9
+    )
+
+
+def _mirror(s: Style) -> Material:
+    return Material(
+        linear(s.uniform("hue", 0.5, 0.65), s.uniform("saturation", 0.03, 0.12), s.uniform("lightness", 0.62, 0.78)), gloss=1.0
+    )
+
+
+SLOTS: Mapping[str, Callable[[Style], Material]] = MappingProxyType(
+    {
+        "main": _body,
+        "second": _body,
+        "cloth": _body,
+        "cloth_second": _body,
+        "trim": lambda s: s.choice("family", (_wood, _wood, _metal, _grey, _white, _muted))(s),
+        "accent": _accent,
+        "metal": _metal,
+        "dark": _dark,
+        "pale": _pale,
+        "leaf": _leaf,
+        "leaf_second": _leaf,
+        "soil": _soil,
+        "glow": _glow,
+        "sky": _sky,
+        "screen": _screen,
+        "picture": _picture,
+        "pages": _pages,
+        "glass": _glass,
+        "mirror": _mirror,
+        "rubber": lambda s: s.choice("family", (_deep, _grey, _muted))(s),
     }
+)
+RELATED = {"second": ("main", 0.4), "cloth_second": ("cloth", 0.75), "leaf_second": ("leaf", 1.0)}
+"""Slots that are often of the same stuff as another: (which, how often). They then differ a little in lightness."""
+_SHADE = 0.16
+_APART = 0.1
+"""How far instances of one asset differ in lightness within a scene."""
+_KEPT = 8
+_REPEATS: OrderedDict[int, tuple[FloorPlan, Counter]] = OrderedDict()
+
+
+def _shaded(material: Material, share: float) -> Material:
+    return replace(material, colour=np.clip(material.colour * (1.0 + share), 0.0, 0.95))
+
+
+def _painted(key: str) -> dict[str, Material]:
+    made: dict[str, Material] = {}
+    whole = Style(key)
+    for slot, draw in SLOTS.items():
+        style = Style(f"{key}|{slot}")
+        other, often = RELATED.get(slot, ("", 0.0))
+        if other and whole.chance(f"{slot} as {other}", often):
+            made[slot] = _shaded(made[other], style.choice("sign", (-1, 1)) * style.uniform("shade", 0.5, 1.5) * _SHADE)
+        else:
+            made[slot] = replace(draw(style), seed=style.integer("seed") % 2**31)
+    return made
+
+
+def _repeats(plan: FloorPlan) -> Counter:
+    kept, found = _REPEATS.get(id(plan), (None, Counter()))
+    if kept is not plan:
+        found = Counter(o.asset_id for o in plan.objects if o.asset_id)
+        _REPEATS[id(plan)] = (plan, found)
+        while len(_REPEATS) > _KEPT:
+            _REPEATS.popitem(last=False)
+    return found
+
+
+def make(obj: SimObject, plan: FloorPlan) -> str:
+    """Key of the finish of `obj`: its asset, the furniture it is set into, the scene's make, or its name."""
+    if obj.asset_id:
+        return f"{plan.name}|{obj.asset_id}"
+    owner = surroundings.host(obj, plan)
+    if owner is not None:
+        return make(owner, plan)
+    return f"{plan.name}|{MAKES.get(obj.type, obj.name)}"
+
+
+def palette(obj: SimObject, plan: FloorPlan) -> Mapping[str, Material]:
+    """Material of every slot of `obj`. Deterministic in (scene, asset, and instance where its asset repeats in the scene)."""
+    made = _painted(make(obj, plan))
+    if obj.type == "CounterTop":
+        cabinetry = _painted(f"{plan.name}|{MAKES['Cabinet']}")
+        made["second"] = cabinetry["main"]
+    if obj.asset_id and _repeats(plan)[obj.asset_id] > 1:
+        own = Style(f"{plan.name}|{obj.name}")
+        share = own.uniform("apart", -_APART, _APART)
+        made = {
+            slot: replace(_shaded(m, share), seed=own.integer(slot) % 2**31) if m.emission == 0.0 else m
+            for slot, m in made.items()
+        }
+    return MappingProxyType(made)
