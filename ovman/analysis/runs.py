@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.config import task_constants
+from ovman.constants import task_constants
 from ovman.sim.recorded import judged
-from ovman.task import Relation, TaskConstants, spl
+from ovman.task import Relation, SuccessConstants, spl
 
 FIELDS = (
     "schema",
@@ -27,7 +27,7 @@ FIELDS = (
 )
 
 
-def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: TaskConstants) -> dict[str, Any]:
+def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: SuccessConstants) -> dict[str, Any]:
     """An "ovman-run/1" record: the execution with its success and SPL."""
     success = judged(execution, Relation(episode["relation"]), constants)
     score = spl(success, episode["shortest_path_m"], execution["path_length_m"])

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ovman.config import task_constants
+from ovman.constants import task_constants
 from ovman.sim.recorded import world_state
 from ovman.task import Instance, Query, Rejection, Relation, WorldState, admissible
 

@@ -64,15 +64,11 @@ def _motion(
 def _spawn(
     floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: float, headings: int, rng: np.random.Generator
 ) -> dict[str, float] | None:
-    free = [
-        (x, z)
-        for x, z in ((i * floor.step_m, j * floor.step_m) for i, j in sorted(floor.cells))
-        if all(np.hypot(x - kx, z - kz) >= clearance_m for kx, kz in keep_from)
-    ]
+    free = [(x, z) for x, z in floor.cells if all(np.hypot(x - kx, z - kz) >= clearance_m for kx, kz in keep_from)]
     if not free:
         return None
     x, z = free[int(rng.integers(len(free)))]
-    return {"x": round(x, 4), "z": round(z, 4), "yaw_deg": float(360.0 / headings * rng.integers(headings))}
+    return {"x": round(float(x), 4), "z": round(float(z), 4), "yaw_deg": float(360.0 / headings * rng.integers(headings))}
 
 
 def draw(
@@ -80,8 +76,8 @@ def draw(
 ) -> dict[str, Any]:
     """One candidate. Its "refused" says why nothing could be drawn for this target, or is null."""
     rng = seeds.generator(constants.benchmark.seed, "candidate", scene["scene"], relation.value, index)
-    floor = FreeFloor.of(scene, constants.primitives.step_m)
     changed = distractor if distractor is not None else item
+    floor = FreeFloor.of(scene, changed, constants.primitives.step_m)
     first: list[Alteration] = []
     second: list[Alteration] = []
     refused: Rejection | None = None

@@ -10,17 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from ovman import seeds
-from ovman.config import task_constants
+from ovman.constants import task_constants
 from ovman.language import noun, sentence
 from ovman.sim.recorded import judged
-from ovman.task import Rejection, Relation, TaskConstants
+from ovman.task import Rejection, Relation, SuccessConstants
 
 SCHEMA = "ovman-episode/1"
 REJECTION_COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
 
 
-def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], constants: TaskConstants) -> Rejection | None:
+def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], constants: SuccessConstants) -> Rejection | None:
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict["rejected"] is not None:
         return Rejection(verdict["rejected"])
@@ -32,7 +32,7 @@ def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], con
 
 
 def episode(
-    trial: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], backend: str, constants: TaskConstants
+    trial: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], backend: str, constants: SuccessConstants
 ) -> dict[str, Any]:
     """The record of a certified trial."""
     candidate, measured = trial["candidate"], trial["measured"]

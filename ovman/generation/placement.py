@@ -35,39 +35,55 @@ LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""
 ABOVE_SURFACE_M = 0.05
 """Height above a surface from which the simulator looks down for it."""
+CLEARANCE_M = 0.02
+"""Gap that is left between a placed object and its neighbours."""
 JITTER_M = 0.1
 LONGEST_LANE_M = 4.0
 
 
 @dataclass(frozen=True)
 class FreeFloor:
-    """The floor that the agent can reach: an object fits where every lattice point that it would block is reachable."""
+    """The floor of a scene, for one object: where its box meets no other box, stays in the room and leaves the waypoints free."""
 
-    cells: frozenset[tuple[int, int]]
-    waypoints: tuple[tuple[float, float], ...]
+    cells: np.ndarray
+    """(K, 2) metres: the positions that the agent can reach, sorted."""
+    waypoints: np.ndarray
+    """(W, 2) metres."""
+    boxes: np.ndarray
+    """(B, 4) metres: centre x, z and half extents of every other box at the object's height."""
+    half: np.ndarray
+    """(2,) metres: half extents of the object's own box."""
     step_m: float
 
     @staticmethod
-    def of(scene: Mapping[str, Any], step_m: float) -> FreeFloor:
-        cells = frozenset((round(x / step_m), round(z / step_m)) for x, z in scene["reachable"])
-        return FreeFloor(cells, tuple((w["x"], w["z"]) for w in scene["waypoints"]), step_m)
+    def of(scene: Mapping[str, Any], item: Mapping[str, Any], step_m: float) -> FreeFloor:
+        top = scene["floor_y"] + item["size"]["y"]
+        boxes = [
+            (o["position"]["x"], o["position"]["z"], o["size"]["x"] / 2, o["size"]["z"] / 2)
+            for o in scene["objects"]
+            if o["id"] != item["id"] and o["category"] != "Floor" and o["position"]["y"] - o["size"]["y"] / 2 < top
+        ]
+        return FreeFloor(
+            np.array(sorted(scene["reachable"])),
+            np.array([(w["x"], w["z"]) for w in scene["waypoints"]]),
+            np.array(boxes).reshape(-1, 4),
+            np.array(_half(item)),
+            step_m,
+        )
 
-    def fits(self, x: float, z: float, half_x: float, half_z: float) -> bool:
-        """Whether a rectangle at (x, z) stands on free floor and leaves the waypoints of the tour free."""
-        reach = AGENT_RADIUS_M
-        if any(
-            np.hypot(max(abs(wx - x) - half_x, 0.0), max(abs(wz - z) - half_z, 0.0)) <= reach + self.step_m / 4
-            for wx, wz in self.waypoints
-        ):
-            return False
-        low_i, high_i = (int(np.floor((x + s * (half_x + reach)) / self.step_m)) + (s < 0) for s in (-1, 1))
-        low_j, high_j = (int(np.floor((z + s * (half_z + reach)) / self.step_m)) + (s < 0) for s in (-1, 1))
-        for i in range(low_i, high_i + 1):
-            for j in range(low_j, high_j + 1):
-                gap = np.hypot(max(abs(i * self.step_m - x) - half_x, 0.0), max(abs(j * self.step_m - z) - half_z, 0.0))
-                if gap < reach and (i, j) not in self.cells:
-                    return False
-        return True
+    def fits(self, points: np.ndarray) -> np.ndarray:
+        """Whether the object's box can stand with its centre at each of `points` (M, 2), metres; (M,) bool."""
+        points = np.asarray(points, float).reshape(-1, 2)
+        gap = np.abs(points[:, None] - self.boxes[None, :, :2]) - self.half - self.boxes[None, :, 2:]
+        clear = (gap > CLEARANCE_M).any(axis=2).all(axis=1)
+        from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - self.waypoints) - self.half, 0.0).transpose(2, 0, 1))
+        clear &= (from_waypoint > AGENT_RADIUS_M + self.step_m / 4).all(axis=1)
+        corners = points[:, None] + self.half * np.array([(x, z) for x in (-1, 1) for z in (-1, 1)])
+        inside = np.zeros((len(points), 4), bool)
+        for k in np.flatnonzero(clear):
+            to_cell = np.hypot(*(corners[k][:, None] - self.cells).transpose(2, 0, 1))
+            inside[k] = to_cell.min(axis=1) <= AGENT_RADIUS_M + self.step_m / 2
+        return clear & inside.all(axis=1)
 
 
 @dataclass(frozen=True)
@@ -90,15 +106,11 @@ def _far_enough(item: Mapping[str, Any], x: float, z: float, distance_m: float) 
 def floor_spots(
     scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator
 ) -> list[Spot]:
-    """Free floor for `item` at least `distance_m` from where it is, one spot a cell, in random order."""
-    half_x, half_z = _half(item)
-    cells = sorted(floor.cells)
-    spots = []
-    for k in rng.permutation(len(cells)):
-        x, z = (np.array(cells[k]) * floor.step_m + rng.uniform(-JITTER_M, JITTER_M, 2)).round(3)
-        if _far_enough(item, x, z, distance_m) and floor.fits(x, z, half_x, half_z):
-            spots.append(Spot(float(x), float(z), round(scene["floor_y"] + ABOVE_SURFACE_M, 4)))
-    return spots
+    """Free floor for `item` at least `distance_m` from where it is, at most one spot a cell, in random order."""
+    points = (floor.cells + rng.uniform(-JITTER_M, JITTER_M, floor.cells.shape)).round(3)[rng.permutation(len(floor.cells))]
+    away = np.hypot(points[:, 0] - item["position"]["x"], points[:, 1] - item["position"]["z"]) >= distance_m
+    height_m = round(scene["floor_y"] + ABOVE_SURFACE_M, 4)
+    return [Spot(float(x), float(z), height_m) for x, z in points[away & floor.fits(points)]]
 
 
 def surface_spots(scene: Mapping[str, Any], item: Mapping[str, Any], distance_m: float, rng: np.random.Generator) -> list[Spot]:
@@ -147,18 +159,17 @@ def spots(
 
 def lanes(item: Mapping[str, Any], floor: FreeFloor, minimum_m: float) -> Sequence[Lane]:
     """Straight lanes along the lattice, at least `minimum_m` long, on which `item` meets nothing; from nearest to farthest."""
-    half_x, half_z = _half(item)
-    fitting = {c for c in sorted(floor.cells) if floor.fits(c[0] * floor.step_m, c[1] * floor.step_m, half_x, half_z)}
-    longest = int(LONGEST_LANE_M / floor.step_m)
+    step = floor.step_m
+    fitting = {(round(x / step), round(z / step)) for x, z in floor.cells[floor.fits(floor.cells)]}
+    longest = int(LONGEST_LANE_M / step)
     found = []
     for i, j in sorted(fitting):
         for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             length = 0
             while length < longest and (i + (length + 1) * di, j + (length + 1) * dj) in fitting:
                 length += 1
-            if length * floor.step_m >= minimum_m:
-                s = floor.step_m
-                found.append(Lane(i * s, j * s, (i + length * di) * s, (j + length * dj) * s))
+            if length * step >= minimum_m:
+                found.append(Lane(i * step, j * step, (i + length * di) * step, (j + length * dj) * step))
     here = item["position"]
     return sorted(
         found, key=lambda lane: (np.hypot(lane.x_0 - here["x"], lane.z_0 - here["z"]), lane.x_0, lane.z_0, lane.x_1, lane.z_1)

@@ -21,7 +21,8 @@ class Alteration:
     """One instance that is not as in the untouched scene.
 
     `kind` is "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (put on `lane`, then going).
-    `placement` is where the centre of the instance's box is put, (x, z), and `height_m` the height from which it is let down.
+    `placement` is where the centre of the instance's box is put, (x, z), and `height_m` the height from which the simulator looks
+    down for a surface to put it on, there or at the beginning of the lane.
     """
 
     kind: str
@@ -45,6 +46,7 @@ class Alteration:
         record: dict[str, Any] = {"kind": self.kind, "instance": self.instance}
         if self.placement is not None:
             record["placement"] = {"x": self.placement[0], "z": self.placement[1]}
+        if self.height_m is not None:
             record["height_m"] = self.height_m
         if self.lane is not None:
             record["lane"] = {"x_0": self.lane.x_0, "z_0": self.lane.z_0, "x_1": self.lane.x_1, "z_1": self.lane.z_1}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ovman.task import Instance, Measurement, Relation, TaskConstants, WorldState, success
+from ovman.task import Instance, Measurement, Relation, SuccessConstants, WorldState, success
 
 
 def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int) -> WorldState:
@@ -23,7 +23,7 @@ def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_p
     )
 
 
-def judged(run: Mapping[str, Any], relation: Relation, constants: TaskConstants) -> bool:
+def judged(run: Mapping[str, Any], relation: Relation, constants: SuccessConstants) -> bool:
     """Success (Eq. 4) of a measured run; a run that did not stop is a failure."""
     if run["outcome"] != "stopped":
         return False

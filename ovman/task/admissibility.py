@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set
 from dataclasses import dataclass
 
-from ovman.task.constants import TaskConstants
+from ovman.task.constants import RelationConstants
 from ovman.task.referents import Query, referents
 from ovman.task.rejection import Rejection
 from ovman.task.world_state import WorldState, displacement_m
@@ -24,7 +24,7 @@ def admissible(
     world_2: WorldState,
     query: Query,
     changed: Set[str],
-    constants: TaskConstants,
+    constants: RelationConstants,
     target: str | None = None,
 ) -> Inadmissible | None:
     """None if the query may be released on these two recorded states, else the first reason why not.

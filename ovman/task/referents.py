@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ovman.task.constants import TaskConstants
+from ovman.task.constants import RelationConstants
 from ovman.task.relation import Relation
 from ovman.task.world_state import WorldState, displacement_m
 
@@ -17,7 +17,7 @@ class Query:
     relation: Relation
 
 
-def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: TaskConstants) -> bool:
+def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: RelationConstants) -> bool:
     """Whether Eq. 1's predicate of `relation` holds for an instance.
 
     The predicates are not exclusive: an instance that moves during visit 2 may also have moved between the visits. The
@@ -39,13 +39,13 @@ def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: Wo
     return displacement >= constants.delta_min_m
 
 
-def referents(world_1: WorldState, world_2: WorldState, query: Query, constants: TaskConstants) -> tuple[str, ...]:
+def referents(world_1: WorldState, world_2: WorldState, query: Query, constants: RelationConstants) -> tuple[str, ...]:
     """Sorted ids of the instances of the query's category for which its relation holds: the set of Eq. 2."""
     of_category = {instance.id for world in (world_1, world_2) for instance in world.category(query.category)}
     return tuple(sorted(k for k in of_category if holds(query.relation, k, world_1, world_2, constants)))
 
 
-def _another_moved(instance_id: str, world_1: WorldState, world_2: WorldState, constants: TaskConstants) -> bool:
+def _another_moved(instance_id: str, world_1: WorldState, world_2: WorldState, constants: RelationConstants) -> bool:
     category = world_2[instance_id].category
     return any(
         holds(Relation.MOVED, other.id, world_1, world_2, constants)

@@ -1,0 +1,33 @@
+# OVMAN, from floor plans to tables. Stages in the order of the paper; one file a stage in workflow/rules/.
+#
+#   results/scenes/{scene}.json -> candidates -> trials (+ visits) -> admissible -> certified
+#       -> results/episodes/main.jsonl, results/metrics/rejections.csv
+#       -> results/predictions/{arm}.jsonl, results/executions -> results/runs/{arm}/seed{seed}/{scene}.jsonl
+#       -> results/metrics/*.csv -> results/tables/
+
+from snakemake.utils import min_version
+
+min_version("9.0")
+
+
+configfile: workflow.source_path("config.yaml")
+
+
+include: "workflow/rules/settings.smk"
+include: "workflow/rules/scenes.smk"
+include: "workflow/rules/candidates.smk"
+include: "workflow/rules/trials.smk"
+include: "workflow/rules/admissible.smk"
+include: "workflow/rules/certified.smk"
+include: "workflow/rules/episodes.smk"
+include: "workflow/rules/predictions.smk"
+include: "workflow/rules/executions.smk"
+include: "workflow/rules/runs.smk"
+include: "workflow/rules/metrics.smk"
+include: "workflow/rules/tables.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        "results/tables",

@@ -1,0 +1,14 @@
+rule episodes:
+    input:
+        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
+        admissible=expand("results/admissible/{scene}.jsonl", scene=SCENES),
+        certified=expand("results/certified/{scene}.jsonl", scene=SCENES),
+    output:
+        episodes="results/episodes/main.jsonl",
+        rejections="results/metrics/rejections.csv",
+    log:
+        "logs/episodes.log",
+    params:
+        constants=stage("episodes"),
+    script:
+        "../scripts/episodes.py"
