@@ -329,10 +329,9 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     values = settings(config)
     for verdict, bound, needed in _BOUNDS:
         if values[bound] > values[verdict] if needed == "at most" else values[bound] < values[verdict]:
-            raise ConfigError(
-                f"{_file(files, tuple(verdict.split('.')))}: {verdict} is {values[verdict]}, but {bound} must be {needed} that and "
-                f"is {values[bound]}; change one of the two"
-            )
+            where = _file(files, tuple(verdict.split(".")))
+            needs = f"{bound} must be {needed} that and is {values[bound]}"
+            raise ConfigError(f"{where}: {verdict} is {values[verdict]}, but {needs}; change one of the two")
     return config
 
 

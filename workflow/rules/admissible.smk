@@ -2,10 +2,12 @@ rule admissible:
     input:
         trials="results/trials/{scene}.jsonl",
     output:
-        "results/admissible/{scene}.jsonl",
+        admissible="results/admissible/{scene}.jsonl",
     log:
         "logs/admissible/{scene}.log",
+    benchmark:
+        "benchmarks/admissible/{scene}.tsv"
     params:
-        constants=stage("admissible"),
+        constants=canonical(CONFIG, "admissible"),
     script:
         "../scripts/admissible.py"

@@ -2,10 +2,12 @@ rule candidates:
     input:
         scene="results/scenes/{scene}.json",
     output:
-        "results/candidates/{scene}.jsonl",
+        candidates="results/candidates/{scene}.jsonl",
     log:
         "logs/candidates/{scene}.log",
+    benchmark:
+        "benchmarks/candidates/{scene}.tsv"
     params:
-        constants=stage("candidates"),
+        constants=canonical(CONFIG, "candidates"),
     script:
         "../scripts/candidates.py"

@@ -1,16 +1,17 @@
 rule certified:
     input:
-        trials="results/trials/{scene}.jsonl",
         admissible="results/admissible/{scene}.jsonl",
+        trials="results/trials/{scene}.jsonl",
     output:
-        "results/certified/{scene}.jsonl",
+        certified="results/certified/{scene}.jsonl",
     log:
         "logs/certified/{scene}.log",
     benchmark:
         "benchmarks/certified/{scene}.tsv"
     resources:
         gpu=GPU,
+    retries: 2
     params:
-        constants=stage("certified"),
+        constants=canonical(CONFIG, "certified"),
     script:
         "../scripts/certified.py"

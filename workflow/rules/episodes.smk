@@ -8,7 +8,9 @@ rule episodes:
         rejections="results/metrics/rejections.csv",
     log:
         "logs/episodes.log",
+    benchmark:
+        "benchmarks/episodes.tsv"
     params:
-        constants=stage("episodes"),
+        constants=canonical(CONFIG, "episodes"),
     script:
         "../scripts/episodes.py"

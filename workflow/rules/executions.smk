@@ -1,19 +1,18 @@
-# One job runs all seeds of an arm in a scene: starting the simulator costs as much as several runs.
-
-
+# One job runs a scene under all seeds: the simulator starts once.
 rule executions:
     input:
         episodes="results/episodes/main.jsonl",
         trials="results/trials/{scene}.jsonl",
     output:
-        expand("results/executions/{{arm}}/seed{seed}/{{scene}}.jsonl", seed=SEEDS),
+        **{f"seed{seed}": f"results/executions/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
     log:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
     resources:
         gpu=GPU,
+    retries: 2
     params:
-        constants=stage("executions"),
+        constants=canonical(CONFIG, "executions"),
     script:
         "../scripts/executions.py"

@@ -4,13 +4,15 @@ rule metrics:
         predictions=expand("results/predictions/{arm}.jsonl", arm=STATIC),
         runs=expand("results/runs/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
     output:
-        "results/metrics/static_outcomes.csv",
-        "results/metrics/embodied_outcomes.csv",
-        static="results/metrics/static_rates.csv",
-        embodied="results/metrics/embodied_rates.csv",
+        static_outcomes="results/metrics/static_outcomes.csv",
+        embodied_outcomes="results/metrics/embodied_outcomes.csv",
+        static_rates="results/metrics/static_rates.csv",
+        embodied_rates="results/metrics/embodied_rates.csv",
     log:
         "logs/metrics.log",
+    benchmark:
+        "benchmarks/metrics.tsv"
     params:
-        constants=stage("metrics"),
+        constants=canonical(CONFIG, "metrics"),
     script:
         "../scripts/metrics.py"

@@ -3,10 +3,12 @@ rule predictions:
         episodes="results/episodes/main.jsonl",
         trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
     output:
-        "results/predictions/{arm}.jsonl",
+        predictions="results/predictions/{arm}.jsonl",
     log:
         "logs/predictions/{arm}.log",
+    benchmark:
+        "benchmarks/predictions/{arm}.tsv"
     params:
-        constants=stage("predictions"),
+        constants=canonical(CONFIG, "predictions"),
     script:
         "../scripts/predictions.py"

@@ -1,12 +1,15 @@
+# One job judges an arm: judging a scene takes less time than starting a job.
 rule runs:
     input:
         episodes="results/episodes/main.jsonl",
-        executions=expand("results/executions/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
+        executions=expand("results/executions/{{arm}}/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
     output:
-        expand("results/runs/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
+        runs=expand("results/runs/{{arm}}/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
     log:
-        "logs/runs.log",
+        "logs/runs/{arm}.log",
+    benchmark:
+        "benchmarks/runs/{arm}.tsv"
     params:
-        constants=stage("runs"),
+        constants=canonical(CONFIG, "runs"),
     script:
         "../scripts/runs.py"

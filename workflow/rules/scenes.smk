@@ -1,13 +1,14 @@
 rule scenes:
     output:
-        "results/scenes/{scene}.json",
+        scene="results/scenes/{scene}.json",
     log:
         "logs/scenes/{scene}.log",
     benchmark:
         "benchmarks/scenes/{scene}.tsv"
     resources:
         gpu=GPU,
+    retries: 2
     params:
-        constants=stage("scenes"),
+        constants=canonical(CONFIG, "scenes"),
     script:
         "../scripts/scenes.py"

@@ -1,16 +1,16 @@
-# The one rule that owns the directory: no other may write below it, so that the directory itself can be asked for.
-
-
+# The one rule that owns results/tables: another output below it would make the directory impossible as a target.
 rule tables:
     input:
         static="results/metrics/static_rates.csv",
         embodied="results/metrics/embodied_rates.csv",
         rejections="results/metrics/rejections.csv",
     output:
-        directory("results/tables"),
+        tables=directory("results/tables"),
     log:
         "logs/tables.log",
+    benchmark:
+        "benchmarks/tables.tsv"
     params:
-        constants=stage("tables"),
+        constants=canonical(CONFIG, "tables"),
     script:
         "../scripts/tables.py"

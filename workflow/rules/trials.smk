@@ -1,20 +1,18 @@
-# The recorded tours lie in results/visits/{scene}/{visit}/. They are no outputs of the rule: Snakemake would delete them before
-# it reruns the job, and most of them would be recorded again to the same bytes.
-
-
+# Beside its output it keeps the recorded tours, results/visits/{scene}/{visit}/, which a later run uses again.
 rule trials:
     input:
-        scene="results/scenes/{scene}.json",
         candidates="results/candidates/{scene}.jsonl",
+        scene="results/scenes/{scene}.json",
     output:
-        "results/trials/{scene}.jsonl",
+        trials="results/trials/{scene}.jsonl",
     log:
         "logs/trials/{scene}.log",
     benchmark:
         "benchmarks/trials/{scene}.tsv"
     resources:
         gpu=GPU,
+    retries: 2
     params:
-        constants=stage("trials"),
+        constants=canonical(CONFIG, "trials"),
     script:
         "../scripts/trials.py"

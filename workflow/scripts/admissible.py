@@ -1,10 +1,7 @@
 """Stage `admissible`: the verdict on every trial of a scene."""
 
-from typing import Any
-
 from ovman.generation import admissible
 from ovman.job import job
 
-snakemake: Any
 with job(snakemake) as work:
     admissible.run(work.input("trials"), work.constants, work.output("admissible"))

@@ -1,10 +1,7 @@
 """Stage `certified`: the oracle agent runs the admissible trials of a scene."""
 
-from typing import Any
-
 from ovman.generation import certified
 from ovman.job import job
 
-snakemake: Any
 with job(snakemake) as work:
     certified.run(work.input("admissible"), work.input("trials"), work.constants, work.output("certified"), work.journal())

@@ -1,10 +1,7 @@
 """Stage `scenes`: what is in a scene before anything changes."""
 
-from typing import Any
-
 from ovman.generation import scenes
 from ovman.job import job
 
-snakemake: Any
 with job(snakemake) as work:
     scenes.run(work.scene, work.constants, work.output("scene"), work.journal())

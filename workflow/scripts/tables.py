@@ -1,10 +1,7 @@
 """Stage `tables`: every table of the results as .csv, .md and .tex."""
 
-from typing import Any
-
 from ovman.job import job
 from ovman.report import tables
 
-snakemake: Any
 with job(snakemake) as work:
     tables.run(work.input("static"), work.input("embodied"), work.input("rejections"), work.constants, work.output("tables"))
