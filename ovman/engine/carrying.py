@@ -39,7 +39,7 @@ def _share_inside(inner: Box, outer: Box) -> float:
 
 
 def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> set[str]:
-    """objectIds of those of `others` that rest on one of `surfaces`, boxes around the pieces of a body; not of what stands on the floor."""
+    """objectIds of those of `others` that rest on one of `surfaces` (boxes around a body's pieces) and not on the floor."""
     if not others or not surfaces:
         return set()
     low, high = _bounds([b.box for b in others])

@@ -214,7 +214,7 @@ def _paint(style: Style, what: str) -> Mapping[str, Material]:
     lightness = style.uniform(f"{what} lightness", *finishes[2:])
     texture, scale = "plain", 0.3
     if what in ("wall", "accent"):
-        texture = style.choice(f"{what} texture", ("plain", "plain", "plain", "stripes", "weave", "tiles"))
+        texture = style.choice(f"{what} texture", ("plain", "plain", "plain", "plain", "plain", "stripes", "weave", "tiles"))
         scale = style.uniform(f"{what} scale", 0.12, 0.3)
     elif what == "door":
         texture = style.choice("door texture", ("plain", "wood"))

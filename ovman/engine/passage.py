@@ -39,8 +39,8 @@ class Obstacles:
 def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int | None:
     """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if nothing does.
 
-    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it. If the two points
-    are one, the question is whether the capsule is clear of everything there.
+    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it. If the two
+    points are one, the question is whether the capsule is clear of everything there.
     """
     length = float(np.linalg.norm(end - start))
     at_start = obstacles.distances(start[None], float(obstacles.reach.max(initial=0.0)) + length)[0]

@@ -22,8 +22,8 @@ STEP_S = 0.005
 TICK_STEPS = 4
 TICK_S = STEP_S * TICK_STEPS
 """AI2-THOR's fixed time step: speeds are looked at, and capped, once a tick."""
-SLOW_M_S, SLOW_RAD_S, SLEEP_S = 0.01, 0.1, 0.2
-"""A body slower than both for this long sleeps."""
+STILL_M, STILL_RAD, SLEEP_S = 0.002, 0.02, 0.2
+"""A body that stays within both of one pose for this long sleeps. Speeds would not do: light things tremble where they lie."""
 CAP_M_S, CAP_RAD_S = 4.0, 20.0
 OVERLAP_M = 0.005
 """Deeper overlaps of a waking body with what is fixed are not contacts."""
@@ -132,7 +132,8 @@ class Model:
         self._there = np.ones(self.model.ngeom, dtype=bool)
         self._fixed = self.model.geom_conaffinity == 0
         self._weigh(solids)
-        self.slow_s = dict.fromkeys(self.free, 0.0)
+        self.still_s = dict.fromkeys(self.free, 0.0)
+        self._rested = {name: boxes[name] for name in self.free}
         self.forward()
 
     def _weigh(self, solids: Sequence[Solid]) -> None:
@@ -161,7 +162,7 @@ class Model:
             q, v = self.model.jnt_qposadr[self.model.body_jntadr[i]], self.model.body_dofadr[i]
             self.data.qpos[q : q + 3], self.data.qpos[q + 3 : q + 7] = box.centre[_SWAP], _quaternion(box.rotation)
             self.data.qvel[v : v + 6] = 0.0 if velocity is None else self._into_body(velocity, box.rotation)
-            self.slow_s[name] = 0.0
+            self.still_s[name], self._rested[name] = 0.0, box
         elif (slot := self.model.body_mocapid[i]) >= 0:
             self.data.mocap_pos[slot], self.data.mocap_quat[slot] = box.centre[_SWAP], _quaternion(box.rotation)
         else:
@@ -254,19 +255,20 @@ class Model:
                 speed = float(np.linalg.norm(self.data.qvel[part]))
                 if speed > cap:
                     self.data.qvel[part] *= cap / speed
-            slow = (
-                np.linalg.norm(self.data.qvel[v : v + 3]) < SLOW_M_S
-                and np.linalg.norm(self.data.qvel[v + 3 : v + 6]) < SLOW_RAD_S
-            )
-            self.slow_s[name] = self.slow_s[name] + TICK_S if slow else 0.0
+            box, _ = self.box(name, np.zeros(3))
+            since, turned = self._rested[name], np.trace(self._rested[name].rotation.T @ box.rotation)
+            if np.linalg.norm(box.centre - since.centre) < STILL_M and turned > 1 + 2 * np.cos(STILL_RAD):
+                self.still_s[name] += TICK_S
+            else:
+                self.still_s[name], self._rested[name] = 0.0, box
 
     def sleeps(self, name: str) -> bool:
-        """Whether a free body has been slow for long enough."""
-        return self.slow_s[name] >= SLEEP_S - 1e-9
+        """Whether a free body has been still for long enough."""
+        return self.still_s[name] >= SLEEP_S - 1e-9
 
     @property
     def asleep(self) -> bool:
-        """Whether every free body has been slow for long enough."""
+        """Whether every free body has been still for long enough."""
         return all(self.sleeps(name) for name in self.free)
 
 

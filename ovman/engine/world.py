@@ -83,8 +83,8 @@ class World:
     def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
         """Name of what blocks the agent's straight way from `start_xz` to `end_xz` (metres), None if it is free.
 
-        A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the agent
-        would collide with there.
+        A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the
+        agent would collide with there.
         """
         obstacles, names = self._obstacles()
         if ignore:
