@@ -28,8 +28,9 @@ def colour(tag: str) -> tuple[int, int, int]:
 
 
 def class_of(name: str) -> str:
-    """Class of an instance: its name up to the first bar."""
-    return name.split("|", 1)[0]
+    """Class of an instance: "Chair" of Chair|+01.00|+00.00|-02.00, "SinkBasin" of Sink|+01.00|+00.90|-02.00|SinkBasin."""
+    first, last = name.split("|", 1)[0], name.rsplit("|", 1)[-1]
+    return last if last[:1].isalpha() else first
 
 
 def colour_table(names: Sequence[str]) -> list[dict[str, Any]]:

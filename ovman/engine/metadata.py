@@ -111,7 +111,7 @@ class SceneMetadata:
         for body in bodies:
             record = self._records[body.object_id]
             record["parentReceptacles"] = parents[body.object_id] or None
-            record["receptacleObjectIds"] = children[body.object_id] or None
+            record["receptacleObjectIds"] = children[body.object_id] if body.obj.record["receptacle"] else None
 
 
 def _record(body: Body) -> dict[str, Any]:

@@ -55,17 +55,32 @@ def set_object_poses(engine: Engine, objectPoses: list[ObjectPose], placeStation
         {"objectName": p.objectName, "position": p.position.array, "rotation": rotation_matrix(p.rotation.array)}
         for p in objectPoses
     ]
-    engine.world.set_poses(poses, placeStationary)
+    # AI2-THOR collects the scene's objects anew: it no longer lists what is inactive then, and finds what it had not listed.
+    bodies = engine.world.bodies
+    for body in bodies.values():
+        body.removed &= body.active
+    try:
+        engine.world.set_poses(poses, placeStationary)
+    finally:
+        for body in bodies.values():
+            body.removed |= not body.active
 
 
 @action("DisableObject")
 def disable_object(engine: Engine, objectId: str) -> None:
-    engine.world.set_active(objectId, False)
+    _set_active(engine, objectId, False)
 
 
 @action("EnableObject")
 def enable_object(engine: Engine, objectId: str) -> None:
-    engine.world.set_active(objectId, True)
+    _set_active(engine, objectId, True)
+
+
+def _set_active(engine: Engine, object_id: str, active: bool) -> None:
+    body = engine.world.bodies.get(object_id)
+    if body is None or body.removed:
+        raise Refused("")
+    engine.world.set_active(object_id, active)
 
 
 @action("RemoveFromScene")
