@@ -16,7 +16,7 @@ from ovman.engine import lights, rays, scene_mesh, shading, textures
 
 FIXED_KEPT = 4
 """Embree scenes kept per floor plan: one for each set of displaced objects seen lately."""
-SAMPLES = np.array([[-0.05, -0.37], [-0.33, 0.26], [0.36, 0.12]], dtype=np.float32)
+SAMPLES = np.array([[0.36, -0.22], [-0.36, 0.22]], dtype=np.float32)
 """Where a pixel on an edge is sampled besides its centre, pixels."""
 SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
 """Linear RGB where nothing is."""
@@ -244,13 +244,13 @@ class Renderer:
             np.empty((2 * total, 3), np.float32),
             np.empty(2 * total, np.float32),
         )
-        weight, grid = np.empty(total, np.float32), np.empty((total, shading.GRID), np.float32)
+        weight, even, grid = np.empty(total, np.float32), np.empty(total, np.float32), np.empty((total, shading.GRID), np.float32)
         shading.coarse(
-            hits.prim, points, facing, width, height, wide, high, rig.lights, rig.samples, shading.directions(),
-            np.float32(shading.REACH_M), starts, ways, reach, weight, grid,
+            hits.prim, points, facing, width, height, wide, high, rig.lights, rig.shadowed, rig.samples, shading.directions(),
+            np.float32(shading.REACH_M), starts, ways, reach, weight, even, grid,
         )  # fmt: skip
         blocked = self._caster.occluded(starts, ways, reach)
-        shading.soften(blocked, weight, grid, np.asarray(view.position, dtype=np.float32), wide, high)
+        shading.soften(blocked, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
 
         def light(of: _Hits, where: np.ndarray, toward: np.ndarray, wideness: np.ndarray) -> np.ndarray:
             out = np.empty((len(of.prim), 3), np.float32)

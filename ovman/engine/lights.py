@@ -18,21 +18,29 @@ CEILING_AREA_M2 = 18.0
 MOST_CEILING, MOST_WINDOWS, MOST_LAMPS = 2, 2, 2
 WIDEST_M = 0.28
 """Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
-MIDDLE_BRIGHTNESS = 0.62
-"""What a white card facing up in the middle of the room sends back, of the brightest that can be shown."""
+MIDDLE_BRIGHTNESS = 1.0
+"""Linear light that a white card facing up in the middle of the room sends back."""
+BOUNCE = (0.30, 0.31, 0.46)
+"""Light that surfaces facing up, sideways and down get from all around, as fractions of the direct light in the middle: a ceiling
+is lit by the floor alone."""
 
 
 @dataclass(frozen=True)
 class Light:
-    """A soft light. position (3,) metres; colour (3,) linear RGB intensity; axis (3,) unit: it shines there as the cosine, or
-    everywhere alike where the axis is zero; spread (3,) half extents of its surface; clearance: what is nearer than this to its
-    position throws no shadow (its own shade)."""
+    """A soft light."""
 
     position: np.ndarray
+    """(3,) metres"""
     colour: np.ndarray
+    """(3,) linear RGB intensity"""
     axis: np.ndarray
-    spread: np.ndarray
-    clearance: float
+    """(3,) unit: it shines there, as the cosine; everywhere alike where this is zero"""
+    area: float
+    """Square metres of its surface: keeps what is near to it from burning out"""
+    spread: np.ndarray | None = None
+    """(3,) half extents of what throws its shadows; None: so wide that it throws none (windows)"""
+    clearance: float = 0.0
+    """What is nearer than this to its position throws no shadow: its own shade, metres"""
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,8 @@ class Rig:
 
     lights: np.ndarray
     """(L, 11) float32: position, colour, axis, softening radius squared, 1 if it shines along its axis alone"""
+    shadowed: int
+    """How many of them, the first ones, throw shadows"""
     samples: np.ndarray
     """(PHASES, 6) float32: point on a light, clearance, index of the light, one over the light's number of samples"""
     ambient: np.ndarray
@@ -71,26 +81,24 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
         centre = (low + high) / 2
         centre[long] = low[long] + size[long] * (k + 0.5) / count
         centre[1] = high[1] - 0.12
-        lights.append(Light(centre, bulb * 5.5 / np.sqrt(count), down, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
-    windows = sorted(
-        (o for o in plan.objects if o.type == "Window" and o.object_id in boxes), key=lambda o: -np.prod(np.sort(o.box.half)[1:])
-    )
-    for obj in windows[:MOST_WINDOWS]:
-        box = obj.box
-        reach = np.abs(box.rotation) @ box.half
-        thin = 0 if reach[0] < reach[2] else 2
-        inward = np.zeros(3)
-        inward[thin] = np.sign((low + high)[thin] / 2 - box.centre[thin]) or 1.0
-        spread = np.minimum(reach * 0.8, WIDEST_M)
-        spread[thin] = 0.0
-        area = 4 * np.prod(np.delete(reach, thin))
-        lights.append(Light(box.centre + inward * (reach[thin] + 0.25), sky * 1.9 * np.sqrt(max(area, 0.3)), inward, spread, 0.3))
+        lights.append(Light(centre, bulb * 6.0 / np.sqrt(count), down, 1.2, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
     lamps = sorted((o for o in plan.objects if o.type in LAMPS and o.object_id in boxes and _on(o)), key=lambda o: o.object_id)
     for obj in lamps[:MOST_LAMPS]:
         box = boxes[obj.object_id]
         half = float(np.abs(box.rotation[1]) @ box.half)
         centre = box.centre + [0.0, 0.62 * half, 0.0]
-        lights.append(Light(centre, np.array([1.0, 0.8, 0.52]) * 0.55, np.zeros(3), np.full(3, 0.05), 0.45 * half + 0.12))
+        lights.append(Light(centre, np.array([1.0, 0.8, 0.52]) * 0.45, np.zeros(3), 0.25, np.full(3, 0.05), 0.45 * half + 0.12))
+    windows = sorted(
+        (o for o in plan.objects if o.type == "Window" and o.object_id in boxes), key=lambda o: -np.prod(np.sort(o.box.half)[1:])
+    )
+    for obj in windows[:MOST_WINDOWS]:
+        reach = np.abs(obj.box.rotation) @ obj.box.half
+        thin = 0 if reach[0] < reach[2] else 2
+        inward = np.zeros(3)
+        inward[thin] = np.sign((low + high)[thin] / 2 - obj.box.centre[thin]) or 1.0
+        area = 4 * np.prod(np.delete(reach, thin))
+        centre = obj.box.centre + inward * (reach[thin] + 0.1)
+        lights.append(Light(centre, sky * 1.5 * np.sqrt(max(area, 0.3)), inward, area))
     return tuple(lights)
 
 
@@ -107,22 +115,21 @@ def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np
 
 
 def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
-    """The lights as arrays, their shadow samples in a fixed pattern, and the exposure for a room that spans low..high (3,)."""
+    """The lights, those with shadows first, as arrays; shadow samples in a fixed pattern; exposure of a room low..high (3,)."""
     table = np.array(
-        [
-            [*light.position, *light.colour, *light.axis, 0.05 + float((light.spread**2).sum()), float(np.any(light.axis))]
-            for light in lights
-        ],
+        [[*light.position, *light.colour, *light.axis, light.area / np.pi, float(np.any(light.axis))] for light in lights],
         dtype=np.float32,
     ).reshape(-1, 11)
     grid = np.stack(np.meshgrid(np.linspace(0.2, 0.8, 4), [0.3], np.linspace(0.2, 0.8, 4), indexing="ij"), axis=-1).reshape(-1, 3)
     points = low + grid * (high - low)
-    power = np.array([irradiance(table[k : k + 1], points, np.array([0.0, 1.0, 0.0])).sum() for k in range(len(table))])
+    upward = np.array([0.0, 1.0, 0.0])
+    shadowed = [light for light in lights if light.spread is not None]
+    power = np.array([irradiance(table[k : k + 1], points, upward).sum() for k in range(len(shadowed))])
     share = np.maximum(1, np.floor(power / max(power.sum(), 1e-9) * PHASES)).astype(int)
     share[int(np.argmax(power))] += PHASES - share.sum()
     samples = np.zeros((PHASES, 6), dtype=np.float32)
     row = 0
-    for k, light in enumerate(lights):
+    for k, light in enumerate(shadowed):
         for i in range(share[k]):
             # the additive recurrence of the plastic number spreads any count of points evenly
             offset = ((0.5 + (i + 1) * np.array([0.8191725134, 0.6710436067, 0.5497004779])) % 1.0) * 2 - 1
@@ -130,9 +137,9 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
             row += 1
     # neighbours should see different lights: a stride coprime to the count deals them out
     samples = samples[(np.arange(PHASES) * 4) % PHASES]
-    direct = irradiance(table, points, np.array([0.0, 1.0, 0.0])).mean(axis=0)
+    direct = irradiance(table, points, upward).mean(axis=0)
     fill = direct.mean()
     tint = direct / max(fill, 1e-9)
-    ambient = np.array([0.62 * tint, 0.52 * (0.5 + 0.5 * tint), 0.40 * tint * [1.0, 0.95, 0.88]]) * fill
+    ambient = fill * np.array([BOUNCE[0] * tint, BOUNCE[1] * (0.5 + 0.5 * tint), BOUNCE[2] * tint * [1.0, 0.96, 0.9]])
     exposure = MIDDLE_BRIGHTNESS / float(fill + ambient[0].mean())
-    return Rig(table, samples, ambient.astype(np.float32), exposure)
+    return Rig(table, len(shadowed), samples, ambient.astype(np.float32), exposure)

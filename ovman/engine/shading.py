@@ -20,10 +20,10 @@ CURVE = 4096
 BRIGHTEST = 4.0
 """Linear light that the table ends at."""
 GRID = 15
-"""Columns of the coarse grid: point, normal, light (RGB), its mean direction, lit, open, even."""
+"""Columns of the coarse grid: point, normal, light (RGB), its mean direction, lit, open, flat."""
 LIFT_M = np.float32(0.004)
 """Rays from a surface start this far above it."""
-CONTRAST = 0.1
+CONTRAST = 0.2
 """Least relative difference of two neighbours for their edge to be worth smoothing."""
 
 
@@ -135,19 +135,23 @@ def _sum_lights(lights, px, py, pz, nx, ny, nz):
 
 
 @njit(cache=True, error_model="numpy")
-def coarse(prim, points, normals, width, height, wide, high, lights, samples, around, reach_m, starts, ways, reach, weight, grid):
+def coarse(
+    prim, points, normals, width, height, wide, high, lights, shadowed, samples, around, reach_m,
+    starts, ways, reach, weight, even, grid,
+):  # fmt: skip
     """Light and rays of the coarse grid (high x wide: every other pixel).
 
-    grid (H W, GRID) float32 gets point, normal, light and its direction of each coarse point; a normal of 0 where nothing is. From
-    each point a ray to one light and, H W later, one for contact: starts, ways (2 H W, 3), reach (2 H W,) in lengths of the way;
-    weight (H W,): what that light would bring. Rays that are not needed have no length.
+    grid (H W, GRID) float32 gets point, normal, light and its direction of each coarse point; a normal of 0 where nothing is.
+    From each point a ray to one of the first `shadowed` lights and, H W later, one for contact: starts, ways (2 H W, 3), reach
+    (2 H W,) in lengths of the way; weight (H W,): what that light would bring; even (H W,): what the lights without shadows bring.
+    Rays that are not needed have no length.
     """
     total = wide * high
     for j in range(high):
         for i in range(wide):
             q = j * wide + i
             n = min(2 * j + 1, height - 1) * width + min(2 * i + 1, width - 1)
-            weight[q], reach[q], reach[total + q] = np.float32(0), np.float32(0), np.float32(0)
+            weight[q], even[q], reach[q], reach[total + q] = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
             if prim[n] < 0:
                 for k in range(GRID):
                     grid[q, k] = np.float32(0)
@@ -161,6 +165,9 @@ def coarse(prim, points, normals, width, height, wide, high, lights, samples, ar
             grid[q, 0], grid[q, 1], grid[q, 2] = px, py, pz
             grid[q, 3], grid[q, 4], grid[q, 5] = nx, ny, nz
             grid[q, 6], grid[q, 7], grid[q, 8], grid[q, 9], grid[q, 10], grid[q, 11] = _sum_lights(lights, px, py, pz, nx, ny, nz)
+            if shadowed < len(lights):
+                red, green, blue, _, _, _ = _sum_lights(lights[shadowed:], px, py, pz, nx, ny, nz)
+                even[q] = (red + green + blue) * np.float32(1 / PHASES)
             ox, oy, oz = px + nx * LIFT_M, py + ny * LIFT_M, pz + nz * LIFT_M
             light = np.int64(samples[phase, 4])
             lx, ly, lz = lights[light, 0] - px, lights[light, 1] - py, lights[light, 2] - pz
@@ -192,17 +199,17 @@ def coarse(prim, points, normals, width, height, wide, high, lights, samples, ar
 @njit(cache=True, error_model="numpy", inline="always")
 def _alike(grid, p, q, slack):
     """Whether two coarse points lie on one surface: similar normals, and q at most `slack` off the plane of p."""
-    if grid[p, 3] * grid[q, 3] + grid[p, 4] * grid[q, 4] + grid[p, 5] * grid[q, 5] < np.float32(0.85):
+    if grid[p, 3] * grid[q, 3] + grid[p, 4] * grid[q, 4] + grid[p, 5] * grid[q, 5] < np.float32(0.5):
         return False
     off = (grid[q, 0] - grid[p, 0]) * grid[p, 3] + (grid[q, 1] - grid[p, 1]) * grid[p, 4] + (grid[q, 2] - grid[p, 2]) * grid[p, 5]
     return abs(off) <= slack
 
 
 @njit(cache=True, error_model="numpy")
-def soften(blocked, weight, grid, eye, wide, high):
+def soften(blocked, weight, even, grid, eye, wide, high):
     """Writes lit and open of the grid: the fraction of the light that arrives and of the near surroundings that is free, averaged
-    over those of its neighbours that lie on the same surface; dims the light by it. Then marks in `even` the cells, from each point to the
-    next one right and down, whose four corners lie on one plane.
+    over those of its neighbours that lie on the same surface; dims the light by it. Then marks as `flat` the cells, from each
+    point to the next one right and down, whose four corners lie on one plane.
 
     Neighbours weigh 1 2 3 2 1 along rows, then along columns: every one of the 3 x 3 phases counts the same everywhere, and what
     one phase sees is interpolated linearly between the points that have it.
@@ -214,14 +221,14 @@ def soften(blocked, weight, grid, eye, wide, high):
         for i in range(wide):
             q = j * wide + i
             away = abs(grid[q, 0] - eye[0]) + abs(grid[q, 1] - eye[1]) + abs(grid[q, 2] - eye[2])
-            slack[q] = np.float32(0.01) + np.float32(0.008) * away
+            slack[q] = np.float32(0.03) + np.float32(0.01) * away
             got, whole, free, count = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
             for p in range(q - min(i, 2), q + min(wide - i, 3)):
                 if p != q and not _alike(grid, q, p, slack[q]):
                     continue
                 w = np.float32(3 - abs(p - q))
-                whole += w * weight[p]
-                got += w * weight[p] * np.float32(not blocked[p])
+                whole += w * (weight[p] + even[p])
+                got += w * (even[p] if blocked[p] else weight[p] + even[p])
                 free += w * np.float32(not blocked[total + p])
                 count += w
             sums[q, 0], sums[q, 1], sums[q, 2], sums[q, 3] = got, whole, free, count
@@ -239,24 +246,25 @@ def soften(blocked, weight, grid, eye, wide, high):
                 free += w * sums[p, 2]
                 count += w * sums[p, 3]
             grid[q, 12] = got / whole if whole > 0 else np.float32(1)
-            grid[q, 13] = free / count
+            # a point with few of its kind around has seen too few directions to be called dark
+            grid[q, 13] = (free + np.float32(7)) / (count + np.float32(10))
     for q in range(total):
         for k in range(6, 9):
             grid[q, k] *= grid[q, 12]
     for j in range(high):
         for i in range(wide):
             q = j * wide + i
-            even = i + 1 < wide and j + 1 < high
-            if even:
+            flat = i + 1 < wide and j + 1 < high
+            if flat:
                 nx, ny, nz = grid[q, 3], grid[q, 4], grid[q, 5]
                 for k in range(1, 4):
                     p = q + (k & 1) + wide * (k >> 1)
                     if nx * grid[p, 3] + ny * grid[p, 4] + nz * grid[p, 5] < np.float32(0.9999):
-                        even = False
+                        flat = False
                     off = (grid[p, 0] - grid[q, 0]) * nx + (grid[p, 1] - grid[q, 1]) * ny + (grid[p, 2] - grid[q, 2]) * nz
                     if abs(off) > np.float32(0.004):
-                        even = False
-            grid[q, 14] = np.float32(1) if even else np.float32(0)
+                        flat = False
+            grid[q, 14] = np.float32(1) if flat else np.float32(0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -264,10 +272,10 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
           exposure, sky, out):  # fmt: skip
     """Linear light (N, 3) float32 that N image points send to the eye.
 
-    prim, points, normals, rays, colour: of the points; columns, rows (N,): where they are in the image, pixels; grid, wide, high: as
-    `soften` left it; lights (L, 11), ambient (3, 3) as in lights.Rig; sky (3,): what is seen where nothing is.
-    The light of a point is that of the coarse points around it on the same surface, turned to its own normal; a point without such
-    neighbours is lit by itself.
+    prim, points, normals, rays, colour: of the points; columns, rows (N,): where they are in the image, pixels; grid, wide, high:
+    as `soften` left it; lights (L, 11), ambient (3, 3) as in lights.Rig; sky (3,): what is seen where nothing is.
+    The light of a point is that of the coarse points around it on the same surface, turned to its own normal; a point that has
+    none, or that is turned far, gets its own light in their shadow.
     """
     one, zero = np.float32(1), np.float32(0)
     for i in range(len(prim)):
@@ -315,12 +323,13 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
                     any_shadow += np.float32(0.25) * grid[q, 12]
                     any_contact += np.float32(0.25) * grid[q, 13]
                     mx, my, mz = grid[q, 3], grid[q, 4], grid[q, 5]
-                    if nx * mx + ny * my + nz * mz < np.float32(0.8):
+                    if nx * mx + ny * my + nz * mz < np.float32(0.6):
                         continue
                     if abs((grid[q, 0] - px) * nx + (grid[q, 1] - py) * ny + (grid[q, 2] - pz) * nz) > np.float32(0.04):
                         continue
                     w = wy * (fx if di else one - fx) + np.float32(0.02)
                     total += w
+                    shadow += w * grid[q, 12]
                     contact += w * grid[q, 13]
                     red += w * grid[q, 6]
                     green += w * grid[q, 7]
@@ -331,15 +340,19 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
                     cx += w * mx
                     cy += w * my
                     cz += w * mz
+            turned = False
             if total > 0:
                 total = one / total
-                contact = contact * total
+                shadow, contact = shadow * total, contact * total
                 had = (tx * cx + ty * cy + tz * cz) * total
                 has = tx * nx + ty * ny + tz * nz
-                turn = total * min(max(has, zero) / max(had, np.float32(1e-6)), np.float32(2)) if had > 0 else total
-                red, green, blue = red * turn, green * turn, blue * turn
+                turned = has > np.float32(0.6) * had and has < np.float32(1.5) * had
+                if turned:
+                    turn = total * has / had
+                    red, green, blue = red * turn, green * turn, blue * turn
             else:
                 shadow, contact = any_shadow, any_contact
+            if not turned:
                 red, green, blue, tx, ty, tz = _sum_lights(lights, px, py, pz, nx, ny, nz)
                 red, green, blue = red * shadow, green * shadow, blue * shadow
         up = np.float32(0.5) + np.float32(0.5) * ny
@@ -385,8 +398,8 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
 
 @njit(cache=True, error_model="numpy")
 def edges(ids, depth, normals, linear, width, height, found):
-    """Pixels where the picture breaks (another instance, another face, a step in depth) and one sees it, into found (H W,); returns
-    how many. A pixel counts when it differs from its right or lower neighbour; both of the pair are taken."""
+    """Pixels where the picture breaks (another instance, another face, a step in depth) and one sees it, into found (H W,);
+    returns how many. A pixel counts when it differs from its right or lower neighbour; both of the pair are taken."""
     marked = np.zeros(width * height, np.uint8)
     least = np.float32(CONTRAST)
     for y in range(height):

@@ -14,9 +14,21 @@ from functools import cache
 import numpy as np
 from numba import njit
 
-KINDS = tuple(
-    "plain wood fabric weave tiles marble metal_brushed print picture leaves pages cardboard checker stripes screen".split()
+KINDS = (
+    "plain",
+    "wood",
+    "fabric",
+    "weave",
+    "tiles",
+    "marble",
+    "metal_brushed",
+    "print",
+    "picture",
+    "leaves",
+    "pages",
+    "cardboard",
 )
+KINDS += ("checker", "stripes", "screen")
 PLAIN, WOOD, FABRIC, WEAVE, TILES, MARBLE, METAL, PRINT, PICTURE, LEAVES, PAGES, CARDBOARD, CHECKER, STRIPES, SCREEN = range(
     len(KINDS)
 )
