@@ -10,7 +10,7 @@ from snakemake.utils import min_version
 min_version("9.0")
 
 
-configfile: workflow.source_path("config.yaml")
+configfile: os.path.join(workflow.basedir, "config.yaml")
 
 
 include: "workflow/rules/settings.smk"
@@ -25,6 +25,10 @@ include: "workflow/rules/executions.smk"
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/metrics.smk"
 include: "workflow/rules/tables.smk"
+
+
+localrules:
+    all,
 
 
 rule all:

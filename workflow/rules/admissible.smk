@@ -8,6 +8,6 @@ rule admissible:
     benchmark:
         "benchmarks/admissible/{scene}.tsv"
     params:
-        constants=canonical(CONFIG, "admissible"),
+        constants=stage("admissible"),
     script:
         "../scripts/admissible.py"

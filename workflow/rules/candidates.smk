@@ -8,6 +8,6 @@ rule candidates:
     benchmark:
         "benchmarks/candidates/{scene}.tsv"
     params:
-        constants=canonical(CONFIG, "candidates"),
+        constants=stage("candidates"),
     script:
         "../scripts/candidates.py"

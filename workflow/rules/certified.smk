@@ -8,10 +8,10 @@ rule certified:
         "logs/certified/{scene}.log",
     benchmark:
         "benchmarks/certified/{scene}.tsv"
+    retries: 2
     resources:
         gpu=GPU,
-    retries: 2
     params:
-        constants=canonical(CONFIG, "certified"),
+        constants=stage("certified"),
     script:
         "../scripts/certified.py"

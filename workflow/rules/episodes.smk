@@ -11,6 +11,6 @@ rule episodes:
     benchmark:
         "benchmarks/episodes.tsv"
     params:
-        constants=canonical(CONFIG, "episodes"),
+        constants=stage("episodes"),
     script:
         "../scripts/episodes.py"

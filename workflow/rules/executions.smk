@@ -9,10 +9,10 @@ rule executions:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
+    retries: 2
     resources:
         gpu=GPU,
-    retries: 2
     params:
-        constants=canonical(CONFIG, "executions"),
+        constants=stage("executions"),
     script:
         "../scripts/executions.py"

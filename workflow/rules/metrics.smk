@@ -13,6 +13,6 @@ rule metrics:
     benchmark:
         "benchmarks/metrics.tsv"
     params:
-        constants=canonical(CONFIG, "metrics"),
+        constants=stage("metrics"),
     script:
         "../scripts/metrics.py"

@@ -9,6 +9,6 @@ rule predictions:
     benchmark:
         "benchmarks/predictions/{arm}.tsv"
     params:
-        constants=canonical(CONFIG, "predictions"),
+        constants=stage("predictions"),
     script:
         "../scripts/predictions.py"

@@ -10,6 +10,6 @@ rule runs:
     benchmark:
         "benchmarks/runs/{arm}.tsv"
     params:
-        constants=canonical(CONFIG, "runs"),
+        constants=stage("runs"),
     script:
         "../scripts/runs.py"

@@ -5,10 +5,10 @@ rule scenes:
         "logs/scenes/{scene}.log",
     benchmark:
         "benchmarks/scenes/{scene}.tsv"
+    retries: 2
     resources:
         gpu=GPU,
-    retries: 2
     params:
-        constants=canonical(CONFIG, "scenes"),
+        constants=stage("scenes"),
     script:
         "../scripts/scenes.py"

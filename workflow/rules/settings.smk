@@ -1,33 +1,34 @@
-# Settings, checked; what the rules derive from them; the ceiling on jobs that use the GPU.
+# Settings, checked, and what the rules derive from them.
 
 import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman import config as ovman_config
 from ovman.agents.arms import Kind, of_kind
+from ovman.config import ConfigError, canonical, load
+from ovman.workflow import prepare
+
+prepare(workflow)
+overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
 
 try:
-    settings = ovman_config.load(config)
-except ovman_config.ConfigError as error:
+    settings = load(config, files=[os.path.join(workflow.basedir, "config.yaml"), *overlays])
+except ConfigError as error:
     raise SystemExit(str(error))
 
 SCENES = settings.benchmark.scenes
 SEEDS = settings.evaluation.seeds
 STATIC = [arm.name for arm in of_kind(Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(Kind.EMBODIED)]
-GPU = 1 if settings.benchmark.backend == "thor" else 0
-
-# A user's --resources replaces that of the profile, so the ceiling is set here; ovman.sim.gpu holds a lock besides.
-workflow.global_resources["gpu"] = type(workflow.global_resources["_cores"])("gpu", 1)
+# Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow), and a job holds it (ovman.job).
+GPU = int(settings.benchmark.backend == "thor")
 
 
 wildcard_constraints:
     scene=r"FloorPlan\d+",
     arm="[a-z_]+",
-    seed=r"\d+",
 
 
 def stage(name):
     """The one parameter of a stage's rule."""
-    return ovman_config.canonical(settings, name)
+    return canonical(settings, name)

@@ -11,6 +11,6 @@ rule tables:
     benchmark:
         "benchmarks/tables.tsv"
     params:
-        constants=canonical(CONFIG, "tables"),
+        constants=stage("tables"),
     script:
         "../scripts/tables.py"

@@ -1,4 +1,7 @@
-# Beside its output it keeps the recorded tours, results/visits/{scene}/{visit}/, which a later run uses again.
+# The recorded tours lie in results/visits/{scene}/{visit}/. They are no outputs of the rule: Snakemake would delete them before
+# it reruns the job, and most of them would be recorded again to the same bytes.
+
+
 rule trials:
     input:
         candidates="results/candidates/{scene}.jsonl",
@@ -9,10 +12,10 @@ rule trials:
         "logs/trials/{scene}.log",
     benchmark:
         "benchmarks/trials/{scene}.tsv"
+    retries: 2
     resources:
         gpu=GPU,
-    retries: 2
     params:
-        constants=canonical(CONFIG, "trials"),
+        constants=stage("trials"),
     script:
         "../scripts/trials.py"
