@@ -83,14 +83,9 @@ def episode(
 def _change(trial: Mapping[str, Any], alteration: Mapping[str, Any]) -> dict[str, Any]:
     """What happened to an instance between the visits. Gone before the first visit is "enable": it is there in the second."""
     measured, instance = trial["measured"], alteration["instance"]
-    relation = Relation(trial["candidate"]["relation"])
-    kind = "enable" if relation is Relation.APPEARED else alteration["kind"]
-    ends = {
-        end: {e["id"]: {"x": e["x"], "z": e["z"]} for e in measured[world]}.get(instance)
-        for end, world in (("before", "world_1"), ("after", "world_2"))
-    }
+    kind = "enable" if trial["candidate"]["relation"] == Relation.APPEARED else alteration["kind"]
     path = measured["mover"]["path"] if kind == "motion" else None
-    return {"instance": instance, "kind": kind, "before": ends["before"], "after": ends["after"], "path": path}
+    return {"instance": instance, "kind": kind, **measured["changed"][instance], "path": path}
 
 
 def select(certified: Mapping[str, Sequence[str]], wanted: int, rng: Any) -> list[str]:
@@ -157,12 +152,8 @@ def run(
         released += chosen
     order = {scene: i for i, scene in enumerate(constants.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k]["candidate"]["scene"]], list(Relation).index(relation_of[k]), k))
-    episodes_out.write_text(
-        "".join(
-            json.dumps(episode(trials[k], runs[k], constants.benchmark.backend, task), separators=(",", ":")) + "\n"
-            for k in released
-        )
-    )
+    records = [episode(trials[k], runs[k], constants.benchmark.backend, task) for k in released]
+    episodes_out.write_text(episode_lines([Episode.from_json(r, r["id"]) for r in records]))
     with rejections_out.open("w", newline="") as file:
         writer = csv.DictWriter(file, REJECTION_COLUMNS, lineterminator="\n")
         writer.writeheader()

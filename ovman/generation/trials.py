@@ -161,6 +161,10 @@ class Trials:
         measured["visits"] = {"first": before.name, "second": after.name}
         measured["sightings"] = {"first": before.sightings(category), "second": after.sightings(category)}
         measured["world_1"], measured["world_2"] = _truth(before, category), _truth(after, category)
+        measured["changed"] = {
+            a.instance: {"before": before.positions[-1].get(a.instance), "after": after.positions[-1].get(a.instance)}
+            for a in (*first, *second)
+        }
         measured["drift_m"] = {
             a.instance: round(after.drift_m(a.instance, _intended(a, self._position)), 4) for a in second if a.kind == "displace"
         }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class RelationConstants:
     """What Eq. 1 and 2 need, metres.
 
@@ -19,7 +19,7 @@ class RelationConstants:
     motion_m: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SuccessConstants:
     """What Eq. 4 needs.
 
@@ -32,6 +32,6 @@ class SuccessConstants:
     sweep_deg: tuple[int, ...]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class TaskConstants(RelationConstants, SuccessConstants):
     """All constants of the task (Table "params" of the paper)."""
