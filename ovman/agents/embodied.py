@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,7 @@ class Assignment:
         )
 
 
+@cache
 def handed(visit: str, instance: str) -> str:
     """The name by which an agent that is handed positions knows an instance in one visit; it says nothing about the other."""
     return digest(visit, instance)[:8]
@@ -84,6 +86,7 @@ def execute(
     agent.ask(Query(assignment.category, assignment.relation))
 
     gone = {a.instance for a in assignment.second if a.kind == "disable"}
+    session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     outcome = "budget"
     while actions < constants.primitives.action_budget:

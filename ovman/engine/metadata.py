@@ -36,8 +36,11 @@ class SceneMetadata:
         """The part of an event's metadata that tells of the world, its agent and its objects. The lists and dicts are reused:
         to be written out before the world goes on."""
         agent = self._world.agent
+        objects = self._objects(settings, aspect)
+        if settings.shown is not None:
+            objects = [o for o in objects if o["objectId"] in settings.shown]
         return {
-            "objects": self._objects(settings, aspect),
+            "objects": objects,
             "isSceneAtRest": bool(self._world.at_rest),
             "agent": {
                 "name": "agent",
@@ -61,7 +64,7 @@ class SceneMetadata:
         eye = Eye(agent.position, agent.camera, agent.yaw_deg, agent.horizon_deg, settings.field_of_view_deg, aspect)
         seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, settings, aspect)
         if self._seen_from != seen_from:
-            self._look(eye, settings.visibility_m)
+            self._look(eye, settings.visibility_m, settings.shown)
             self._seen_from = seen_from
         return self._list
 
@@ -79,8 +82,9 @@ class SceneMetadata:
         self._sight = Sight([b.box for b in bodies], [b.active for b in bodies], [b.obj.type != "Floor" for b in bodies])
         self._keep_receptacles(bodies)
 
-    def _look(self, eye: Eye, distance_m: float) -> None:
-        visible = self._sight.visible(eye, distance_m).tolist()
+    def _look(self, eye: Eye, distance_m: float, shown: frozenset[str] | None) -> None:
+        asked = np.array([shown is None or record["objectId"] in shown for record in self._list], dtype=bool)
+        visible = self._sight.visible(eye, distance_m, asked).tolist()
         distances = np.linalg.norm(self._positions - eye.agent, axis=1).tolist()
         for record, distance, seen in zip(self._list, distances, visible, strict=True):
             record["distance"] = distance

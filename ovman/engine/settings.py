@@ -29,6 +29,8 @@ class Settings:
     normals: bool = False
     fast_emit: bool = True
     """An event in which nothing changed but the action's outcome may be sent as a patch of the one before."""
+    shown: frozenset[str] | None = None
+    """Ids of the objects that the metadata list; None for all."""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -106,6 +106,10 @@ class Session:
     def objects(self) -> Mapping[str, Mapping[str, Any]]:
         """Metadata of every object by objectId, as of the last step."""
         return {o["objectId"]: o for o in self._event.metadata["objects"]}
+
+    def attend(self, object_ids: Collection[str]) -> None:
+        """Only these objects are in `objects` until the next reset: metadata are most of what a step without an image costs."""
+        self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
     def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> bool:
         """Put the agent at `pose`; False if something is in the way (only with `allowed`)."""

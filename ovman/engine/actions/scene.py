@@ -48,12 +48,15 @@ def initialize(
     maxUpwardLookAngle: float = Settings.look_up_deg,
     maxDownwardLookAngle: float = Settings.look_down_deg,
     agentMode: str = "default",
+    agentCount: int = 1,
     **rest: Any,
 ) -> dict[str, float]:
     world = engine.world
     fov = Settings.field_of_view_deg if fieldOfView is None else fieldOfView
     if agentMode.lower() != "default":
         raise Refused(f"Unsupported agent mode: {agentMode}. This engine has the agent mode 'default'.")
+    if agentCount != 1:
+        raise Refused(f"Unsupported number of agents: {agentCount}. This engine has one agent.")
     if not 0 < fov < 180:
         raise Refused(f"fov must be set to (0, 180) noninclusive. You gave {fov:g}.")
     if not 0 < gridSize <= LARGEST_GRID_M:
@@ -106,3 +109,13 @@ def change_quality(engine: Engine, quality: str) -> None:
 @action("SetRandomSeed")
 def set_random_seed(engine: Engine, seed: int) -> None:
     engine.seed = seed
+
+
+@action("SetObjectFilter")
+def set_object_filter(engine: Engine, objectIds: list[str]) -> None:
+    engine.change(shown=frozenset(objectIds))
+
+
+@action("ResetObjectFilter")
+def reset_object_filter(engine: Engine) -> None:
+    engine.change(shown=None)
