@@ -170,6 +170,7 @@ class Dynamics:
         model.forward()
         for name in sorted(self._fresh & free):
             self._pardons[name] = model.overlapped(name)
+            model.rouse(name)
             self._fresh.discard(name)
         if self._pardons:
             model.pardon(self._pardons)

@@ -56,9 +56,9 @@ def structures(room: Room) -> tuple[Structure, ...]:
     style = Style(f"{room.plan.name}|room")
     faces = _faces(room)
     out: list[Structure] = []
-    accent = style.choice("accent wall", (-1, -1, 0, 1, 2, 3))
-    for index, face in enumerate(faces):
-        paint = _paint(style, "accent" if index == accent else "wall")
+    accent = style.choice("accent wall", (None, None, (0, -1), (0, 1), (1, -1), (1, 1)))
+    for face in faces:
+        paint = _paint(style, "accent" if (face.axis, face.outwards) == accent else "wall")
         parts = _wall_parts(room, face, _openings(room, face))
         if parts:
             out.append((_unique("wall", parts, out), parts, paint))
@@ -92,7 +92,7 @@ def _faces(room: Room) -> list[Face]:
     drawn: set[tuple[float, ...]] = set()
     for block in room.blocks:
         side = room.outline[block.axis if block.outwards < 0 else 2 + block.axis]
-        depth = block.outwards * (side - block.plane)
+        depth = min(block.outwards * (side - block.plane), block.thick)
         low = max(block.low, room.outline[1 - block.axis])
         high = min(block.high, room.outline[3 - block.axis])
         key = (block.axis, block.outwards, round(block.plane, 2), round(low, 2), round(high, 2))
@@ -101,7 +101,10 @@ def _faces(room: Room) -> list[Face]:
         drawn.add(key)
         thick = min(THICK_M, depth)
         faces.append(Face(block.axis, block.outwards, block.plane, low, high, thick))
-        ends = sorted((block.plane + block.outwards * thick, side))
+        if block.thick < np.inf:
+            back = block.plane + block.outwards * block.thick
+            faces.append(Face(block.axis, -block.outwards, back, low, high, block.thick - thick))
+        ends = sorted((block.plane + block.outwards * thick, block.plane + block.outwards * depth))
         width = min(THICK_M, (high - low) / 2)
         for outwards, at in ((1, low), (-1, high)):
             if ends[1] - ends[0] > THINNEST_M and room.outline[1 - block.axis] < at < room.outline[3 - block.axis]:

@@ -262,6 +262,10 @@ class Model:
             else:
                 self.still_s[name], self._rested[name] = 0.0, box
 
+    def rouse(self, name: str) -> None:
+        """A free body has to be still anew before it sleeps."""
+        self.still_s[name], self._rested[name] = 0.0, self.box(name, np.zeros(3))[0]
+
     def sleeps(self, name: str) -> bool:
         """Whether a free body has been still for long enough."""
         return self.still_s[name] >= SLEEP_S - 1e-9

@@ -28,8 +28,13 @@ WALL_ITEMS = frozenset(
     + ["HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
 )
 """Types that hang flat on a wall."""
-THIN_M = 0.2
-"""A wall item at least this thick does not tell where its wall is."""
+MOUNTED = frozenset(["LightSwitch", "HandTowelHolder", "TowelHolder", "ToiletPaperHanger"])
+"""Those whose recorded rotation tells which way the wall is: always behind them, at -z. For the others it is the way to the nearer
+side of the floor."""
+SQUARE = 0.9
+"""Cosine between an item's back and an axis of the world that counts as along it."""
+THIN_M, STICKS_OUT_M = 0.2, 0.3
+"""A wall item at least this thick, or a mounted one that sticks out so far, does not tell where its wall is."""
 BESIDE_M = 0.3
 """How far to both sides of an item on another plane its own wall goes on."""
 BEYOND_M = 0.05
@@ -38,6 +43,9 @@ OUTSIDE_M = 0.3
 """What is farther outside the recorded floor than this is scenery beyond the window."""
 ELBOW_M = 0.2
 """Around the agent's start there is no wall."""
+PARTITION_ITEMS = frozenset(["Window", "Painting", "LightSwitch", "Mirror", "Poster"])
+"""Types that show a thin wall where they hang in the middle of the room; holders hang on furniture too."""
+PARTITION_M = 0.12
 SLAB_M = 3.0
 """Depth of the solid behind a wall's face: nothing passes at any speed that physics allows."""
 SHELL_M = 0.02
@@ -65,15 +73,17 @@ class Block:
     plane: float
     low: float
     high: float
+    thick: float = np.inf
+    """Infinite but for a partition, which has room on both sides"""
 
     def rectangle(self, beyond: Rectangle) -> Rectangle:
-        """Plan rectangle of the block up to the sides of `beyond`."""
+        """Plan rectangle of the block, cut at the sides of `beyond`."""
         first, last = np.zeros(2), np.zeros(2)
         first[1 - self.axis], last[1 - self.axis] = self.low, self.high
         if self.outwards < 0:
-            first[self.axis], last[self.axis] = beyond[self.axis], self.plane
+            first[self.axis], last[self.axis] = max(beyond[self.axis], self.plane - self.thick), self.plane
         else:
-            first[self.axis], last[self.axis] = self.plane, beyond[2 + self.axis]
+            first[self.axis], last[self.axis] = self.plane, min(beyond[2 + self.axis], self.plane + self.thick)
         return float(first[0]), float(first[1]), float(last[0]), float(last[1])
 
 
@@ -190,14 +200,18 @@ def _ceiling(plan: FloorPlan) -> float:
     return plan.floor_y + float(np.clip(max(tops) - plan.floor_y + 0.1, *CEILING_M))
 
 
-def _hung(item: SimObject, plan: FloorPlan, thin_m: float = THIN_M) -> tuple[int, int, float] | None:
+def _hung(item: SimObject, plan: FloorPlan) -> tuple[int, int, float] | None:
     """Axis, outward direction and coordinate of the wall that `item` hangs on, if it tells."""
     if item.type not in WALL_ITEMS:
         return None
     low, high = _plan_bounds(item.box)
-    size = high - low
+    size, back = high - low, -item.rotation[[0, 2], 2]
+    if item.type in MOUNTED and np.abs(back).max() > SQUARE:
+        axis = int(np.abs(back).argmax())
+        outwards = -1 if back[axis] < 0 else 1
+        return (axis, outwards, float(low[axis] if outwards < 0 else high[axis])) if size[axis] < STICKS_OUT_M else None
     axis = int(np.argmin(size))
-    if size[axis] >= thin_m or size[axis] >= size[1 - axis]:
+    if size[axis] >= THIN_M or size[axis] >= size[1 - axis]:
         return None
     middle = float(low[axis] + high[axis]) / 2
     floor_low, floor_high = _plan_bounds(plan.floor.box)
@@ -224,10 +238,27 @@ def _blocks(plan: FloorPlan, rectangle: Rectangle) -> tuple[Block, ...]:
                 beside = BESIDE_M if other.type in WALL_ITEMS else 0.0
                 intruders.append((low[along] - beside, high[along] + beside))
         limits = float(rectangle[along]) - SLAB_M, float(rectangle[2 + along]) + SLAB_M
-        stretch = _stretch(float(item_low[along]), float(item_high[along]), limits, intruders)
+        stretch, thick = _stretch(float(item_low[along]), float(item_high[along]), limits, intruders), np.inf
+        if stretch is None and item.type in PARTITION_ITEMS:
+            stretch, thick = _partition(item, hung, objects, start), PARTITION_M
         if stretch is not None:
-            blocks.append(Block(axis, outwards, plane, *stretch))
+            blocks.append(Block(axis, outwards, plane, *stretch, thick))
     return tuple(blocks)
+
+
+def _partition(
+    item: SimObject, hung: tuple[int, int, float], objects: list[tuple[SimObject, np.ndarray, np.ndarray]], start: np.ndarray
+) -> tuple[float, float] | None:
+    """The stretch of a thin wall that carries an item with room behind it, if one fits between the objects."""
+    axis, outwards, plane = hung
+    along = 1 - axis
+    near, far = sorted((plane + outwards * BEYOND_M, plane + outwards * PARTITION_M))
+    through = [(low[along], high[along]) for o, low, high in objects if o is not item and low[axis] < far and high[axis] > near]
+    if near - ELBOW_M < start[axis] < far + ELBOW_M:
+        through.append((start[along] - ELBOW_M, start[along] + ELBOW_M))
+    low, high = _plan_bounds(item.box)
+    first, last = float(low[along]), float(high[along])
+    return _stretch(first, last, (first - PARTITION_M, last + PARTITION_M), through)
 
 
 def _stretch(
