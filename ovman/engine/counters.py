@@ -8,6 +8,7 @@ else.
 
 from __future__ import annotations
 
+import math
 from collections import OrderedDict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -107,20 +108,21 @@ def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
     if min(box.x1 - box.x0, box.z1 - box.z0) <= WHOLE_M and not box.holds(plan.start[0], plan.start[2], BODY_M):
         return (box,)
     support, against = _evidence(plan, counter, box)
-    best: tuple[float, int, tuple[Rect, ...]] = (-np.inf, 0, (box,))
-    for number, layout in enumerate(_layouts(box, support)):
-        if any(r.holds(plan.start[0], plan.start[2], BODY_M) for r in layout):
-            continue
-        covered = np.zeros_like(support, dtype=bool)
-        for rect in layout:
-            covered[_cells(box, rect, support.shape)] = True
-        plain = covered & (support == 0)
-        score = float(
-            support[covered].sum() - support[~covered].sum() - UNSUPPORTED * plain.sum() - AGAINST * against[covered].sum()
-        )
-        if score > best[0]:
-            best = (score, number, layout)
-    return best[2]
+    worth = support - UNSUPPORTED * (support == 0) - AGAINST * against + support
+    total = np.zeros((worth.shape[0] + 1, worth.shape[1] + 1))
+    total[1:, 1:] = worth.cumsum(axis=0).cumsum(axis=1)
+    best: tuple[float, tuple[Rect, ...]] = (-np.inf, (box,))
+    for layout in _layouts(box):
+        score = sum(_within(total, _cells(box, rect, worth.shape)) for rect in layout)
+        if score > best[0] + 1e-9 and not any(r.holds(plan.start[0], plan.start[2], BODY_M) for r in layout):
+            best = (score, layout)
+    return best[1]
+
+
+def _within(total: np.ndarray, cells: tuple[slice, slice]) -> float:
+    """Sum over a block of cells from the running sums `total` (one row and column of zeros first)."""
+    a, b = cells
+    return float(total[a.stop, b.stop] - total[a.start, b.stop] - total[a.stop, b.start] + total[a.start, b.start])
 
 
 def _evidence(plan: FloorPlan, counter: SimObject, box: Rect) -> tuple[np.ndarray, np.ndarray]:
@@ -145,12 +147,12 @@ def _evidence(plan: FloorPlan, counter: SimObject, box: Rect) -> tuple[np.ndarra
 def _cells(box: Rect, rect: Rect, shape: tuple[int, ...]) -> tuple[slice, slice]:
     spans = []
     for low, first, last, count in ((box.x0, rect.x0, rect.x1, shape[0]), (box.z0, rect.z0, rect.z1, shape[1])):
-        start = int(np.clip(np.floor((first - low) / CELL_M + 0.25), 0, count - 1))
-        spans.append(slice(start, int(np.clip(np.ceil((last - low) / CELL_M - 0.25), start + 1, count))))
+        start = min(max(math.floor((first - low) / CELL_M + 0.25), 0), count - 1)
+        spans.append(slice(start, min(max(math.ceil((last - low) / CELL_M - 0.25), start + 1), count)))
     return spans[0], spans[1]
 
 
-def _layouts(box: Rect, support: np.ndarray) -> Iterator[tuple[Rect, ...]]:
+def _layouts(box: Rect) -> Iterator[tuple[Rect, ...]]:
     """The whole box, and every strip along a side with one leg anywhere or two legs at its ends."""
     yield (box,)
     for side in range(4):

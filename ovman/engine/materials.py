@@ -85,21 +85,21 @@ def _grey(s: Style) -> Material:
 
 def _muted(s: Style) -> Material:
     return Material(
-        linear(s.fraction("hue"), s.uniform("saturation", 0.16, 0.42), s.uniform("lightness", 0.3, 0.66)),
+        linear(s.fraction("hue"), s.uniform("saturation", 0.12, 0.34), s.uniform("lightness", 0.3, 0.68)),
         gloss=s.uniform("gloss", 0.03, 0.45),
     )
 
 
 def _deep(s: Style) -> Material:
     return Material(
-        linear(s.fraction("hue"), s.uniform("saturation", 0.35, 0.6), s.uniform("lightness", 0.2, 0.38)),
+        linear(s.fraction("hue"), s.uniform("saturation", 0.22, 0.5), s.uniform("lightness", 0.18, 0.36)),
         gloss=s.uniform("gloss", 0.03, 0.5),
     )
 
 
 def _vivid(s: Style) -> Material:
     return Material(
-        linear(s.fraction("hue"), s.uniform("saturation", 0.5, 0.72), s.uniform("lightness", 0.42, 0.58)),
+        linear(s.fraction("hue"), s.uniform("saturation", 0.42, 0.62), s.uniform("lightness", 0.38, 0.56)),
         gloss=s.uniform("gloss", 0.05, 0.5),
     )
 
@@ -119,30 +119,35 @@ def _metal(s: Style) -> Material:
 
 
 PALETTE: tuple[Callable[[Style], Material], ...] = (
-    *(_wood,) * 5,
-    *(_white,) * 3,
-    *(_grey,) * 3,
-    *(_muted,) * 8,
+    *(_wood,) * 6,
+    *(_white,) * 5,
+    *(_grey,) * 4,
+    *(_muted,) * 9,
     *(_deep,) * 3,
-    *(_vivid,) * 2,
+    _vivid,
     _stone,
     _metal,
 )
 """What homes are made of, by how often."""
-PATTERNS = ("plain",) * 5 + ("fabric",) * 4 + ("weave",) * 3 + ("stripes", "checker", "print", "leaves", "tiles")
+PATTERNS: tuple[tuple[str, float, float], ...] = (
+    *(("plain", 0.2, 0.2),) * 16,
+    *(("fabric", 0.01, 0.03),) * 9,
+    *(("weave", 0.006, 0.016),) * 5,
+    ("stripes", 0.03, 0.09),
+    ("checker", 0.03, 0.07),
+    ("print", 0.05, 0.1),
+)
+"""Patterns of what is not wood, stone or metal, by how often, with the range of their periods in metres."""
 
 
 def _body(s: Style) -> Material:
     """Any material of the house. Painted things may carry a pattern."""
     made = s.choice("family", PALETTE)(s)
     if made.texture == "plain":
-        texture = s.choice("pattern", PATTERNS)
-        made = replace(
-            made,
-            texture=texture,
-            scale_m=s.uniform("scale", 0.03, 0.16),
-            gloss=made.gloss if texture == "plain" else 0.3 * made.gloss,
-        )
+        texture, low, high = s.choice("pattern", PATTERNS)
+        made = replace(made, texture=texture, scale_m=s.uniform("scale", low, high))
+        if texture != "plain":
+            made = replace(made, gloss=0.3 * made.gloss)
     return made
 
 
@@ -231,6 +236,18 @@ def _mirror(s: Style) -> Material:
     )
 
 
+def _floor(s: Style) -> Material:
+    """Boards, tiles, stone or carpet in the tones that floors have."""
+    kind = s.choice("kind", ("wood", "wood", "wood", "tiles", "marble", "carpet"))
+    if kind == "wood":
+        tone = linear(s.uniform("hue", 0.05, 0.1), s.uniform("saturation", 0.2, 0.45), s.uniform("lightness", 0.28, 0.58))
+        return Material(tone, "wood", s.uniform("scale", 0.1, 0.2), gloss=s.uniform("gloss", 0.1, 0.3))
+    tone = linear(s.uniform("hue", 0.05, 0.65), s.uniform("saturation", 0.03, 0.16), s.uniform("lightness", 0.42, 0.74))
+    if kind == "carpet":
+        return Material(tone, "fabric", 0.03, gloss=0.0)
+    return Material(tone, kind, s.uniform("scale", 0.25, 0.5), gloss=s.uniform("gloss", 0.25, 0.45))
+
+
 SLOTS: Mapping[str, Callable[[Style], Material]] = MappingProxyType(
     {
         "main": _body,
@@ -255,7 +272,7 @@ SLOTS: Mapping[str, Callable[[Style], Material]] = MappingProxyType(
         "rubber": lambda s: s.choice("family", (_deep, _grey, _muted))(s),
     }
 )
-RELATED = {"second": ("main", 0.4), "cloth_second": ("cloth", 0.75), "leaf_second": ("leaf", 1.0)}
+RELATED = {"second": ("main", 0.6), "cloth_second": ("cloth", 0.75), "leaf_second": ("leaf", 1.0)}
 """Slots that are often of the same stuff as another: (which, how often). They then differ a little in lightness."""
 _SHADE = 0.16
 _APART = 0.1
@@ -304,6 +321,9 @@ def make(obj: SimObject, plan: FloorPlan) -> str:
 def palette(obj: SimObject, plan: FloorPlan) -> Mapping[str, Material]:
     """Material of every slot of `obj`. Deterministic in (scene, asset, and instance where its asset repeats in the scene)."""
     made = _painted(make(obj, plan))
+    if obj.type == "Floor":
+        style = Style(f"{plan.name}|floor")
+        made["main"] = replace(_floor(style), seed=style.integer("seed") % 2**31)
     if obj.type == "CounterTop":
         cabinetry = _painted(f"{plan.name}|{MAKES['Cabinet']}")
         made["second"] = cabinetry["main"]

@@ -99,7 +99,15 @@ def bed(s: Subject) -> Iterator[Part]:
 
 
 def pillow(s: Subject) -> Iterator[Part]:
-    yield span((-s.x, 0, -s.z), (s.x, s.h, s.z), "cloth", kind="cushion", ratio=s.style.uniform("puff", 0.45, 0.75), segments=28)
+    yield span(
+        (-s.x, 0, -s.z),
+        (s.x, s.h, s.z),
+        "cloth",
+        kind="cushion",
+        ratio=s.style.uniform("square", 0.28, 0.45),
+        crown=s.style.uniform("puff", 0.85, 1.25),
+        segments=32,
+    )
     if s.style.chance("piping", 0.4):
         yield span(
             (-s.x * 0.97, 0.47 * s.h, -s.z * 0.97),

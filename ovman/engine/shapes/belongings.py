@@ -24,8 +24,8 @@ def book(s: Subject) -> Iterator[Part]:
 
 def newspaper(s: Subject) -> Iterator[Part]:
     """Folded sheets, the fold along the longer side."""
-    if min(s.w, s.d) < 2.2 * s.h + 0.03 and max(s.w, s.d) > 2 * min(s.w, s.d):
-        along_x = s.w >= s.d
+    if s.elongation > 2.0 and min(s.w, s.d) < 2.2 * s.h + 0.03:
+        along_x = s.along_x
         ends = ((-s.x, s.h / 2, 0), (s.x, s.h / 2, 0)) if along_x else ((0, s.h / 2, -s.z), (0, s.h / 2, s.z))
         across = s.d if along_x else s.w
         roll = rod(*ends, s.h / 2, "pages")
@@ -131,7 +131,8 @@ def boots(s: Subject) -> Iterator[Part]:
             (0.7 * wide / 2, 0.4 * s.h),
             (0, 0.3 * s.h),
         ]
-        yield lathe(shaft, x, z - 0.02, "main", stretch=(1.0, 2 * leg / wide * 0.95))
+        yield lathe(shaft, x, z - 0.02, "main", stretch=(1.0, 2 * leg / wide * 0.95), solid=False)
+        yield span((x - 0.45 * wide, 0, -s.z + 0.02), (x + 0.45 * wide, s.h, -s.z + 1.9 * leg), drawn=False)
         yield span(
             (x - wide / 2, 0.9 * s.h, z - leg - 0.0),
             (x + wide / 2, 0.99 * s.h, z + 0.9 * leg),
@@ -192,7 +193,7 @@ def basketball(s: Subject) -> Iterator[Part]:
 
 def dumbbell(s: Subject) -> Iterator[Part]:
     """Along its longer side: two heads of stacked plates and a grip."""
-    along_z = s.d >= s.w
+    along_z = not s.along_x
     half = s.z if along_z else s.x
     radius = min(s.x if along_z else s.z, s.h / 2)
 

@@ -66,11 +66,11 @@ def statue(s: Subject) -> Iterator[Part]:
     plinth = 0.09 * s.h
     form = st.choice("plinth", ("box", "cylinder"))
     yield span((-s.x, 0, -s.z), (s.x, plinth, s.z), "second", kind=form, bevel=0.05 * plinth)
-    slender = s.h / max(s.w, s.d)
+    slender = s.slenderness
     if slender > 1.5:
         figure = st.choice("figure", (_bust, _standing, _abstract, _bird, _flame))
     else:
-        figure = st.choice("figure", (_animal, _bird, _knot, _animal, _bust))
+        figure = st.choice("figure", (_animal, _bird, _knot, _animal) if slender < 1.1 else (_animal, _bird, _bust))
     yield from figure(s, plinth)
 
 
@@ -126,7 +126,7 @@ def _standing(s: Subject, low: float) -> Iterator[Part]:
 def _animal(s: Subject, low: float) -> Iterator[Part]:
     """A four-legged animal in profile along the longer side."""
     st = s.style
-    along_x = s.w >= s.d
+    along_x = s.along_x
     u, v = (s.x, s.z) if along_x else (s.z, s.x)
     high = s.h - low
 
@@ -176,7 +176,7 @@ def _animal(s: Subject, low: float) -> Iterator[Part]:
 
 def _bird(s: Subject, low: float) -> Iterator[Part]:
     high = s.h - low
-    along_x = s.w >= s.d
+    along_x = s.along_x
     u, v = (s.x, s.z) if along_x else (s.z, s.x)
 
     def at(a: float, y: float, b: float = 0.0) -> tuple[float, float, float]:
@@ -239,20 +239,25 @@ def _flame(s: Subject, low: float) -> Iterator[Part]:
 
 
 def _knot(s: Subject, low: float) -> Iterator[Part]:
-    """Rings upright on the plinth."""
-    radius = (s.h - low) / 2
-    wide = min(s.w, s.d * 3)
-    for turn, share in ((0.0, 1.0), (s.style.uniform("turn", 35, 90), 0.72)):
+    """A row of rings along the longer side, linked."""
+    along_x = s.along_x
+    half, deep = (s.x, s.z) if along_x else (s.z, s.x)
+    high = s.h - low
+    count = max(1, round(2 * half / high * 1.3))
+    wide = 2 * half / (1 + 0.72 * (count - 1))
+    for i in range(count):
+        u = -half + wide / 2 + 0.72 * wide * i
+        tilt = (1 if i % 2 else -1) * s.style.uniform("tilt", 8, 26) if count > 1 else 0.0
+        size = (wide, 0.5 * deep, high)
+        turn = (about("y", tilt) if along_x else about("y", 90.0 + tilt)) @ about("x", 90.0)
+        centre = (u, low + high / 2, 0) if along_x else (0, low + high / 2, u)
         yield Part(
-            "torus",
-            (0, low + radius * share, 0),
-            (share * min(2 * radius, wide), 0.2 * s.d, share * 2 * radius),
-            about("y", turn) @ about("x", 90.0),
-            "main" if turn == 0 else "accent",
-            solid=False,
-            ratio=0.3,
+            "torus", centre, size, turn, "main" if i % 2 else "accent", solid=False, ratio=s.style.uniform("band", 0.22, 0.4)
         )
-    yield span((-0.4 * wide, low, -0.2 * s.d), (0.4 * wide, s.h, 0.2 * s.d), drawn=False)
+    if along_x:
+        yield span((-0.9 * half, low, -0.3 * deep), (0.9 * half, low + 0.9 * high, 0.3 * deep), drawn=False)
+    else:
+        yield span((-0.3 * deep, low, -0.9 * half), (0.3 * deep, low + 0.9 * high, 0.9 * half), drawn=False)
 
 
 def house_plant(s: Subject) -> Iterator[Part]:
@@ -281,11 +286,13 @@ def house_plant(s: Subject) -> Iterator[Part]:
         for i in range(count):
             ring = (i * 0.618034) % 1.0
             lean = {"blades": 8 + 38 * ring, "rosette": 15 + 60 * ring, "fern": 20 + 62 * ring}[habit]
-            length = crown / max(0.35, np.cos(np.radians(lean))) * draw(f"length {i}", 0.6, 0.98)
+            lean = 4.0 + 5.0 * i if i < 4 else lean
+            length = crown / max(0.35, np.cos(np.radians(lean))) * (1.0 if i < 2 else draw(f"length {i}", 0.6, 0.98))
             angle = np.radians(137.508 * i)
             reach = 1 / np.hypot(np.sin(angle) / s.x, np.cos(angle) / s.z)
             length = min(length, 0.96 * reach / max(0.12, np.sin(np.radians(lean))))
             curl = length * {"blades": 0.12, "rosette": 0.06, "fern": 0.3}[habit]
+            curl = min(curl, 0.35 * reach)
             turn = about("y", 137.508 * i) @ about("x", lean)
             yield Part(
                 "leaf",

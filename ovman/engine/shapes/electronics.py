@@ -164,19 +164,21 @@ def alarm_clock(s: Subject) -> Iterator[Part]:
 
 
 def watch(s: Subject) -> Iterator[Part]:
-    """A wrist watch that stands on its closed strap; the dial looks up and forward."""
-    turn = about("z", 90.0)
-    yield Part("torus", (0, 0.47 * s.h, 0), (0.94 * s.h, 0.3 * s.w if s.w < s.d else 0.5 * s.d, s.d), turn, "cloth", ratio=0.14)
-    yield Part("cylinder", (0, 0.9 * s.h, 0), (s.w, 0.2 * s.h, min(s.w, 0.8 * s.d)), slot="metal")
-    yield Part("cylinder", (0, 0.985 * s.h, 0), (0.8 * s.w, 0.03 * s.h, 0.64 * min(s.w, s.d)), slot="pale", solid=False)
-    yield span((-0.25 * s.w, 0.985 * s.h, -0.004 * s.d), (0.02 * s.w, 1.004 * s.h, 0.03 * s.d), "dark", solid=False)
+    """A wrist watch that stands on its closed strap, its dial up."""
+    case = min(0.85 * s.d, 0.55 * s.w)
+    yield Part("torus", (0, 0.46 * s.h, 0), (s.w, 0.5 * s.d, 0.92 * s.h), about("x", 90.0), "cloth", solid=False, ratio=0.12)
+    yield span((-s.x, 0, -0.25 * s.d), (s.x, 0.9 * s.h, 0.25 * s.d), drawn=False, kind="ellipsoid")
+    yield Part("cylinder", (0, 0.86 * s.h, 0), (case, 0.26 * s.h, s.d), slot="metal")
+    yield Part("cylinder", (0, 0.985 * s.h, 0), (0.8 * case, 0.02 * s.h, 0.8 * s.d), slot="pale", solid=False)
+    yield bar((0, 0.99 * s.h, 0), (0.28 * case, 0.99 * s.h, 0), 0.02 * s.h, 0.06 * case, "dark", solid=False)
+    yield bar((0, 0.99 * s.h, 0), (0, 0.99 * s.h, 0.34 * case), 0.02 * s.h, 0.05 * case, "dark", solid=False)
 
 
 def compact_disc(s: Subject) -> Iterator[Part]:
-    ring = [(0.16, 0), (1, 0), (1, 1), (0.16, 1), (0.16, 0)]
+    ring = [(0.16, 0), (1, 0), (1, 0.9), (0.16, 0.9), (0.16, 0)]
     yield Part("cylinder", (0, s.h / 2, 0), (s.w, s.h, s.d), drawn=False)
     yield lathe([(r * s.x, y * s.h) for r, y in ring], slot="metal", stretch=(1.0, s.z / s.x), solid=False, segments=32)
-    label = [(0.2, 0.2), (0.62, 0.2), (0.62, 1.02), (0.2, 1.02), (0.2, 0.2)]
+    label = [(0.2, 0.2), (0.62, 0.2), (0.62, 1.0), (0.2, 1.0), (0.2, 0.2)]
     yield lathe([(r * s.x, y * s.h) for r, y in label], slot="picture", stretch=(1.0, s.z / s.x), solid=False, segments=32)
 
 

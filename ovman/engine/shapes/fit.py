@@ -13,7 +13,9 @@ from ovman.engine.shapes.tessellation import mesh
 Form = Callable[[Subject], Iterable[Part]]
 
 TOLERANCE_M = 2e-4
-ROUNDS = 6
+ROUNDS = 9
+UNDAMPED = 3
+"""Rounds that ask for the full correction; later ones ask for less, so that forms whose sides are coupled settle."""
 
 
 def bounds(parts: Iterable[Part], drawn_only: bool = True) -> tuple[np.ndarray, np.ndarray]:
@@ -38,12 +40,12 @@ def fitted(form: Form, subject: Subject) -> tuple[Part, ...]:
     size = np.array([subject.w, subject.h, subject.d])
     asked = size.copy()
     parts: tuple[Part, ...] = ()
-    for _ in range(ROUNDS):
+    for number in range(ROUNDS):
         parts = tuple(form(subject.of_size(*asked)))
         low, high = bounds(parts)
         if np.abs(high - low - size).max() < TOLERANCE_M:
             break
-        asked = np.clip(asked * size / (high - low), 0.3 * size, 2.5 * size)
+        asked = np.clip(asked * (size / (high - low)) ** (1.0 if number < UNDAMPED else 0.6), 0.3 * size, 2.5 * size)
     low, high = bounds(parts)
     middle = (low + high) / 2
     shrink = min(1.0, float((size / (high - low)).min()))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ovman.engine.shapes.part import Part, about, bar, lathe, rod, span
+from ovman.engine.shapes.part import Part, about, bar, rod, span
 from ovman.engine.shapes.subject import Subject
 from ovman.engine.shapes.tableware import turned
 
@@ -67,25 +67,28 @@ def bread(s: Subject) -> Iterator[Part]:
 
 
 def lettuce(s: Subject) -> Iterator[Part]:
-    """A head: a core wrapped in leaves."""
-    yield span((-0.86 * s.x, 0.07 * s.h, -0.86 * s.z), (0.86 * s.x, 0.93 * s.h, 0.86 * s.z), "leaf", kind="ellipsoid")
-    for ring, (count, tilt, reach) in enumerate(((7, 24.0, 0.5), (8, 48.0, 0.62))):
+    """A head along z: a core wrapped in broad leaves that overlap and curl at the open end."""
+    middle = s.h / 2
+    yield span((-0.8 * s.x, 0.1 * s.h, -0.96 * s.z), (0.8 * s.x, 0.9 * s.h, 0.9 * s.z), "leaf_second", kind="ellipsoid")
+    for ring, count in enumerate((5, 7)):
         for i in range(count):
             turn = about("z", 360.0 * (i + 0.5 * ring) / count)
-            base = turn @ [0, 0.1 * s.w, 0]
-            length = reach * s.d * s.style.uniform(f"leaf {ring} {i}", 0.9, 1.1)
+            out = turn @ [0, 0.17 * s.h + 0.03 * s.h * ring, 0]
+            reach = s.d * s.style.uniform(f"reach {ring} {i}", 0.74, 0.92)
             yield Part(
-                "leaf",
-                (base[0], s.h / 2 + base[1], -0.46 * s.d),
-                (0.62 * s.w, length, 0.24 * s.d),
-                turn @ about("x", 90.0 - tilt),
+                "ellipsoid",
+                (out[0] * s.w / s.h, middle + out[1], (0.02 - 0.04 * ring) * s.d),
+                (0.56 * s.w, 0.42 * s.h, reach),
+                turn @ about("x", 7.0 + 5.0 * ring),
                 "leaf" if (i + ring) % 2 else "leaf_second",
                 solid=False,
-                segments=5,
             )
-    yield lathe([(0, 0), (0.16 * s.w, 0), (0.12 * s.w, 0.2 * s.d), (0, 0.2 * s.d)], slot="pale", solid=False).but(
-        centre=(0, s.h / 2, -0.42 * s.d), rotation=about("x", 90.0)
-    )
+            tip = turn @ [0, 0.2 * s.h, 0]
+            curl = turn @ about("z", 25.0 * (-1) ** i) @ about("x", 62.0)
+            yield Part(
+                "leaf", (tip[0], middle + tip[1], 0.22 * s.d), (0.4 * s.w, 0.34 * s.d, 0.12 * s.d), curl, "leaf", solid=False
+            )
+    yield span((-0.14 * s.w, middle - 0.14 * s.h, -s.z), (0.14 * s.w, middle + 0.14 * s.h, -0.8 * s.z), "pale", kind="ellipsoid")
 
 
 FORMS = {"Apple": apple, "Tomato": tomato, "Potato": potato, "Egg": egg, "Bread": bread, "Lettuce": lettuce}

@@ -50,22 +50,22 @@ def handle(
             yield rod((*at, face), (*at, z), radius * 0.8, "metal", solid=False)
 
 
-def panel(area: Area, face: float, style: Style, slot: str = "second") -> Iterator[Part]:
+def panel(area: Area, face: float, style: Style, slot: str = "second", thick: float = PANEL_M) -> Iterator[Part]:
     """A front of `area` standing out to z = `face`: flat, framed or grooved."""
     x0, x1, y0, y1 = area
-    back = face - PANEL_M
+    back = face - thick
     form = style.choice("front", ("flat", "flat", "framed", "framed", "raised"))
     rail = min(0.05, 0.2 * (x1 - x0), 0.2 * (y1 - y0))
     if form == "flat" or rail < 0.018:
         yield span((x0, y0, back), (x1, y1, face), slot, bevel=0.003, solid=False)
     elif form == "framed":
-        yield span((x0 + rail, y0 + rail, back), (x1 - rail, y1 - rail, face - 0.009), slot, solid=False)
+        yield span((x0 + rail, y0 + rail, back), (x1 - rail, y1 - rail, face - 0.5 * thick), slot, solid=False)
         for low, high in ((x0, x0 + rail), (x1 - rail, x1)):
             yield span((low, y0, back), (high, y1, face), slot, bevel=0.002, solid=False)
         for low, high in ((y0, y0 + rail), (y1 - rail, y1)):
             yield span((x0 + rail, low, back), (x1 - rail, high, face), slot, bevel=0.002, solid=False)
     else:
-        yield span((x0, y0, back), (x1, y1, face - 0.006), slot, bevel=0.003, solid=False)
+        yield span((x0, y0, back), (x1, y1, face - 0.33 * thick), slot, bevel=0.003, solid=False)
         yield span((x0 + rail, y0 + rail, back), (x1 - rail, y1 - rail, face), slot, bevel=0.006, solid=False)
 
 

@@ -61,7 +61,7 @@ def blinds(s: Subject) -> Iterator[Part]:
 
 def curtains(s: Subject) -> Iterator[Part]:
     """Folds below a rod; two halves drawn aside where it is wide. They run along the longer side."""
-    along_x = s.w >= s.d
+    along_x = s.along_x
     half, deep = (s.x, s.z) if along_x else (s.z, s.x)
     top = s.h - min(0.05, 0.05 * s.h)
 
@@ -72,13 +72,13 @@ def curtains(s: Subject) -> Iterator[Part]:
     yield rod(at(-half, s.h - radius, 0), at(half, s.h - radius, 0), radius, "metal", solid=False)
     drawn_aside = 2 * half > 0.8 and s.style.chance("two", 0.8)
     panels = ((-half, -0.42 * half), (0.42 * half, half)) if drawn_aside else ((-half, half),)
-    fold = min(deep, 0.07)
+    fold = max(min(deep, 0.07), 0.55 * deep)
     for low, high in panels:
         count = max(3, round((high - low) / (1.7 * fold)))
         for i in range(count):
             u = low + (high - low) * (i + 0.5) / count
             wide = 1.16 * (high - low) / count
-            thick = min(1.3 * fold, 1.2 * deep)
+            thick = min(1.7 * fold, 1.5 * deep)
             shift = (1 if i % 2 else -1) * (deep - thick / 2)
             low_at, high_at = (
                 np.minimum(at(u - wide / 2, 0, shift - thick / 2), at(u + wide / 2, top, shift + thick / 2)),

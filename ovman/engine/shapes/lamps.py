@@ -37,12 +37,14 @@ def shade(
     yield Part("ellipsoid", (x, (low + high) / 2, z), (bulb, 1.3 * bulb, bulb), slot="glow", solid=False)
     if style.chance("bands", 0.5):
         for y, r in ((low, radius), (high - 0.008, head * radius)):
-            yield column(x, z, y, y + 0.008, r, "trim", kind="torus", ratio=0.06, solid=False)
+            yield span(
+                (x - r, y, z - r * stretch), (x + r, y + 0.008, z + r * stretch), "trim", kind="torus", ratio=0.06, solid=False
+            )
 
 
 def desk_lamp(s: Subject) -> Iterator[Part]:
     st = s.style
-    jointed = max(s.w, s.d) > 1.35 * min(s.w, s.d)
+    jointed = s.elongation > 1.35
     if jointed:
         yield from _jointed(s)
         return
@@ -66,7 +68,7 @@ def desk_lamp(s: Subject) -> Iterator[Part]:
 
 def _jointed(s: Subject) -> Iterator[Part]:
     """A work lamp: base, two arms, a head that looks down."""
-    along_x = s.w >= s.d
+    along_x = s.along_x
     reach, across = (s.x, s.z) if along_x else (s.z, s.x)
     foot = min(across, 0.5 * reach + 0.02)
 

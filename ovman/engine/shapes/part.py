@@ -60,6 +60,8 @@ class Part:
     bevel: float = 0.0
     """box: metres cut off every edge"""
     ratio: float = 1.0
+    crown: float = 0.0
+    """cushion: exponent of its height, 0 for `ratio`; above 1 it is pinched like a pillow"""
     points: np.ndarray | None = None
     segments: int = 0
     """Facets around the axis; 0 chooses them by size."""

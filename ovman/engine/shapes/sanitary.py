@@ -63,7 +63,9 @@ def toilet(s: Subject) -> Iterator[Part]:
         "main",
         stretch=(1.0, reach / x),
         segments=28,
+        solid=False,
     )
+    yield span((-x, 0, middle - 0.03 - reach), (x, seat, middle - 0.03 + reach), drawn=False, kind="frustum", ratio=1.6)
     yield span((-0.45 * x, 0, rear - 0.02), (0.45 * x, 0.8 * seat, middle), "main", bevel=0.03)
     yield span(
         (-x, seat - 0.02, middle - 0.03 - reach),
@@ -103,7 +105,7 @@ def bathtub(s: Subject) -> Iterator[Part]:
     """A hollow tub with a broad rim, rounded inner ends and, by asset, feet or an apron down to the floor."""
     wall = min(0.11, 0.14 * min(s.w, s.d))
     yield from _hollow_box(s, wall, 0.16 * s.h, "main", 0.03)
-    along_x = s.w >= s.d
+    along_x = s.along_x
     for sign in (-1, 1):
         u = sign * ((s.x if along_x else s.z) - wall)
         half = (s.z if along_x else s.x) - wall
@@ -208,7 +210,7 @@ def faucet(s: Subject) -> Iterator[Part]:
     yield tube(path, radius, "metal", solid=False)
     yield span((-radius, 0, z - radius), (radius, s.h, s.z), drawn=False)
     yield column(0, z, 0, 0.12 * s.h, 1.7 * radius, "metal", solid=False)
-    if s.w > 0.16:
+    if (s.true or (s.w,))[0] > 0.16:
         half = s.x - 1.8 * radius
         yield span((-s.x, 0, z - 1.5 * radius), (s.x, 0.05 * s.h + 0.004, z + 1.5 * radius), "metal", bevel=0.003)
         for sx in (-1, 1):
@@ -266,12 +268,18 @@ def shower_head(s: Subject) -> Iterator[Part]:
 
 
 def shower_door(s: Subject) -> Iterator[Part]:
-    """A framed pane; it stands along its longer side."""
-    yield from _pane(s, s.type == "ShowerDoor")
+    """A framed pane along its longer side; where the box is deep, two panes that meet at a corner of the stall."""
+    if min(s.w, s.d) < 0.3:
+        yield from _pane(s, s.type == "ShowerDoor")
+        return
+    side = 1 if s.style.chance("corner", 0.5) else -1
+    for w, d, x, z in ((s.w, 0.05, 0.0, s.z - 0.025), (0.05, s.d, side * (s.x - 0.025), 0.0)):
+        for part in _pane(Subject(s.type, w, s.h, d, s.style), False):
+            yield part.but(centre=part.centre + [x, 0, z])
 
 
 def _pane(s: Subject, grip: bool) -> Iterator[Part]:
-    along_x = s.w >= s.d
+    along_x = s.along_x
     half, thick = (s.x, s.z) if along_x else (s.z, s.x)
     bars = 0.035
 

@@ -155,9 +155,10 @@ def stool(s: Subject) -> Iterator[Part]:
             solid=False,
         )
     else:
-        yield from legs(s, low, inset, width, splay, "main")
+        inset = 0.12 * min(s.w, s.d) if round_seat else 0.0
+        yield from legs(s, low, max(0.0, inset - splay), width, splay, "main")
         for share in (0.3, 0.55) if s.h > 0.6 else (0.35,):
-            x, z = (half - width / 2 - splay * share for half in (s.x, s.z))
+            x, z = (half - max(0.0, inset - splay) - width / 2 - splay * share for half in (s.x, s.z))
             y = low * share
             for sx in (-1, 1):
                 yield rod((sx * x, y, -z), (sx * x, y, z), width / 3, "main", solid=False)

@@ -97,7 +97,7 @@ def cabinet(s: Subject) -> Iterator[Part]:
     face = s.z - reach
     if s.d < 0.09:
         yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.002)
-        yield from _leaf(s, face - PANEL_M * 0.6, reach, 1)
+        yield from _leaf(s, face, reach, 1)
         return
     foot = 0.0 if s.hung or s.h < 0.4 else 0.04
     yield span((-s.x, foot, -s.z), (s.x, s.h, face), "main", bevel=0.002)
@@ -108,11 +108,11 @@ def cabinet(s: Subject) -> Iterator[Part]:
 
 def _leaf(s: Subject, face: float, reach: float, count: int) -> Iterator[Part]:
     wide = s.w / count
-    front = face + PANEL_M * 0.6
+    front = face + min(PANEL_M * 0.6, 0.4 * reach)
     for i in range(count):
-        x0, x1 = -s.x + i * wide + 0.002, -s.x + (i + 1) * wide - 0.002
-        foot = 0.002 if s.hung else min(0.042, 0.1 * s.h)
-        yield from panel((x0, x1, foot, s.h - 0.002), front, s.style)
+        x0, x1 = -s.x + i * wide + 0.007, -s.x + (i + 1) * wide - 0.007
+        foot = 0.007 if s.hung else min(0.042, 0.1 * s.h)
+        yield from panel((x0, x1, foot, s.h - 0.007), front, s.style, thick=min(PANEL_M, 0.9 * (front + s.z)))
         right = i % 2 == 0 if count > 1 else s.style.chance("opens right", 0.5)
         at = x1 - 0.035 if right else x0 + 0.035
         y = 0.16 * s.h + 0.02 if s.hung else 0.84 * s.h
@@ -322,14 +322,10 @@ def box(s: Subject) -> Iterator[Part]:
                 "main",
                 solid=False,
             )
-            yield bar(
-                (0, high, sign * z),
-                (0, high + rise * st.uniform(f"end {sign}", 0.4, 1.0), sign * s.z),
-                2 * x,
-                0.004,
-                "main",
-                solid=False,
-            )
+            up = rise * st.uniform(f"end {sign}", 0.4, 1.0)
+            tilt = about("x", -sign * float(np.degrees(np.arctan2(up, s.z - z))))
+            middle = (0, high + up / 2, sign * (z + s.z) / 2)
+            yield Part("box", middle, (2 * x, 0.004, float(np.hypot(up, s.z - z))), tilt, "main", solid=False)
     else:
         yield span((-x, high - 0.005, -z), (-0.003, high, z), "main")
         yield span((0.003, high - 0.005, -z), (x, high, z), "main")

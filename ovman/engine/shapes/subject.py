@@ -33,6 +33,26 @@ class Subject:
     inserts: tuple[Insert, ...] = ()
     hung: bool = False
     """It does not reach the floor, so no legs carry it."""
+    true: tuple[float, float, float] | None = None
+    """Width, height, depth of the object itself. A form asked for in a slightly other size must not change its mind."""
+
+    @property
+    def along_x(self) -> bool:
+        """Whether the object is at least as wide as deep."""
+        w, _, d = self.true or (self.w, self.h, self.d)
+        return w >= d
+
+    @property
+    def elongation(self) -> float:
+        """Longer over shorter side of the object's footprint."""
+        w, _, d = self.true or (self.w, self.h, self.d)
+        return max(w, d) / min(w, d)
+
+    @property
+    def slenderness(self) -> float:
+        """Height of the object over the longer side of its footprint."""
+        w, h, d = self.true or (self.w, self.h, self.d)
+        return h / max(w, d)
 
     @property
     def x(self) -> float:
@@ -48,4 +68,4 @@ class Subject:
         """The same asset asked for in another size, its inserts scaled with it."""
         kx, ky, kz = w / self.w, h / self.h, d / self.d
         inserts = tuple(Insert(i.kind, i.x0 * kx, i.x1 * kx, i.y0 * ky, i.y1 * ky, i.z0 * kz, i.z1 * kz) for i in self.inserts)
-        return Subject(self.type, w, h, d, self.style, inserts, self.hung)
+        return Subject(self.type, w, h, d, self.style, inserts, self.hung, self.true or (self.w, self.h, self.d))

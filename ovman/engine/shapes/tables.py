@@ -10,8 +10,12 @@ from ovman.engine.shapes.seating import legs
 from ovman.engine.shapes.subject import Subject
 
 
+def _round(s: Subject) -> bool:
+    return s.style.chance("round top", 0.3) and 0.8 < s.w / s.d < 1.25 and not s.inserts
+
+
 def _top(s: Subject, thick: float, slot: str = "main") -> Iterator[Part]:
-    if s.style.chance("round top", 0.25) and 0.8 < s.w / s.d < 1.25 and not s.inserts:
+    if _round(s):
         yield span((-s.x, s.h - thick, -s.z), (s.x, s.h, s.z), slot, kind="cylinder", segments=40)
     else:
         yield span((-s.x, s.h - thick, -s.z), (s.x, s.h, s.z), slot, bevel=s.style.uniform("edge", 0.002, 0.012))
@@ -84,7 +88,7 @@ def table(s: Subject) -> Iterator[Part]:
         yield from _case(s, top)
         return
     width = min(st.uniform("width", 0.03, 0.065), 0.14 * min(s.w, s.d))
-    inset = st.uniform("inset", 0.0, 0.12) * min(s.w, s.d)
+    inset = (0.17 if _round(s) else st.uniform("inset", 0.0, 0.12)) * min(s.w, s.d)
     if low < top:
         yield from closed_block(s, top)
         inset = 0.0
@@ -93,7 +97,13 @@ def table(s: Subject) -> Iterator[Part]:
         yield from _support(s, top, inset, width)
     if s.h > 0.3 and not s.inserts and st.chance("lower shelf", 0.35):
         y = st.uniform("lower", 0.18, 0.35) * s.h
-        yield span((-s.x + inset, y, -s.z + inset), (s.x - inset, y + 0.018, s.z - inset), "second", bevel=0.003)
+        yield span(
+            (-s.x + inset, y, -s.z + inset),
+            (s.x - inset, y + 0.018, s.z - inset),
+            "second",
+            kind="cylinder" if _round(s) else "box",
+            bevel=0.003,
+        )
 
 
 def _case(s: Subject, top: float) -> Iterator[Part]:
@@ -111,7 +121,7 @@ def _case(s: Subject, top: float) -> Iterator[Part]:
 
 def side_table(s: Subject) -> Iterator[Part]:
     st = s.style
-    if s.inserts or st.chance("plain", 0.45) or s.h < 0.35:
+    if s.inserts or st.chance("plain", 0.45) or s.h < 0.35 or _round(s):
         yield from table(s)
         return
     thick = st.uniform("thick", 0.018, 0.032)

@@ -142,9 +142,9 @@ def mug(s: Subject) -> Iterator[Part]:
 def pot(s: Subject) -> Iterator[Part]:
     """A cooking pot with its grips along the longer side; some have a lid."""
     st = s.style
-    along_z = s.d >= s.w
+    along_z = not s.along_x
     radius = min(s.x, s.z)
-    long_handle = max(s.w, s.d) > 1.5 * min(s.w, s.d)
+    long_handle = s.elongation > 1.5
     half = max(s.x, s.z)
     offset = half - radius if long_handle else 0.0
     body = s.h * (0.78 if st.chance("lid", 0.4) else 0.96)
@@ -191,7 +191,7 @@ def pot(s: Subject) -> Iterator[Part]:
 
 def pan(s: Subject) -> Iterator[Part]:
     """A frying pan; the handle runs along the longer side."""
-    along_z = s.d >= s.w
+    along_z = not s.along_x
     radius = min(s.x, s.z)
     half = max(s.x, s.z)
     offset = -(half - radius)
@@ -260,7 +260,7 @@ def soap_bottle(s: Subject) -> Iterator[Part]:
 
 def spray_bottle(s: Subject) -> Iterator[Part]:
     """Body, neck, trigger head that looks along the longer side."""
-    along_z = s.d >= s.w
+    along_z = not s.along_x
     u, v = (s.z, s.x) if along_z else (s.x, s.z)
 
     def block(u0: float, u1: float, y0: float, y1: float, share: float, slot: str, **fields: object) -> Part:

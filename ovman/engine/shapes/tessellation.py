@@ -18,7 +18,7 @@ def _facets(part: Part) -> int:
     if part.segments:
         return part.segments
     width = float(max(part.size[0], part.size[2]))
-    return int(np.clip(8 + 56 * width, 10, 32)) // 2 * 2
+    return int(np.clip(12 + 44 * width, 16, 32)) // 4 * 4
 
 
 def revolved(profile: np.ndarray, segments: int) -> Mesh:
@@ -56,7 +56,7 @@ def _half_circle(count: int) -> np.ndarray:
 
 
 @lru_cache(maxsize=512)
-def _unit(kind: str, ratio: float, segments: int) -> Mesh:
+def _unit(kind: str, ratio: float, segments: int, crown: float = 0.0) -> Mesh:
     """A revolved form in the unit cube centred on the origin."""
     if kind == "cylinder":
         profile = np.array([(0, -0.5), (0.5, -0.5), (0.5, 0.5), (0, 0.5)])
@@ -77,8 +77,9 @@ def _unit(kind: str, ratio: float, segments: int) -> Mesh:
         radius = np.hypot(vertices[:, 0], vertices[:, 2])
         flat = np.where(radius > _AXIS_M, radius, 1.0)
         about = vertices[:, [0, 2]] / flat[:, None]
-        soft = np.sign(about) * np.abs(about) ** ratio * ((2 * radius) ** ratio)[:, None] / 2
-        height = np.sign(vertices[:, 1]) * np.abs(2 * vertices[:, 1]) ** ratio / 2
+        crown = crown or ratio
+        soft = np.sign(about) * np.abs(about) ** ratio * ((2 * radius) ** crown)[:, None] / 2
+        height = np.sign(vertices[:, 1]) * np.abs(2 * vertices[:, 1]) ** crown / 2
         vertices = np.stack([soft[:, 0], height, soft[:, 1]], axis=1)
     extent = vertices.max(axis=0) - vertices.min(axis=0)
     vertices = (vertices - (vertices.max(axis=0) + vertices.min(axis=0)) / 2) / extent
@@ -259,7 +260,7 @@ def local_mesh(part: Part) -> Mesh:
             profile = np.delete(profile, 4, axis=0)
         vertices, faces = revolved(profile, _facets(part))
         return vertices * [part.size[0] / 2 / radius, 1.0, part.size[2] / 2 / radius], faces
-    vertices, faces = _unit(part.kind, float(part.ratio), _facets(part))
+    vertices, faces = _unit(part.kind, float(part.ratio), _facets(part), float(part.crown))
     return vertices * part.size, faces
 
 
