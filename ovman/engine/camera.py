@@ -245,12 +245,13 @@ class Renderer:
             np.empty(2 * total, np.float32),
         )
         weight, even, grid = np.empty(total, np.float32), np.empty(total, np.float32), np.empty((total, shading.GRID), np.float32)
-        shading.coarse(
+        slots = np.empty((total, 2), np.int32)
+        count = shading.coarse(
             hits.prim, points, facing, width, height, wide, high, rig.lights, rig.shadowed, rig.samples, shading.directions(),
-            np.float32(shading.REACH_M), starts, ways, reach, weight, even, grid,
+            np.float32(shading.REACH_M), starts, ways, reach, slots, weight, even, grid,
         )  # fmt: skip
-        blocked = self._caster.occluded(starts, ways, reach)
-        shading.soften(blocked, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
+        blocked = self._caster.occluded(starts[:count], ways[:count], reach[:count])
+        shading.soften(blocked, slots, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
 
         def light(of: _Hits, where: np.ndarray, toward: np.ndarray, wideness: np.ndarray) -> np.ndarray:
             out = np.empty((len(of.prim), 3), np.float32)

@@ -137,27 +137,25 @@ def _sum_lights(lights, px, py, pz, nx, ny, nz):
 @njit(cache=True, error_model="numpy")
 def coarse(
     prim, points, normals, width, height, wide, high, lights, shadowed, samples, around, reach_m,
-    starts, ways, reach, weight, even, grid,
+    starts, ways, reach, slots, weight, even, grid,
 ):  # fmt: skip
-    """Light and rays of the coarse grid (high x wide: every other pixel).
+    """Light and rays of the coarse grid (high x wide: every other pixel). Returns how many rays there are.
 
     grid (H W, GRID) float32 gets point, normal, light and its direction of each coarse point; a normal of 0 where nothing is.
-    From each point a ray to one of the first `shadowed` lights and, H W later, one for contact: starts, ways (2 H W, 3), reach
-    (2 H W,) in lengths of the way; weight (H W,): what that light would bring; even (H W,): what the lights without shadows bring.
-    Rays that are not needed have no length.
+    Rays go from each point to one of the first `shadowed` lights, if it shines there, and from every other point, as on the black
+    squares of a board, to what is near: starts, ways (2 H W, 3), reach (2 H W,) in lengths of the way. slots (H W, 2): the numbers
+    of a point's two rays, -1 for none. weight (H W,): what the one light would bring; even (H W,): what the lights without shadows
+    bring.
     """
-    total = wide * high
+    rays = 0
     for j in range(high):
         for i in range(wide):
             q = j * wide + i
             n = min(2 * j + 1, height - 1) * width + min(2 * i + 1, width - 1)
-            weight[q], even[q], reach[q], reach[total + q] = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
+            weight[q], even[q], slots[q, 0], slots[q, 1] = np.float32(0), np.float32(0), -1, -1
             if prim[n] < 0:
                 for k in range(GRID):
                     grid[q, k] = np.float32(0)
-                for k in range(3):
-                    starts[q, k], ways[q, k] = np.float32(1e6), np.float32(1)
-                    starts[total + q, k], ways[total + q, k] = np.float32(1e6), np.float32(1)
                 continue
             phase = (j % 3) * 3 + i % 3
             px, py, pz = points[n, 0], points[n, 1], points[n, 2]
@@ -176,24 +174,30 @@ def coarse(
             shine = np.float32(1)
             if lights[light, 10] > 0:
                 shine = -(lx * lights[light, 6] + ly * lights[light, 7] + lz * lights[light, 8]) * inverse
-            sx, sy, sz = samples[phase, 0] - ox, samples[phase, 1] - oy, samples[phase, 2] - oz
-            starts[q, 0], starts[q, 1], starts[q, 2] = ox, oy, oz
-            ways[q, 0], ways[q, 1], ways[q, 2] = sx, sy, sz
             if cosine > 0 and shine > 0:
                 power = lights[light, 3] + lights[light, 4] + lights[light, 5]
                 weight[q] = cosine * shine * inverse * inverse * power * samples[phase, 5]
+                sx, sy, sz = samples[phase, 0] - ox, samples[phase, 1] - oy, samples[phase, 2] - oz
                 far = np.sqrt(sx * sx + sy * sy + sz * sz)
-                reach[q] = max(np.float32(1) - samples[phase, 3] / max(far, np.float32(1e-3)), np.float32(0))
-            # a frame about the normal that has no seam where a coordinate changes its sign but one
-            sign = np.float32(1) if nz >= 0 else np.float32(-1)
-            a = np.float32(-1) / (sign + nz)
-            b = nx * ny * a
-            dx, dy, dz = around[phase, 0], around[phase, 1], around[phase, 2]
-            starts[total + q, 0], starts[total + q, 1], starts[total + q, 2] = ox, oy, oz
-            ways[total + q, 0] = dx * (np.float32(1) + sign * nx * nx * a) + dy * b + dz * nx
-            ways[total + q, 1] = dx * sign * b + dy * (sign + ny * ny * a) + dz * ny
-            ways[total + q, 2] = -dx * sign * nx - dy * ny + dz * nz
-            reach[total + q] = reach_m
+                starts[rays, 0], starts[rays, 1], starts[rays, 2] = ox, oy, oz
+                ways[rays, 0], ways[rays, 1], ways[rays, 2] = sx, sy, sz
+                reach[rays] = max(np.float32(1) - samples[phase, 3] / max(far, np.float32(1e-3)), np.float32(0))
+                slots[q, 0] = rays
+                rays += 1
+            if (i + j) & 1 == 0:
+                # a frame about the normal that has no seam where a coordinate changes its sign but one
+                sign = np.float32(1) if nz >= 0 else np.float32(-1)
+                a = np.float32(-1) / (sign + nz)
+                b = nx * ny * a
+                dx, dy, dz = around[phase, 0], around[phase, 1], around[phase, 2]
+                starts[rays, 0], starts[rays, 1], starts[rays, 2] = ox, oy, oz
+                ways[rays, 0] = dx * (np.float32(1) + sign * nx * nx * a) + dy * b + dz * nx
+                ways[rays, 1] = dx * sign * b + dy * (sign + ny * ny * a) + dz * ny
+                ways[rays, 2] = -dx * sign * nx - dy * ny + dz * nz
+                reach[rays] = reach_m
+                slots[q, 1] = rays
+                rays += 1
+    return rays
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -206,7 +210,7 @@ def _alike(grid, p, q, slack):
 
 
 @njit(cache=True, error_model="numpy")
-def soften(blocked, weight, even, grid, eye, wide, high):
+def soften(blocked, slots, weight, even, grid, eye, wide, high):
     """Writes lit and open of the grid: the fraction of the light that arrives and of the near surroundings that is free, averaged
     over those of its neighbours that lie on the same surface; dims the light by it. Then marks as `flat` the cells, from each
     point to the next one right and down, whose four corners lie on one plane.
@@ -228,9 +232,13 @@ def soften(blocked, weight, even, grid, eye, wide, high):
                     continue
                 w = np.float32(3 - abs(p - q))
                 whole += w * (weight[p] + even[p])
-                got += w * (even[p] if blocked[p] else weight[p] + even[p])
-                free += w * np.float32(not blocked[total + p])
-                count += w
+                got += w * even[p]
+                if slots[p, 0] >= 0 and not blocked[slots[p, 0]]:
+                    got += w * weight[p]
+                if slots[p, 1] >= 0:
+                    count += w
+                    if not blocked[slots[p, 1]]:
+                        free += w
             sums[q, 0], sums[q, 1], sums[q, 2], sums[q, 3] = got, whole, free, count
     for j in range(high):
         for i in range(wide):
@@ -247,7 +255,7 @@ def soften(blocked, weight, even, grid, eye, wide, high):
                 count += w * sums[p, 3]
             grid[q, 12] = got / whole if whole > 0 else np.float32(1)
             # a point with few of its kind around has seen too few directions to be called dark
-            grid[q, 13] = (free + np.float32(7)) / (count + np.float32(10))
+            grid[q, 13] = (free + np.float32(4)) / (count + np.float32(6))
     for q in range(total):
         for k in range(6, 9):
             grid[q, k] *= grid[q, 12]
@@ -307,7 +315,7 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
             green = w0 * grid[q, 7] + w1 * grid[q + 1, 7] + w2 * grid[q2, 7] + w3 * grid[q2 + 1, 7]
             blue = w0 * grid[q, 8] + w1 * grid[q + 1, 8] + w2 * grid[q2, 8] + w3 * grid[q2 + 1, 8]
             contact = w0 * grid[q, 13] + w1 * grid[q + 1, 13] + w2 * grid[q2, 13] + w3 * grid[q2 + 1, 13]
-            if gloss > np.float32(0.02):
+            if gloss > np.float32(0.1):
                 tx = w0 * grid[q, 9] + w1 * grid[q + 1, 9] + w2 * grid[q2, 9] + w3 * grid[q2 + 1, 9]
                 ty = w0 * grid[q, 10] + w1 * grid[q + 1, 10] + w2 * grid[q2, 10] + w3 * grid[q2 + 1, 10]
                 tz = w0 * grid[q, 11] + w1 * grid[q + 1, 11] + w2 * grid[q2, 11] + w3 * grid[q2 + 1, 11]
@@ -368,7 +376,8 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
         r = colour[i, 0] * (a_r + red * direct + bright)
         g = colour[i, 1] * (a_g + green * direct + bright)
         b = colour[i, 2] * (a_b + blue * direct + bright)
-        if gloss > np.float32(0.02):
+        gloss -= np.float32(0.1)
+        if gloss > 0:
             dx, dy, dz = rays[i, 0], rays[i, 1], rays[i, 2]
             inverse = one / np.sqrt(dx * dx + dy * dy + dz * dz)
             vx, vy, vz = -dx * inverse, -dy * inverse, -dz * inverse
@@ -384,7 +393,7 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
                 s *= s
                 s *= s
                 s *= s
-                if gloss > np.float32(0.4):
+                if gloss > np.float32(0.3):
                     s *= s * s
                 s *= gloss * gloss * np.float32(1.2)
                 r += s * red

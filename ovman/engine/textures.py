@@ -139,11 +139,10 @@ def _picture(s, t, r, g, b, seed):
 @njit(cache=True, error_model="numpy")
 def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table):
     """Colour (r, g, b) of one point; see the module."""
+    if kind == PLAIN:
+        return r, g, b
     one, half = np.float32(1), np.float32(0.5)
     ou, ov = np.float32(37.0) * _hash(seed, 1, 1), np.float32(37.0) * _hash(seed, 2, 1)
-    if kind == PLAIN:
-        k = one + np.float32(0.05) * _look(table, CLOUDS, (u + ou) * np.float32(48), (v + ov) * np.float32(48))
-        return r * k, g * k, b * k
     if kind == WOOD:
         if hv > hu:
             u, v, hu, hv = v, u, hv, hu
