@@ -288,10 +288,9 @@ def settings(config: Config) -> dict[str, Any]:
 
 def owned(stage: str, names: Sequence[str]) -> tuple[str, ...]:
     """Those of `names` (dotted) that a stage owns, sorted. Raises KeyError for a stage that is not in STAGES."""
-    patterns = STAGES[stage]
-    return tuple(
-        sorted(n for n in names if any(n == p or (p.endswith(".*") and n.startswith(p.removesuffix("*"))) for p in patterns))
-    )
+    whole = {pattern for pattern in STAGES[stage] if not pattern.endswith(".*")}
+    beginnings = tuple(pattern.removesuffix("*") for pattern in STAGES[stage] if pattern.endswith(".*"))
+    return tuple(sorted(name for name in names if name in whole or name.startswith(beginnings)))
 
 
 def canonical(config: Config, stage: str) -> str:

@@ -23,8 +23,9 @@ def script(stage: str, root: Path = ROOT) -> Path:
     return root / "workflow" / "scripts" / f"{stage}.py"
 
 
+@cache
 def code_digest(stage: str, root: Path = ROOT) -> str:
-    """Digest of the code that a stage runs."""
+    """Digest of the code that a stage runs, as the files were when it was first asked for."""
     return digest(script(stage, root), root)
 
 
@@ -85,14 +86,13 @@ def _content(path: Path) -> str:
 
 
 def _read(path: Path) -> tuple[str, tuple[tuple[str, int], ...]]:
-    status = path.stat()
-    return _parsed(path, status.st_mtime_ns, status.st_size)
+    """Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
+    return _parsed(path.read_bytes())
 
 
 @cache
-def _parsed(path: Path, mtime_ns: int, size: int) -> tuple[str, tuple[tuple[str, int], ...]]:
-    """Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
-    tree = ast.parse(path.read_bytes(), filename=str(path))
+def _parsed(source: bytes) -> tuple[str, tuple[tuple[str, int], ...]]:
+    tree = ast.parse(source)
     imports: list[tuple[str, int]] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

@@ -1,4 +1,4 @@
-"""What the Snakefile asks of Snakemake beyond its rules: no stale lock, one job at a time on the GPU, no job without its Snakemake.
+"""What the Snakefile asks of Snakemake beyond its rules: no stale lock, one GPU job at a time, no job without its Snakemake.
 
 Imports nothing heavy: the Snakefile imports it.
 """
@@ -21,6 +21,9 @@ _kept: list[TextIO] = []
 def prepare(workflow: Any) -> None:
     """Make this Snakemake and its jobs safe to kill and to start again; once, before the rules."""
     os.environ.update(ONE_THREAD)
+    # Jobs import the code that the digest in their parameter is of, installed or not.
+    paths = [str(workflow.basedir), *filter(None, [os.environ.get("PYTHONPATH")])]
+    os.environ["PYTHONPATH"] = os.pathsep.join(paths)
     os.environ[WORKFLOW_PID] = str(os.getpid())
     limit_gpu(workflow)
     if workflow.is_main_process:

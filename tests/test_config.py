@@ -1,0 +1,262 @@
+"""A setting that is wrong is named in one line with its remedy; a stage sees what it owns, and its parameter tells that apart."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman import config as module
+from ovman.config import STAGES, Config, ConfigError, StageConstants, canonical, constants, load, owned, task_constants
+from ovman.report.constants import KEYS
+
+FILE = Path(__file__).parents[1] / "config.yaml"
+TREE = yaml.safe_load(FILE.read_text(encoding="utf-8"))
+CONFIG = load(FILE)
+VALUES = module.settings(CONFIG)
+
+
+def changed(config: Config, values: Mapping[str, Any]) -> Config:
+    """`config` with other values, unchecked: what is compared here need not make sense together."""
+    for name, value in values.items():
+        config = _changed(config, name.split("."), value)
+    return config
+
+
+def _changed(section: Any, path: list[str], value: Any) -> Any:
+    inner = value if len(path) == 1 else _changed(getattr(section, path[0]), path[1:], value)
+    return section.model_copy(update={path[0]: inner})
+
+
+def owners(*names: str) -> set[str]:
+    return {stage for stage in STAGES if owned(stage, names)}
+
+
+BEFORE = {stage: canonical(CONFIG, stage) for stage in STAGES}
+
+
+def affected(config: Config) -> set[str]:
+    return {stage for stage in STAGES if canonical(config, stage) != BEFORE[stage]}
+
+
+def pairs() -> Iterator[tuple[str, str]]:
+    for a, b in itertools.permutations(VALUES, 2):
+        if type(VALUES[a]) is type(VALUES[b]) and VALUES[a] != VALUES[b]:
+            yield a, b
+
+
+def with_value(name: str, value: Any) -> dict[str, Any]:
+    tree = copy.deepcopy(TREE)
+    *path, last = name.split(".")
+    section = tree
+    for key in path:
+        section = section.setdefault(key, {})
+    if value is None:
+        del section[last]
+    else:
+        section[last] = value
+    return tree
+
+
+def message(source: Any, **kwargs: Any) -> str:
+    with pytest.raises(ConfigError) as caught:
+        load(source, **kwargs)
+    text = str(caught.value)
+    assert "\n" not in text and len(text) < 250
+    return text
+
+
+def test_every_constant_has_an_owner_but_for_the_seeds_which_only_say_which_files_there_are():
+    assert {name for name in VALUES if not owners(name)} == {"evaluation.seeds"}
+
+
+def test_what_stages_says_exists():
+    for stage, patterns in STAGES.items():
+        for pattern in patterns:
+            assert any(n == pattern or (pattern.endswith(".*") and n.startswith(pattern[:-1])) for n in VALUES), (stage, pattern)
+
+
+def test_the_tables_own_what_they_show():
+    shown = {*KEYS, "evaluation.confidence"}
+    assert set(owned("tables", list(VALUES))) == shown
+
+
+def test_a_constant_with_the_value_of_another_changes_the_parameter_of_its_owners_only():
+    tried = 0
+    for a, b in pairs():
+        assert affected(changed(CONFIG, {a: VALUES[b]})) == owners(a), (a, b)
+        tried += 1
+    assert tried > 300
+
+
+def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owners():
+    for a, b in pairs():
+        if a < b:
+            assert affected(changed(CONFIG, {a: VALUES[b], b: VALUES[a]})) == owners(a, b), (a, b)
+
+
+def test_sequences_count():
+    assert affected(changed(CONFIG, {"success.sweep_deg": (0, 60)})) == owners("success.sweep_deg")
+    assert affected(changed(CONFIG, {"benchmark.scenes": VALUES["benchmark.scenes"][::-1]})) == owners("benchmark.scenes")
+    assert affected(changed(CONFIG, {"benchmark.backend": "thor"})) == owners("benchmark.backend")
+
+
+@settings(derandomize=True, max_examples=25, deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(random):
+    def shuffled(value: Any) -> Any:
+        if isinstance(value, dict):
+            keys = list(value)
+            random.shuffle(keys)
+            return {key: shuffled(value[key]) for key in keys}
+        if type(value) in (int, float) and value == int(value):
+            return random.choice([int, float])(value)
+        return [shuffled(v) for v in value] if isinstance(value, list) else value
+
+    tree = shuffled(TREE) | {"x-notes": {"anything": [1]}}
+    assert affected(load(tree)) == set()
+
+
+def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
+    for stage in STAGES:
+        view = constants(CONFIG, stage)
+        mine = owned(stage, list(VALUES))
+        for name in VALUES:
+            *sections, last = name.split(".")
+            if name in mine:
+                here: Any = view
+                for section in sections:
+                    here = getattr(here, section)
+                assert getattr(here, last) == VALUES[name]
+            else:
+                with pytest.raises(AttributeError, match=stage):
+                    here = view
+                    for section in sections:
+                        here = getattr(here, section)
+                    getattr(here, last)
+
+
+def test_a_view_is_made_of_the_very_parameter_and_frozen():
+    text = canonical(CONFIG, "trials")
+    view = StageConstants(text)
+    assert view.canonical == text and view.stage == "trials"
+    assert view.benchmark.seed == CONFIG.benchmark.seed
+    assert view.success.sweep_deg == (0, 30, 60)
+    for target in (view, view.camera):
+        with pytest.raises(AttributeError, match="frozen"):
+            target.width_px = 3
+    assert copy.copy(json.loads(text))["constants"]["camera.width_px"] == 300
+
+
+def test_the_constants_of_the_task_are_those_of_the_stage():
+    judge = task_constants(constants(CONFIG, "runs"))
+    assert (judge.radius_m, judge.visible_px, judge.sweep_deg) == (1.0, 100, (0, 30, 60))
+    with pytest.raises(AttributeError, match="runs"):
+        _ = judge.tau_m
+    admit = task_constants(constants(CONFIG, "admissible"))
+    assert (admit.delta_min_m, admit.tau_m, admit.motion_m) == (1.5, 0.75, 0.01)
+    with pytest.raises(AttributeError, match="admissible"):
+        _ = admit.radius_m
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "expected"),
+    [
+        ("association.gama_m", 1.0, "config.yaml: association.gama_m is not a setting; did you mean gate_m?"),
+        ("asociation.gate_m", 1.0, "config.yaml: asociation is not a setting; did you mean association?"),
+        ("success.tau_m", 1.0, "config.yaml: success.tau_m is not a setting; did you mean admissibility.tau_m?"),
+        ("success.xyzzy", 1.0, "config.yaml: success.xyzzy is not a setting; success has radius_m, visible_px, sweep_deg"),
+        ("association.gate_m", -1, "config.yaml: association.gate_m is -1; it must be greater than 0 (metres, gamma)"),
+        ("mover.pause_probability", 1.0, "config.yaml: mover.pause_probability is 1.0; it must be less than 1 "),
+        ("mover.step_m", float("nan"), "config.yaml: mover.step_m is nan; it must be a finite number "),
+        (
+            "association.gate_m",
+            "1.0",
+            'config.yaml: association.gate_m is "1.0"; it must be a valid number (metres, gamma); write',
+        ),
+        ("tour.waypoints", 2.5, "config.yaml: tour.waypoints is 2.5; it must be a valid integer "),
+        ("tour.waypoints", True, "config.yaml: tour.waypoints is true; it must be a valid integer "),
+        ("association.gate_m", None, "config.yaml: association.gate_m (metres, gamma) is missing; add it"),
+        ("benchmark.split", 3, "config.yaml: benchmark.split is 3; it must be a section "),
+        ("benchmark.backend", "unity", "config.yaml: benchmark.backend is \"unity\"; it must be 'embedded' or 'thor' "),
+        ("benchmark.scenes", ["FloorPlan31"], "config.yaml: benchmark.scenes: FloorPlan31 is not a floor plan; there are "),
+        ("benchmark.scenes", ["FloorPlan1"] * 2, "config.yaml: benchmark.scenes: FloorPlan1 is there twice"),
+        ("evaluation.seeds", [], "config.yaml: evaluation.seeds is []; it must have at least 1 item"),
+        (
+            "admissibility.minimum_mask_px",
+            20,
+            "config.yaml: admissibility.minimum_mask_px is 20, but measurement.mask_px must be",
+        ),
+    ],
+)
+def test_a_wrong_setting_is_one_line_with_its_remedy(name, value, expected):
+    assert message(with_value(name, value)).startswith(expected)
+
+
+def test_the_file_that_has_the_wrong_setting_is_named(tmp_path):
+    overlay = tmp_path / "mine.yaml"
+    overlay.write_text("association: {gama_m: 1.0}\n")
+    merged = with_value("association.gama_m", 1.0)
+    assert message(merged, files=[FILE, overlay]).startswith("mine.yaml: association.gama_m")
+    overlay.write_text("association: {gate_m: 1.0}\n")
+    base = tmp_path / "config.yaml"
+    base.write_text(yaml.safe_dump(with_value("association.gama_m", 1.0)))
+    assert message(merged, files=[base, overlay]).startswith("config.yaml: association.gama_m")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("camera:\n  width_px: 1\n  width_px: 2\n", "width_px is there twice"),
+        ("camera: [1\n", "expected"),
+        ("- 1\n", "must hold sections"),
+        ("", "must hold sections"),
+    ],
+)
+def test_a_file_that_is_no_settings_is_one_line(tmp_path, text, expected):
+    path = tmp_path / "wrong.yaml"
+    path.write_text(text)
+    assert message(path).startswith(str(path) if "twice" in expected else "") and expected in message(path)
+    assert "wrong.yaml" in message(path)
+
+
+def test_a_file_that_is_not_there_is_one_line(tmp_path):
+    assert "absent.yaml: No such file" in message(tmp_path / "absent.yaml")
+
+
+junk = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=5,
+)
+
+
+@settings(derandomize=True, max_examples=150, deadline=None)
+@given(st.sampled_from(sorted(VALUES)), junk)
+def test_whatever_is_written_somewhere_is_accepted_or_refused_in_one_line(name, value):
+    tree = with_value(name, 0)
+    *path, last = name.split(".")
+    section = tree
+    for key in path:
+        section = section[key]
+    section[last] = value
+    try:
+        load(tree)
+    except ConfigError as error:
+        assert "\n" not in str(error) and path[0] in str(error)
+
+
+@settings(derandomize=True, max_examples=100, deadline=None)
+@given(junk)
+def test_whatever_is_written_instead_of_everything_is_refused_in_one_line(value):
+    with pytest.raises(ConfigError) as caught:
+        load(value if isinstance(value, Mapping) else {"benchmark": value})
+    assert "\n" not in str(caught.value)

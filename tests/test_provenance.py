@@ -1,0 +1,85 @@
+"""The digest of a stage's code changes with what the stage runs, and with nothing else."""
+
+from __future__ import annotations
+
+import pytest
+
+from ovman import provenance
+from ovman.config import STAGES
+
+FILES = {
+    "workflow/scripts/stage.py": "from ovman.a.one import f\n\nf()\n",
+    "ovman/__init__.py": '"""Package."""\n\n__version__ = "1"\n',
+    "ovman/a/__init__.py": "",
+    "ovman/a/one.py": '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n',
+    "ovman/a/two.py": "def late():\n    import ovman.c.four\n\n    return ovman.c.four\n",
+    "ovman/b/__init__.py": "from ovman.b.three import g\n",
+    "ovman/b/three.py": "from ovman.config import load\n\ng = 1\n",
+    "ovman/c/__init__.py": "",
+    "ovman/c/__main__.py": "from ovman.c import five\n",
+    "ovman/c/four.py": "x = 1  # why\n",
+    "ovman/c/five.py": "y = 1\n",
+    "ovman/config.py": "from ovman import unused\n",
+    "ovman/unused.py": "z = 1\n",
+}
+RUN = sorted(set(FILES) - {"workflow/scripts/stage.py", "ovman/config.py", "ovman/unused.py"})
+
+
+@pytest.fixture
+def root(tmp_path):
+    for name, text in FILES.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def digest(root):
+    return provenance.digest(root / "workflow/scripts/stage.py", root)
+
+
+def test_all_that_is_imported_in_whatever_way_is_found_and_settings_are_not_followed(root):
+    found = provenance.modules(root / "workflow/scripts/stage.py", root)
+    assert sorted(str(path.relative_to(root)) for path in found.values()) == RUN
+
+
+@pytest.mark.parametrize("name", [*RUN, "workflow/scripts/stage.py"])
+def test_code_counts_wherever_it_is(root, name):
+    before = digest(root)
+    (root / name).write_text(FILES[name] + "\nmore = 1\n")
+    assert digest(root) != before
+
+
+@pytest.mark.parametrize("name", ["ovman/config.py", "ovman/unused.py"])
+def test_code_that_a_stage_does_not_run_does_not_count(root, name):
+    before = digest(root)
+    (root / name).write_text(FILES[name] + "\nmore = 1\n")
+    assert digest(root) == before
+
+
+def test_prose_layout_and_the_number_of_the_version_do_not_count(root):
+    before = digest(root)
+    one = root / "ovman/a/one.py"
+    one.write_text(FILES["ovman/a/one.py"].replace('"""One."""', '"""Another\n\ntext."""\n\n').replace('    """Doc."""\n', ""))
+    (root / "ovman/c/four.py").write_text("# because\n\n\nx = (1)\n")
+    (root / "ovman/__init__.py").write_text('__version__ = "2"\n')
+    assert digest(root) == before
+    one.write_text(one.read_text().replace("return two", "return other"))
+    assert digest(root) != before
+
+
+def test_a_module_that_moves_counts(root):
+    before = digest(root)
+    (root / "ovman/c/four.py").rename(root / "ovman/c/six.py")
+    (root / "ovman/a/two.py").write_text(FILES["ovman/a/two.py"].replace("four", "six"))
+    assert digest(root) != before
+
+
+def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_it():
+    for stage in STAGES:
+        assert provenance.script(stage).is_file()
+        modules = provenance.modules(provenance.script(stage))
+        assert "ovman.constants" in modules and not provenance.BOUNDARY & set(modules)
+        if stage in ("scenes", "trials", "certified", "executions"):
+            assert {"ovman.engine.__main__", "ovman.engine.physics", "ovman.sim.session"} <= set(modules)
+        if stage in ("admissible", "episodes", "predictions", "runs", "metrics", "tables"):
+            assert not any(name.startswith("ovman.engine") for name in modules)
