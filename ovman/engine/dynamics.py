@@ -8,21 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from ovman.engine.body import Agent, Body, Pose
-from ovman.engine.floorplan import Box, FloorPlan
+from ovman.engine.floorplan import Box
 from ovman.engine.physics import TICK_S, Model, Solid
-from ovman.engine.room import Room
-from ovman.engine.shapes import collision, compound
-
-_solids: dict[int, tuple[FloorPlan, dict[str, tuple]]] = {}
-
-
-def pieces_of(plan: FloorPlan) -> Mapping[str, tuple]:
-    """Convex pieces of every object, in the frames of their boxes; remembered for the last plan."""
-    if id(plan) not in _solids:
-        _solids.clear()
-        made = {o.object_id: tuple(piece for part in compound(o, plan) for piece in collision(part)) for o in plan.objects}
-        _solids[id(plan)] = (plan, made)
-    return _solids[id(plan)][1]
+from ovman.engine.setting import AGENT_HEIGHT_M, AGENT_RADIUS_M, Setting
 
 
 def within(box: Box, pieces: Iterable[tuple]) -> list[Box]:
@@ -64,10 +52,8 @@ def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
 class Dynamics:
     """The awake bodies of a world. Compiles nothing before something is asked of it."""
 
-    def __init__(
-        self, plan: FloorPlan, room: Room, bodies: Mapping[str, Body], agent: Agent, capsule: tuple[float, float]
-    ) -> None:
-        self._plan, self._room, self._bodies, self._agent, self._capsule = plan, room, bodies, agent, capsule
+    def __init__(self, setting: Setting, bodies: Mapping[str, Body], agent: Agent) -> None:
+        self._setting, self._bodies, self._agent = setting, bodies, agent
         self.awake: set[str] = set()
         self._fresh: set[str] = set()
         self._pardons: dict[str, set[str]] = {}
@@ -86,7 +72,7 @@ class Dynamics:
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
-        made = pieces_of(self._plan)
+        made = self._setting.pieces
         out = {}
         for name, body in self._bodies.items():
             if body.carrier is None and body.obj.type != "Floor":
@@ -155,8 +141,8 @@ class Dynamics:
                 for name, pieces in self._pieces.items()
             ]
             boxes = {name: self._bodies[name].box for name in self._pieces}
-            walls = {w.name: w.box for w in self._room.solids}
-            self._model = Model(solids, boxes, free, walls, self._plan.floor_y, self._capsule)
+            walls = {w.name: w.box for w in self._setting.room.solids}
+            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, (AGENT_RADIUS_M, AGENT_HEIGHT_M))
             self._written = {}
         model = self._model
         for name in self._pieces:

@@ -29,8 +29,8 @@ WALL_ITEMS = frozenset(
 )
 """Types that hang flat on a wall."""
 MOUNTED = frozenset(["LightSwitch", "HandTowelHolder", "TowelHolder", "ToiletPaperHanger"])
-"""Those whose recorded rotation tells which way the wall is: always behind them, at -z. For the others it is the way to the nearer
-side of the floor."""
+"""Those whose recorded rotation tells which way the wall is: behind them, at -z. For the others it is the way to the nearer side
+of the floor."""
 SQUARE = 0.9
 """Cosine between an item's back and an axis of the world that counts as along it."""
 THIN_M, STICKS_OUT_M = 0.2, 0.3

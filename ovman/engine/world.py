@@ -12,25 +12,15 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.body import Agent, Body, Pose
-from ovman.engine.carrying import carriers, inside, resting
+from ovman.engine.carrying import inside, resting
 from ovman.engine.dynamics import Dynamics
 from ovman.engine.floorplan import Box, FloorPlan
 from ovman.engine.footprint import Boxes
-from ovman.engine.passage import DEEPER_M, Obstacles, first_hit, reachable
-from ovman.engine.room import Room
+from ovman.engine.passage import Obstacles, first_hit, reachable
+from ovman.engine.setting import AGENT_CENTRE_M, AGENT_RADIUS_M, PASSABLE, SKIN_M, Setting, axis_of
 
 __all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
-AGENT_RADIUS_M = 0.2
-AGENT_HEIGHT_M = 1.8
-AGENT_CENTRE_M = 0.9
-"""Height of the agent's position above the lower end of its capsule."""
-SKIN_M = 0.01
-"""What the agent's controller keeps between its capsule and whatever blocks it."""
-PASSABLE = frozenset(["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster"])
-"""Types whose boxes do not block the agent: hung on a wall, or trodden on."""
-WIDE_COUNTER_M = 1.2
-"""Counters whose box is wider than this both ways are L- or U-shaped, and the agent stands in the box's opening."""
 DROP_M = 10.0
 """How far below a point a surface is looked for."""
 GAP_M = 0.005
@@ -50,15 +40,14 @@ class World:
 
     def __init__(self, plan: FloorPlan, seed: int = 0) -> None:
         self.plan, self.seed = plan, seed
-        self.room = Room.of(plan)
+        self._setting = Setting.of(plan)
+        self.room = self._setting.room
         self.agent = Agent(plan.start.copy())
         self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
         self.version = 0
-        for part, carrier in carriers(plan).items():
+        for part, carrier in self._setting.carriers.items():
             self.bodies[part].carrier = carrier
-        self._dynamics = Dynamics(plan, self.room, self.bodies, self.agent, (AGENT_RADIUS_M, AGENT_HEIGHT_M))
-        self._walls = Boxes.of([w.box for w in self.room.walls])
-        self._clearances = _clearances(plan, self.room)
+        self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
         self._obstacles_of: tuple[int, float, Obstacles, list[str]] | None = None
 
     # What is where
@@ -107,9 +96,9 @@ class World:
             bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
             names = [w.name for w in self.room.walls] + [b.object_id for b in bodies]
             known = [w.name for w in self.room.walls] + [b.obj.object_id if b.untouched else None for b in bodies]
-            reach = np.array([self._clearances.get(name, AGENT_RADIUS_M + SKIN_M) for name in known])
-            boxes = self._walls.join(Boxes.of([b.box for b in bodies]))
-            self._obstacles_of = self.version, foot, Obstacles(boxes, reach, *_axis(foot)), names
+            reach = np.array([self._setting.clearances.get(name, AGENT_RADIUS_M + SKIN_M) for name in known])
+            boxes = self._setting.walls.join(Boxes.of([b.box for b in bodies]))
+            self._obstacles_of = self.version, foot, Obstacles(boxes, reach, *axis_of(foot)), names
         return self._obstacles_of[2:]
 
     # Changes
@@ -315,26 +304,3 @@ def object_id(kind: str, position: np.ndarray) -> str:
         number = abs(Decimal(f"{np.float32(value):.7g}")).quantize(Decimal("0.01"), ROUND_HALF_UP)
         text += f"|{'+' if value >= 0 else '-' if number else ''}{number:05.2f}"
     return text
-
-
-def _axis(foot: float) -> tuple[float, float]:
-    """Heights of the ends of the axis of the agent's capsule, which stands at `foot`."""
-    return foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M
-
-
-def _clearances(plan: FloorPlan, room: Room) -> dict[str, float]:
-    """How close the agent may come to what is known to be smaller than its box, metres.
-
-    The agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does. And
-    counters with an opening are walked into.
-    """
-    boxes = {w.name: w.box for w in room.walls} | {o.object_id: o.box for o in plan.objects if o.type not in PASSABLE}
-    low, high = _axis(float(plan.start[1]) - AGENT_CENTRE_M)
-    reach = AGENT_RADIUS_M + SKIN_M
-    at_start = Boxes.of(list(boxes.values())).distances(plan.start[None, [0, 2]], low, high, reach)[0]
-    found = {name: max(float(d) - DEEPER_M, 0.0) for name, d in zip(boxes, at_start, strict=True) if d < reach}
-    for o in plan.objects:
-        first, last = o.box.bounds()
-        if o.type == "CounterTop" and min((last - first)[[0, 2]]) > WIDE_COUNTER_M:
-            found[o.object_id] = 0.0
-    return found
