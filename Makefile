@@ -1,0 +1,74 @@
+# Two commands are enough: `make tables` and `make test`. Each sets up .venv first if it is not there or no longer up to date.
+
+PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
+	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$name; break; }; done)
+CORES ?= 2
+SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
+PIP = .venv/bin/python -m pip --quiet --disable-pip-version-check --no-input
+READY = .venv/ready
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+export PYTHONNOUSERSITE = 1
+unexport PYTHONPATH PYTHONHOME
+.DELETE_ON_ERROR:
+.PHONY: help tables quick test soak bench lint lock setup clean
+
+help:
+	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
+	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
+	@echo "make test    the tests;  make soak: the long ones"
+	@echo "make bench   what the engine and the workflow cost on this machine"
+	@echo "make lint    format, lint and import contracts"
+	@echo "make lock    requirements.lock from the newest releases that pyproject.toml allows"
+	@echo "make setup   .venv alone;  make clean: remove .venv and caches, keep results"
+
+tables: $(READY)
+	@$(SNAKEMAKE) -- results/tables
+
+quick: $(READY)
+	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
+
+test: $(READY)
+	@.venv/bin/python -m pytest -q
+
+soak: $(READY)
+	@.venv/bin/python -m pytest -q -m soak
+
+bench: $(READY)
+	@for file in bench/*.py; do echo "== $$file"; .venv/bin/python $$file || exit 1; done
+
+lint: $(READY)
+	@.venv/bin/ruff check
+	@.venv/bin/ruff format --check
+	@.venv/bin/snakefmt --check Snakefile workflow
+	@.venv/bin/lint-imports --no-cache
+
+# opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
+lock:
+	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; \
+	"$(PYTHON)" -m venv "$$directory"; \
+	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ".[dev]"; \
+	{ \
+		echo "# Exact versions of everything for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64; made by \`make lock\`:"; \
+		echo "# pip install .[dev] in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
+		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman \
+			| sed 's/^opencv-python==/opencv-python-headless==/' | LC_ALL=C sort -f; \
+	} > "$$directory/lock"; \
+	cp "$$directory/lock" requirements.lock
+
+setup: $(READY)
+
+$(READY): requirements.lock pyproject.toml
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
+		echo "OVMAN needs Python 3.11 or newer; found $$(python3 --version 2>&1). Name one: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11" >&2; exit 1; }
+	@[ -e $@ ] || rm -rf .venv; rm -f $@
+	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; about a minute, 1.2 GB)"
+	@"$(PYTHON)" -m venv .venv
+	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
+	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
+	@$(PIP) install --no-deps --no-build-isolation --editable .
+	@touch $@
+
+clean:
+	rm -rf .venv .hypothesis .import_linter_cache .pytest_cache .ruff_cache *.egg-info
+	find ovman tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +
