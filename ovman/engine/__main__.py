@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Sequence
 
@@ -26,6 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(variable, "1")  # small matrices: threads only wait for each other
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the client in the same terminal; the engine ends when its pipe does
     try:
         wire = Wire(os.environ[SERVER_PIPE], os.environ[CLIENT_PIPE])
         _serve(wire, _pixels(options, "-screen-width"), _pixels(options, "-screen-height"))

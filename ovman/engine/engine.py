@@ -52,6 +52,7 @@ class Engine:
         self.seed = 0
         self.time_s = 0.0
         self._world: World | None = None
+        self._absence = "send the action Reset with a sceneName first."
         self._metadata: SceneMetadata | None = None
         self._renderer: Renderer | None = None
         self._last_state: tuple[Any, ...] | None = None
@@ -67,7 +68,7 @@ class Engine:
         if self._world is None:
             from ovman.engine.world import Refused
 
-            raise Refused("No scene is loaded: send the action Reset with a sceneName first.")
+            raise Refused(f"No scene is loaded: {self._absence}")
         return self._world
 
     def load(self, scene_name: str) -> None:
@@ -75,7 +76,12 @@ class Engine:
         from ovman.engine.metadata import SceneMetadata
         from ovman.engine.world import World
 
-        world = World(_plan(scene_name.removesuffix(SCENE_SUFFIX)), seed=self.seed)
+        try:
+            plan = _plan(scene_name.removesuffix(SCENE_SUFFIX))
+        except Exception as error:
+            self._absence = f"{type(error).__name__}: {error}"
+            raise
+        world = World(plan, seed=self.seed)
         self._resets += 1
         self._world, self._metadata, self._renderer = world, SceneMetadata(world), None
         self.scene_name = scene_name
@@ -135,7 +141,10 @@ class Engine:
             self._sequence = self._sequence + 1 if isinstance(self._sequence, int) else 0
             return self._message({}, Outcome(success=False, message=problem), Images())
         self._sequence = request.get("sequenceId", 0)
-        outcome = self._perform(request)
+        try:
+            outcome = self._perform(request)
+        except Exception as error:  # a package that an action needs is not installed, or physics gave up
+            outcome = thrown(error)
         try:
             return self._message(request, outcome, self._wanted(request))
         except Exception as error:
@@ -149,11 +158,8 @@ class Engine:
         if self._world is None:
             return outcome
         self.time_s += ACTION_S
-        try:
-            if self.auto_simulation and not self._world.at_rest:
-                self._world.advance(ACTION_S)
-        except Exception as error:
-            return thrown(error)
+        if self.auto_simulation and not self._world.at_rest:
+            self._world.advance(ACTION_S)
         return outcome
 
     def _wanted(self, request: Mapping[str, Any]) -> Images:

@@ -58,11 +58,11 @@ class Sight:
         self._hiding = self._there & np.array(hiding, dtype=bool)
         self._reach = np.linalg.norm(self._half, axis=1)
 
-    def visible(self, eye: Eye, distance_m: float, asked: np.ndarray) -> np.ndarray:
-        """(N,) bool: who of the objects `asked` for (N,) bool is visible."""
+    def visible(self, eye: Eye, distance_m: float, asked: np.ndarray | None = None) -> np.ndarray:
+        """(N,) bool: who is visible, of the objects `asked` for (N,) bool or of all."""
         result = np.zeros(len(self._centre), dtype=bool)
         far = np.linalg.norm(self._centre[:, [0, 2]] - eye.agent[[0, 2]], axis=1)
-        near = np.flatnonzero(asked & self._there & (far - self._reach <= distance_m))
+        near = np.flatnonzero(self._there & (True if asked is None else asked) & (far - self._reach <= distance_m))
         near = near[self._distance(near, eye.agent) <= distance_m]
         if not len(near):
             return result

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 
 import numpy as np
 import pytest
@@ -155,6 +157,9 @@ def test_unknown_scene_and_action(controller):
         ({"gridSize": 6}, r"grid size must be in the range \(0,5\]"),
         ({"fieldOfView": 180}, r"fov must be set to \(0, 180\)"),
         ({"rotateStepDegrees": 0}, "rotateStepDegrees must be"),
+        ({"maxUpwardLookAngle": -1}, "maxUpwardLookAngle must be"),
+        ({"agentMode": "arm"}, "Unsupported agent mode: arm"),
+        ({"agentCount": 2}, "Unsupported number of agents: 2"),
         ({"rotateStepDegrees": 30, "snapToGrid": True}, "Invalid values 'rotateStepDegrees'"),
     ],
 )
@@ -277,6 +282,10 @@ def test_reachable_positions(controller):
     assert np.abs(lattice - lattice.round()).max() < 1e-6 and {p["y"] for p in points} == {before[1]}
     for point in points[:: len(points) // 25]:
         assert act(controller, "Teleport", position=point)["lastActionSuccess"], point
+    along = act(controller, "GetReachablePositions", directionsRelativeAgent=True)["actionReturn"]
+    act(controller, "RotateRight")
+    oblique = act(controller, "GetReachablePositions", directionsRelativeAgent=True)
+    assert len(along) > 100 and not oblique["lastActionSuccess"] and "30 degrees" in oblique["errorMessage"]
     assert "Too many steps" in act(controller, "GetReachablePositions", maxStepCount=1)["errorMessage"]
 
 
@@ -428,6 +437,20 @@ def test_object_poses(controller):
     assert metadata["errorMessage"] == "No Pickupable or Moveable object of name Unicorn found in scene."
 
 
+def test_only_the_objects_asked_for_are_listed(controller):
+    metadata = act(controller, "Pass")
+    sofa = first(metadata, "Sofa")
+    act(controller, "Teleport", rotation=90)
+    whole = act(controller, "RotateRight")["objects"]
+    act(controller, "RotateLeft")
+    metadata = act(controller, "SetObjectFilter", objectIds=[sofa["objectId"], "Unicorn|1"])
+    assert [o["objectId"] for o in metadata["objects"]] == [sofa["objectId"]]
+    assert act(controller, "RotateRight")["objects"] == [o for o in whole if o["objectId"] == sofa["objectId"]]
+    assert act(controller, "ResetObjectFilter")["objects"] == whole
+    act(controller, "SetObjectFilter", objectIds=[])
+    assert len(controller.reset("FloorPlan201").metadata["objects"]) == len(whole)
+
+
 # Physics
 
 
@@ -484,6 +507,11 @@ def test_two_engines_at_once_show_the_same_and_fast_emit_changes_nothing(control
             if one.frame is not None:
                 assert np.array_equal(one.frame, two.frame) and np.array_equal(one.depth_frame, two.depth_frame)
                 assert np.array_equal(one.instance_segmentation_frame, two.instance_segmentation_frame)
+
+
+def test_an_interrupt_that_is_meant_for_the_client_does_not_end_the_engine(controller, alive):
+    os.kill(controller.unity_pid, signal.SIGINT)
+    assert act(controller, "Pass")["lastActionSuccess"] and alive(controller.unity_pid)
 
 
 def test_small_pictures_and_headless(start):

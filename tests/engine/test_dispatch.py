@@ -170,7 +170,10 @@ json_values = st.recursive(
 
 
 @settings(max_examples=200, derandomize=True, deadline=None)
-@given(value=json_values, kind=st.sampled_from([float, int, bool, str, Vector3, ObjectPose, list[float], list[Vector3], list[ObjectPose]]))
+@given(
+    value=json_values,
+    kind=st.sampled_from([float, int, bool, str, Vector3, ObjectPose, list[float], list[Vector3], list[ObjectPose]]),
+)
 def test_conversion_gives_its_kind_or_says_that_it_cannot(value, kind):
     try:
         result = converted(value, kind)

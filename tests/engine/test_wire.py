@@ -107,6 +107,8 @@ def test_speaks_first_then_echoes_sequence_numbers_whatever_it_is_sent(client):
     ((_, body),) = client.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)
     reset = msgpack.unpackb(body)["agents"][0]
     assert not reset["lastActionSuccess"] and "FloorPlan999_physics" in reset["errorMessage"]
+    ((_, body),) = client.ask(action="MoveAhead", sequenceId=9)
+    assert "FloorPlan999" in msgpack.unpackb(body)["agents"][0]["errorMessage"]
     ((_, body),) = client.ask(action="Reset", sceneName="FloorPlan401_physics", sequenceId=0)
     assert msgpack.unpackb(body)["agents"][0]["sceneName"] == "FloorPlan401_physics"
 

@@ -220,6 +220,9 @@ def reachable_positions(
     step = engine.settings.grid_m if gridSize is None else gridSize
     if step <= 0:
         raise Refused("grid size must be in the range (0,5]")
+    yaw = engine.world.agent.yaw_deg
+    if directionsRelativeAgent and yaw % 90 != 0:
+        raise Refused(f"directionsRelativeAgent needs an agent that looks along an axis of the world, not {yaw:g} degrees.")
     found = engine.world.reachable(step)
     if len(found) > math.floor((MANY_STEPS if maxStepCount is None else maxStepCount) / (step * step)):
         raise Refused("Too many steps taken in GetReachablePositions.")
