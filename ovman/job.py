@@ -72,10 +72,11 @@ class Job:
         return path
 
     def _beside(self, place: Path) -> Path:
-        place.parent.mkdir(parents=True, exist_ok=True)
-        for left in place.parent.glob(f".{place.name}.*.partial"):
-            _remove(left)
-        self._partial[place] = place.with_name(f".{place.name}.{os.getpid()}.partial")
+        if place not in self._partial:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            for left in place.parent.glob(f".{place.name}.*.partial"):
+                _remove(left)
+            self._partial[place] = place.with_name(f".{place.name}.{os.getpid()}.partial")
         return self._partial[place]
 
     def _done(self) -> None:

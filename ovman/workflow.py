@@ -14,7 +14,7 @@ from ovman.job import WORKFLOW_PID
 
 ALIVE = Path(".snakemake", "ovman.alive")
 """Every Snakemake that works in a directory shares a lock on this file; the kernel takes it away from those that die."""
-ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")}
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 _kept: list[TextIO] = []
 
 

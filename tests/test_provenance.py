@@ -7,11 +7,12 @@ import pytest
 from ovman import provenance
 from ovman.config import STAGES
 
+ONE = '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n'
 FILES = {
     "workflow/scripts/stage.py": "from ovman.a.one import f\n\nf()\n",
     "ovman/__init__.py": '"""Package."""\n\n__version__ = "1"\n',
     "ovman/a/__init__.py": "",
-    "ovman/a/one.py": '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n',
+    "ovman/a/one.py": ONE,
     "ovman/a/two.py": "def late():\n    import ovman.c.four\n\n    return ovman.c.four\n",
     "ovman/b/__init__.py": "from ovman.b.three import g\n",
     "ovman/b/three.py": "from ovman.config import load\n\ng = 1\n",
@@ -59,7 +60,7 @@ def test_code_that_a_stage_does_not_run_does_not_count(root, name):
 def test_prose_layout_and_the_number_of_the_version_do_not_count(root):
     before = digest(root)
     one = root / "ovman/a/one.py"
-    one.write_text(FILES["ovman/a/one.py"].replace('"""One."""', '"""Another\n\ntext."""\n\n').replace('    """Doc."""\n', ""))
+    one.write_text(ONE.replace('"""One."""', '"""Another\n\ntext."""\n\n').replace('    """Doc."""\n', ""))
     (root / "ovman/c/four.py").write_text("# because\n\n\nx = (1)\n")
     (root / "ovman/__init__.py").write_text('__version__ = "2"\n')
     assert digest(root) == before
