@@ -60,7 +60,8 @@ setup: $(READY)
 
 $(READY): requirements.lock pyproject.toml
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
-		echo "OVMAN needs Python 3.11 or newer; found $$(python3 --version 2>&1). Name one: make $(MAKECMDGOALS) PYTHON=/path/to/python3.11" >&2; exit 1; }
+		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
+		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
 	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; about a minute, 1.2 GB)"
 	@"$(PYTHON)" -m venv .venv

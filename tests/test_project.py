@@ -1,0 +1,112 @@
+"""What holds for the project as a whole: its dependencies, its version, its arrows; no file knows the machine it was made on."""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+import tomllib
+from importlib import import_module
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+from packaging.version import Version
+
+import ovman
+
+ROOT = Path(__file__).resolve().parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+SAME_MODULE = {"opencv-python-headless": "opencv-python"}
+"""The lock has the build of cv2 that needs no window system."""
+
+SOURCES = ("ovman", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")
+TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".json", ".jsonl", ".csv", ".tex", ""})
+
+
+def declared() -> dict[str, Requirement]:
+    project = PROJECT["project"]
+    lines = project["dependencies"] + project["optional-dependencies"]["dev"]
+    return {canonicalize_name(r.name): r for r in map(Requirement, lines)}
+
+
+def locked() -> dict[str, str]:
+    lines = [line for line in (ROOT / "requirements.lock").read_text().splitlines() if not line.startswith("#")]
+    pairs = [line.split("==") for line in lines]
+    return {SAME_MODULE.get(canonicalize_name(name), canonicalize_name(name)): version for name, version in pairs}
+
+
+def files() -> list[Path]:
+    """The text files of the project: those at its root and in its folders, not what is made by running it."""
+    inside = [path for folder in SOURCES for path in (ROOT / folder).rglob("*")]
+    return [p for p in [*ROOT.iterdir(), *inside] if p.is_file() and p.suffix in TEXT and "cache" not in str(p.relative_to(ROOT))]
+
+
+@pytest.mark.parametrize("name", sorted(declared()))
+def test_locked_version_is_in_the_declared_range(name: str) -> None:
+    assert declared()[name].specifier.contains(locked()[name], prereleases=True)
+
+
+def test_lock_names_exact_versions_and_no_place_to_fetch_them_from() -> None:
+    lines = (ROOT / "requirements.lock").read_text().splitlines()
+    assert [line for line in lines if not re.fullmatch(r"#[^:/@]*:?|[A-Za-z0-9._-]+==[A-Za-z0-9.!+]+", line)] == []
+    assert len(locked()) == sum(not line.startswith("#") for line in lines), "one version of each package, one cv2"
+
+
+def third_party(path: Path) -> set[str]:
+    """Top-level modules that a file imports and that are neither Python's nor the project's."""
+    names = set()
+    for node in ast.walk(ast.parse(path.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name.partition(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            names.add(node.module.partition(".")[0])
+    return names - sys.stdlib_module_names - {"ovman", "tests"}
+
+
+@pytest.mark.parametrize(("folder", "dev"), [("ovman", False), ("workflow", False), ("bench", True), ("tests", True)])
+def test_what_is_imported_is_declared(folder: str, dev: bool) -> None:
+    lines = PROJECT["project"]["dependencies"] + (PROJECT["project"]["optional-dependencies"]["dev"] if dev else [])
+    allowed = {canonicalize_name(Requirement(line).name) for line in lines}
+    distributions = packages_distributions()
+    undeclared = {
+        (str(path.relative_to(ROOT)), module)
+        for path in sorted((ROOT / folder).rglob("*.py"))
+        for module in third_party(path)
+        if not allowed & {SAME_MODULE.get(d, d) for d in map(canonicalize_name, distributions.get(module, []))}
+    }
+    assert undeclared == set()
+
+
+def test_one_version() -> None:
+    version = ovman.__version__
+    assert Version(version)
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1] == version
+    assert PROJECT["tool"]["setuptools"]["dynamic"]["version"]["attr"] == "ovman.__version__"
+
+
+@pytest.mark.parametrize("name", sorted(PROJECT["project"]["scripts"]))
+def test_commands_exist(name: str) -> None:
+    module, _, function = PROJECT["project"]["scripts"][name].partition(":")
+    assert callable(getattr(import_module(module), function))
+
+
+def test_no_file_names_a_place_of_one_machine() -> None:
+    place = re.compile(r"(?<![\w.~*$}-])/(?:work|root|home|Users|tmp|mnt|opt)/[\w.]")
+    found = [
+        f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+        for path in files()
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if place.search(line)
+    ]
+    assert found == []
+
+
+def test_arrows_of_the_design() -> None:
+    from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
+
+    assert lint_imports(config_filename=str(ROOT / "pyproject.toml"), no_cache=True) == EXIT_STATUS_SUCCESS
