@@ -64,7 +64,8 @@ class Observation:
     rgb: (H, W, 3) uint8. depth: (H, W) float32, metres along the optical axis. Both have row 0 at the top and share the camera:
     its vertical field of view is field_of_view_deg, its pixels are square. Either is None for an arm that takes no images, for
     which nothing is drawn. last_action_succeeded: False where the last move was blocked; True in a tour. positions: the
-    instances of this frame for an arm that is handed positions, None for every other arm.
+    instances of this frame for an arm that is handed positions, None for every other arm. reachable: (K, 2) positions in metres
+    that can be reached now, where the world goes on changing (MOVING); None where those of the second visit still hold.
     """
 
     rgb: np.ndarray | None
@@ -73,6 +74,7 @@ class Observation:
     field_of_view_deg: float
     last_action_succeeded: bool = True
     positions: tuple[Sighting, ...] | None = None
+    reachable: np.ndarray | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

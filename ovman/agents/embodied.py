@@ -82,7 +82,7 @@ def execute(
     ground = Ground.around(session, assignment.spawn, constants.primitives.step_m)
     if first is not None:
         agent.familiarise(first)
-    agent.revisit(second(np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])))
+    agent.revisit(second(cells(ground)))
     agent.ask(Query(assignment.category, assignment.relation))
 
     gone = {a.instance for a in assignment.second if a.kind == "disable"}
@@ -90,7 +90,11 @@ def execute(
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     outcome = "budget"
     while actions < constants.primitives.action_budget:
-        action = agent.act(_observation(session, gone, name_of, succeeded, constants))
+        if world.mover is not None:
+            ground = Ground.around(session, session.pose, constants.primitives.step_m)
+        action = agent.act(
+            _observation(session, gone, name_of, succeeded, None if world.mover is None else cells(ground), constants)
+        )
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
@@ -120,16 +124,26 @@ def execute(
     return measured | {"path_length_m": round(travelled, 4), "actions": actions}
 
 
+def cells(ground: Ground) -> np.ndarray:
+    """The positions (K, 2) in metres that can be reached, sorted."""
+    return np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])
+
+
 def _observation(
-    session: Session, gone: set[str], name_of: Callable[[str], str] | None, succeeded: bool, constants: Any
+    session: Session,
+    gone: set[str],
+    name_of: Callable[[str], str] | None,
+    succeeded: bool,
+    reachable: np.ndarray | None,
+    constants: Any,
 ) -> Observation:
     pose = session.pose
     camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
     field_of_view_deg = constants.camera.field_of_view_deg
     if name_of is None:
         session.step("Pass", image=True)
-        return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded)
+        return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)
     present = {k: o for k, o in session.objects.items() if (o["moveable"] or o["pickupable"]) and k not in gone}
     at = {k: position(o) for k, o in present.items()}
     positions = tuple(Sighting(name_of(k), present[k]["objectType"], at[k]["x"], at[k]["z"]) for k in sorted(at))
-    return Observation(None, None, camera, field_of_view_deg, succeeded, positions)
+    return Observation(None, None, camera, field_of_view_deg, succeeded, positions, reachable)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ovman.agents.agent import Action, Observation
-from ovman.navigation import Grid, Navigator, Primitives
+from ovman.navigation import Cell, Grid, Navigator, Primitives
 from ovman.task import Relation
 
 QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -21,14 +21,20 @@ class Pilot:
 
     def set_out(self, reachable: np.ndarray, relation: Relation) -> None:
         """A new episode on the positions `reachable` (K, 2) in metres; blocked edges are tried again in MOVING episodes only."""
-        self._grid = Grid.from_positions([(float(x), float(z)) for x, z in reachable], self._primitives.step_m)
+        self._take(reachable)
         self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions)
-        self._component: frozenset[tuple[int, int]] | None = None
+
+    def _take(self, reachable: np.ndarray) -> None:
+        self._grid = Grid.from_positions([(float(x), float(z)) for x, z in reachable], self._primitives.step_m)
+        self._component: frozenset[Cell] | None = None
 
     def act(self, observation: Observation, goal: tuple[float, float]) -> Action:
         """One primitive towards the navigable cell nearest to `goal`; STOP there, facing it; ABSTAIN where no way leads there."""
         assert self._navigator is not None, "set_out comes first"
         pose = observation.pose
+        if observation.reachable is not None:
+            self._take(observation.reachable)
+            self._navigator.replace(self._grid)
         if self._component is None:
             self._component = frozenset(self._grid.component(self._grid.nearest(pose.x, pose.z)))
         cell = self._grid.nearest(*goal, within=self._component)

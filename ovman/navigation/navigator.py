@@ -21,6 +21,8 @@ class Primitives:
     heading_tolerance_deg: float
     stop_within_m: float
     blocked_edge_expiry: int
+    patience_cells: int = 4
+    """Cells by which the path that is being followed may be longer than the shortest one before it is given up."""
 
     @staticmethod
     def of(constants: Any) -> Primitives:
@@ -38,7 +40,7 @@ def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str
 
 
 class Navigator:
-    """Plans with A* on a fixed grid and remembers the edges whose moves failed.
+    """Plans with A* on a grid, which may be replaced, and remembers the edges whose moves failed.
 
     `expires`: whether a blocked edge is tried again after `blocked_edge_expiry` actions (MOVING episodes) or avoided for good.
     `directions`: the order in which A* expands the four neighbours, which decides between paths of equal length.
@@ -49,6 +51,11 @@ class Navigator:
         self._blocked: dict[frozenset[Cell], int] = {}
         self._actions = 0
         self._trying: frozenset[Cell] | None = None
+        self._path: tuple[Cell, ...] | None = None
+
+    def replace(self, grid: Grid) -> None:
+        """Go on with another grid of the same lattice: the world has changed."""
+        self._grid = grid
 
     def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> str | None:
         """The next action of an agent at (x, z) with `yaw_deg`, whose last move succeeded if `moved`; None if no way is left.
@@ -64,13 +71,42 @@ class Navigator:
         if math.hypot(goal_x - x, goal_z - z) <= self._primitives.stop_within_m:
             return self._face(x, z, yaw_deg, face) or STOP
         here = self._grid.nearest(x, z)
-        path = shortest_path(self._grid, here, goal, self._avoided(), self._directions)
+        if goal == here:
+            return self._face(x, z, yaw_deg, face) or STOP
+        path = self._path = self._plan(here, goal)
         if path is None:
             return ROTATE_LEFT if self._expires and self._blocked else None
         turn = self._face(x, z, yaw_deg, self._grid.centre(path[1]))
         if turn is None:
             self._trying = frozenset((here, path[1]))
         return turn or MOVE_AHEAD
+
+    def _plan(self, here: Cell, goal: Cell) -> tuple[Cell, ...] | None:
+        """The path from here to the goal; the one that is being followed, if a detour to the new goal keeps it short enough.
+
+        A goal that moves makes the shortest path flip from one side of the furniture to the other; an agent that follows
+        every flip turns on the spot while the goal goes on.
+        """
+        avoided = self._avoided()
+        shortest = shortest_path(self._grid, here, goal, avoided, self._directions)
+        followed = self._rest(here, avoided)
+        if shortest is None or followed is None:
+            return shortest
+        if goal in followed:
+            kept: tuple[Cell, ...] = followed[: followed.index(goal) + 1]
+        else:
+            onwards = shortest_path(self._grid, followed[-1], goal, avoided, self._directions)
+            kept = followed + onwards[1:] if onwards is not None else ()
+        return kept if 1 < len(kept) <= len(shortest) + self._primitives.patience_cells else shortest
+
+    def _rest(self, here: Cell, avoided: frozenset[frozenset[Cell]]) -> tuple[Cell, ...] | None:
+        """What is left of the path that is being followed; None if the agent has left it or an edge of it is avoided."""
+        if self._path is None or here not in self._path:
+            return None
+        rest = self._path[self._path.index(here) :]
+        edges = zip(rest, rest[1:], strict=False)
+        blocked = any(cell not in self._grid.cells for cell in rest) or any(frozenset(edge) in avoided for edge in edges)
+        return None if blocked else rest
 
     def _avoided(self) -> frozenset[frozenset[Cell]]:
         if self._expires:
