@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.event import vector
-from ovman.engine.floorplan import euler_degrees
+from ovman.engine.floorplan import Box, euler_degrees
 from ovman.engine.settings import Settings
 from ovman.engine.visibility import Eye, Sight
 from ovman.engine.world import Body, World
@@ -29,6 +29,7 @@ class SceneMetadata:
         self._version: tuple[int, bool] | None = None
         self._seen_from: tuple[Any, ...] | None = None
         self._records: dict[str, dict[str, Any]] = {}
+        self._boxes: dict[str, Box] = {}
         self._made_of: dict[str, tuple[Any, ...]] = {}
         self._rearranged = False
 
@@ -71,15 +72,17 @@ class SceneMetadata:
     def _refresh(self) -> None:
         bodies = [b for b in self._world.bodies.values() if not b.removed]
         for body in bodies:
-            made_of = (body.object_id, body.name, body.active, body.pose.position, body.pose.rotation)
+            made_of = (body.object_id, body.name, body.pose.position, body.pose.rotation)
             old = self._made_of.get(body.object_id)
             if old is None or any(a is not b for a, b in zip(made_of, old, strict=True)):
+                self._boxes[body.object_id] = body.box
                 self._records[body.object_id] = _record(body)
                 self._made_of[body.object_id] = made_of
             self._records[body.object_id]["isMoving"] = bool(body.velocity @ body.velocity > MOTION)
         self._list = [self._records[b.object_id] for b in bodies]
         self._positions = np.array([b.pose.position for b in bodies]).reshape(-1, 3)
-        self._sight = Sight([b.box for b in bodies], [b.active for b in bodies], [b.obj.type != "Floor" for b in bodies])
+        boxes = [self._boxes[b.object_id] for b in bodies]
+        self._sight = Sight(boxes, [b.active for b in bodies], [b.obj.type != "Floor" for b in bodies])
         self._keep_receptacles(bodies)
 
     def _look(self, eye: Eye, distance_m: float, shown: frozenset[str] | None) -> None:
@@ -99,19 +102,20 @@ class SceneMetadata:
         elif not self._rearranged:
             return
         still = there.keys() - changed
-        holders = {name: b for name, b in there.items() if b.obj.record["receptacle"]}
-        parents: dict[str, list[str]] = {}
         children: dict[str, list[str]] = {b.object_id: [] for b in bodies}
-        for name, holder in holders.items():
-            if name in still:
-                children[name] = [c for c in holder.obj.record["receptacleObjectIds"] or () if c in still]
-        for body in bodies:
-            name = body.object_id
-            parents[name] = [p for p in body.obj.parents if p in still] if name in still else []
-            for other in holders if name in changed else holders.keys() & changed if name in still else ():
-                if other != name and _holds(holders[other], body, self._world.plan.floor_y):
-                    parents[name].append(other)
-                    children[other].append(name)
+        parents: dict[str, list[str]] = {b.object_id: [] for b in bodies}
+        for name in still:
+            children[name] = [c for c in there[name].obj.record["receptacleObjectIds"] or () if c in still]
+            parents[name] = [p for p in there[name].obj.parents if p in still]
+        active = np.array([b.active for b in bodies])
+        new = np.array([b.object_id in changed for b in bodies])
+        holds = active & np.array([b.obj.record["receptacle"] for b in bodies])
+        floor = np.array([b.obj.type == "Floor" for b in bodies])
+        holder, held = np.nonzero(_resting(self._sight, floor, self._world.plan.floor_y) & holds[:, None] & active)
+        for h, o in zip(holder, held, strict=True):
+            if h != o and (new[h] or new[o]):
+                children[bodies[h].object_id].append(bodies[o].object_id)
+                parents[bodies[o].object_id].append(bodies[h].object_id)
         for body in bodies:
             record = self._records[body.object_id]
             record["parentReceptacles"] = parents[body.object_id] or None
@@ -145,13 +149,16 @@ def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
-def _holds(receptacle: Body, body: Body, floor_y: float) -> bool:
-    low, high = body.box.bounds()
-    foot = np.array([(low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2])
-    on_floor = foot[1] < floor_y + ABOVE_M
-    if receptacle.obj.type == "Floor":
-        return bool(on_floor)
-    box = receptacle.box
-    local = np.abs(box.rotation.T @ (foot + [0.0, (BELOW_M - ABOVE_M) / 2, 0.0] - box.centre))
-    slack = np.abs(box.rotation.T @ [0.0, (ABOVE_M + BELOW_M) / 2, 0.0])
-    return bool((local <= box.half + slack).all()) and not on_floor
+def _resting(boxes: Sight, floor: np.ndarray, floor_y: float) -> np.ndarray:
+    """(N, N) bool: whether the object of the row would hold that of the column, as a receptacle. `floor` (N,): rows of floors.
+
+    What stands on the floor is held by the floor alone, though it may stand within the box of a table.
+    """
+    reach = np.einsum("nij,nj->ni", np.abs(boxes.rotation), boxes.half)
+    foot = boxes.centre - reach * [0.0, 1.0, 0.0]
+    on_floor = foot[:, 1] < floor_y + ABOVE_M
+    probe = foot - [0.0, (ABOVE_M - BELOW_M) / 2, 0.0]
+    local = np.einsum("nij,nki->nkj", boxes.rotation, probe[None] - boxes.centre[:, None])
+    slack = np.abs(boxes.rotation[:, 1, :]) * (ABOVE_M + BELOW_M) / 2
+    inside = (np.abs(local) <= (boxes.half + slack)[:, None]).all(axis=2)
+    return np.where(floor[:, None], on_floor, inside & ~on_floor)

@@ -47,26 +47,26 @@ class Eye:
 
 
 class Sight:
-    """The boxes of N objects, asked who of them is visible."""
+    """The boxes of N objects in columns (centre (N, 3), half (N, 3), rotation (N, 3, 3)), asked who of them is visible."""
 
     def __init__(self, boxes: Sequence[Box], there: Sequence[bool], hiding: Sequence[bool]) -> None:
         """Only objects that are `there` are seen, and those of them that are `hiding` hide others."""
-        self._centre = np.array([b.centre for b in boxes]).reshape(-1, 3)
-        self._half = np.array([b.half for b in boxes]).reshape(-1, 3)
-        self._rotation = np.array([b.rotation for b in boxes]).reshape(-1, 3, 3)
+        self.centre = np.array([b.centre for b in boxes]).reshape(-1, 3)
+        self.half = np.array([b.half for b in boxes]).reshape(-1, 3)
+        self.rotation = np.array([b.rotation for b in boxes]).reshape(-1, 3, 3)
         self._there = np.array(there, dtype=bool)
         self._hiding = self._there & np.array(hiding, dtype=bool)
-        self._reach = np.linalg.norm(self._half, axis=1)
+        self._reach = np.linalg.norm(self.half, axis=1)
 
     def visible(self, eye: Eye, distance_m: float, asked: np.ndarray | None = None) -> np.ndarray:
         """(N,) bool: who is visible, of the objects `asked` for (N,) bool or of all."""
-        result = np.zeros(len(self._centre), dtype=bool)
-        far = np.linalg.norm(self._centre[:, [0, 2]] - eye.agent[[0, 2]], axis=1)
+        result = np.zeros(len(self.centre), dtype=bool)
+        far = np.linalg.norm(self.centre[:, [0, 2]] - eye.agent[[0, 2]], axis=1)
         near = np.flatnonzero(self._there & (True if asked is None else asked) & (far - self._reach <= distance_m))
         near = near[self._distance(near, eye.agent) <= distance_m]
         if not len(near):
             return result
-        points = self._centre[near, None] + np.einsum("nij,nkj->nki", self._rotation[near], SPREAD * self._half[near, None])
+        points = self.centre[near, None] + np.einsum("nij,nkj->nki", self.rotation[near], SPREAD * self.half[near, None])
         seen = eye.sees(points)
         target, point = np.nonzero(seen)
         if not len(target):
@@ -80,15 +80,15 @@ class Sight:
         """From the axis of the agent's capsule to the boxes (metres); to the nearest of three points on it."""
         heights = agent[1] + np.array([-CAPSULE_HALF_M, 0.0, CAPSULE_HALF_M])
         axis = np.array([[agent[0], y, agent[2]] for y in heights])
-        local = np.einsum("nij,nki->nkj", self._rotation[which], axis[None] - self._centre[which, None])
-        outside = np.maximum(np.abs(local) - self._half[which, None], 0.0)
+        local = np.einsum("nij,nki->nkj", self.rotation[which], axis[None] - self.centre[which, None])
+        outside = np.maximum(np.abs(local) - self.half[which, None], 0.0)
         return np.linalg.norm(outside, axis=2).min(axis=1)
 
     def _hidden(self, camera: np.ndarray, points: np.ndarray, targets: np.ndarray, others: np.ndarray) -> np.ndarray:
         """Whether a box of `others` lies between the camera and each point (R, 3) of the object `targets` (R,): (R,) bool."""
-        turn, half = self._rotation[others], self._half[others]
-        start = np.einsum("nij,ni->nj", turn, camera - self._centre[others])
-        end = np.einsum("nij,rni->rnj", turn, points[:, None] - self._centre[others])
+        turn, half = self.rotation[others], self.half[others]
+        start = np.einsum("nij,ni->nj", turn, camera - self.centre[others])
+        end = np.einsum("nij,rni->rnj", turn, points[:, None] - self.centre[others])
         along = end - start
         with np.errstate(divide="ignore", invalid="ignore"):
             one, two = (-half - start) / along, (half - start) / along
