@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from functools import cache
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,7 @@ BACKGROUND = np.uint32(OPAQUE)
 """What belongs to no named thing; no name has this colour."""
 
 
-@cache
+@lru_cache(maxsize=4096)
 def colour(tag: str) -> tuple[int, int, int]:
     """Colour (r, g, b), 0 to 255, of an instance or a class in segmentation images."""
     red, green, blue = hashlib.md5(tag.encode("utf8"), usedforsecurity=False).digest()[:3]
@@ -39,7 +39,7 @@ def colour_table(names: Sequence[str]) -> list[dict[str, Any]]:
     return [{"name": tag, "color": list(colour(tag))} for tag in tags]
 
 
-@cache
+@lru_cache(maxsize=16)
 def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
     """(N + 1,) uint32 little-endian RGBA, the background last, where an index of -1 finds it."""
     tags = [class_of(n) if classes else n for n in names]
