@@ -22,8 +22,8 @@ CELL_M = 0.05
 """Resolution at which evidence is counted; also the step of strip depths and leg positions."""
 WHOLE_M = 0.95
 """A counter narrower than this is one rectangle: two runs of usual depth do not fit into it."""
-DEPTHS_M = np.round(np.arange(0.4, 0.96, CELL_M), 3)
-USUAL_DEPTH_M = 0.62
+DEPTHS_M = np.round(np.arange(0.45, 0.91, CELL_M), 3)
+"""Depths that a run may have."""
 BODY_M = 0.2
 """Radius of the agent, which stood free at its start."""
 UNDER_M = 0.5

@@ -109,13 +109,18 @@ def _stone(s: Style) -> Material:
     return Material(tone, "marble", s.uniform("scale", 0.25, 0.7), gloss=s.uniform("gloss", 0.3, 0.7))
 
 
+ALLOYS = ((0.6, 0.03, 0.62), (0.58, 0.04, 0.45), (0.12, 0.42, 0.5), (0.06, 0.4, 0.45), (0.6, 0.03, 0.16), (0.1, 0.05, 0.82))
+"""Hue, saturation and lightness of the metals in a home."""
+
+
 def _metal(s: Style) -> Material:
-    tone = s.choice(
-        "alloy",
-        ((0.6, 0.03, 0.62), (0.58, 0.04, 0.45), (0.12, 0.42, 0.5), (0.06, 0.4, 0.45), (0.6, 0.03, 0.14), (0.1, 0.05, 0.85)),
-    )
-    light = tone[2] * s.uniform("lightness", 0.85, 1.1)
-    return Material(linear(tone[0], tone[1], min(light, 0.9)), "metal_brushed", 0.1, gloss=s.uniform("gloss", 0.45, 0.85))
+    """Steel, chrome, brass, copper, black or white metal, or lacquer."""
+    if s.chance("lacquer", 0.25):
+        tone = linear(s.fraction("hue"), s.uniform("saturation", 0.1, 0.45), s.uniform("lightness", 0.2, 0.7))
+        return Material(tone, gloss=s.uniform("gloss", 0.4, 0.7))
+    hue, saturation, lightness = s.choice("alloy", ALLOYS)
+    tone = linear(hue, saturation, min(0.92, lightness * s.uniform("lightness", 0.7, 1.15)))
+    return Material(tone, "metal_brushed", 0.1, gloss=s.uniform("gloss", 0.45, 0.85))
 
 
 PALETTE: tuple[Callable[[Style], Material], ...] = (
@@ -189,8 +194,9 @@ def _soil(s: Style) -> Material:
 
 
 def _glow(s: Style) -> Material:
-    tone = linear(s.uniform("hue", 0.06, 0.14), s.uniform("saturation", 0.15, 0.55), s.uniform("lightness", 0.78, 0.9))
-    return Material(tone, s.choice("texture", ("plain", "fabric")), 0.03, emission=s.choice("lit", (0.0, 0.35, 0.6)), gloss=0.0)
+    """A lampshade: any cloth or paper, lit or not."""
+    tone = linear(s.fraction("hue"), s.uniform("saturation", 0.05, 0.45), s.uniform("lightness", 0.3, 0.9))
+    return Material(tone, s.choice("texture", ("plain", "fabric")), 0.03, emission=s.choice("lit", (0.0, 0.3, 0.55)), gloss=0.0)
 
 
 def _sky(s: Style) -> Material:
@@ -212,7 +218,8 @@ def _screen(s: Style) -> Material:
 
 
 def _picture(s: Style) -> Material:
-    return Material(_muted(s).colour, s.choice("texture", ("picture", "picture", "print")), 0.3, gloss=0.1)
+    tone = s.choice("family", (_muted, _muted, _deep, _white, _vivid))(s).colour
+    return Material(tone, s.choice("texture", ("picture", "picture", "print")), 0.3, gloss=0.1)
 
 
 def _pages(s: Style) -> Material:
@@ -231,9 +238,8 @@ def _glass(s: Style) -> Material:
 
 
 def _mirror(s: Style) -> Material:
-    return Material(
-        linear(s.uniform("hue", 0.5, 0.65), s.uniform("saturation", 0.03, 0.12), s.uniform("lightness", 0.62, 0.78)), gloss=1.0
-    )
+    """Silvered glass, clear or tinted, in the light that the room happens to throw on it."""
+    return Material(linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.25), s.uniform("lightness", 0.25, 0.85)), gloss=1.0)
 
 
 def _floor(s: Style) -> Material:

@@ -231,27 +231,27 @@ def burner(s: Subject) -> Iterator[Part]:
     """A ring of gas flames under a grate, or a coil, by asset."""
     y = s.h
     if s.style.chance("coil", 0.4) or s.h < 0.012:
-        yield span((-s.x, 0, -s.z), (s.x, 0.35 * y, s.z), "metal", kind="cylinder", segments=32)
+        yield span((-s.x, 0, -s.z), (s.x, 0.35 * y, s.z), "second", kind="cylinder", segments=32)
         for i in range(4):
             share = 0.9 - 0.22 * i
             yield span(
                 (-share * s.x, 0.3 * y, -share * s.z),
                 (share * s.x, y, share * s.z),
-                "dark",
+                "main",
                 kind="torus",
                 ratio=0.1 / share,
                 solid=False,
                 segments=28,
             )
         return
-    yield span((-0.8 * s.x, 0, -0.8 * s.z), (0.8 * s.x, 0.3 * y, 0.8 * s.z), "metal", kind="cylinder", segments=28)
+    yield span((-0.8 * s.x, 0, -0.8 * s.z), (0.8 * s.x, 0.3 * y, 0.8 * s.z), "second", kind="cylinder", segments=28)
     yield span(
-        (-0.36 * s.x, 0.2 * y, -0.36 * s.z), (0.36 * s.x, 0.75 * y, 0.36 * s.z), "dark", kind="frustum", ratio=0.8, solid=False
+        (-0.36 * s.x, 0.2 * y, -0.36 * s.z), (0.36 * s.x, 0.75 * y, 0.36 * s.z), "main", kind="frustum", ratio=0.8, solid=False
     )
     yield span(
         (-s.x, 0.45 * y, -s.z),
         (s.x, y, s.z),
-        "dark",
+        "main",
         kind="torus",
         ratio=0.09,
         solid=False,
@@ -264,7 +264,7 @@ def burner(s: Subject) -> Iterator[Part]:
             (0.97 * s.x * tip[0], 0.85 * y, 0.97 * s.z * tip[2]),
             0.3 * y,
             0.009,
-            "dark",
+            "main",
             solid=False,
         )
     yield span((-s.x, 0, -s.z), (s.x, y, s.z), drawn=False)

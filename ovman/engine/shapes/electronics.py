@@ -16,12 +16,12 @@ def television(s: Subject) -> Iterator[Part]:
     low = 0.0 if flat else st.uniform("neck", 0.06, 0.12) * s.h
     back = -panel / 2
     face = panel / 2
-    yield span((-s.x, low, back), (s.x, s.h, face), "dark", bevel=0.006)
+    yield span((-s.x, low, back), (s.x, s.h, face), "main", bevel=0.006)
     yield span((-s.x + rim, low + 1.4 * rim, face - 0.01), (s.x - rim, s.h - rim, face + 0.0012), "screen", solid=False)
     yield span(
         (-0.7 * s.x, low + 0.25 * s.h, back - 0.02 if not flat else back),
         (0.7 * s.x, s.h * 0.8, face - 0.02),
-        "dark",
+        "main",
         bevel=0.01,
         solid=False,
     )

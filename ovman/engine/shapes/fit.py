@@ -6,11 +6,15 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from ovman.engine.shapes.part import Part
+from ovman.engine.shapes.part import IDENTITY, Part
 from ovman.engine.shapes.subject import Subject
 from ovman.engine.shapes.tessellation import mesh
 
 Form = Callable[[Subject], Iterable[Part]]
+
+_FREE = frozenset({"tube", "leaf"})
+"""Kinds that need not touch the sides of their size."""
+_ALIGNED = 1 - 1e-9
 
 TOLERANCE_M = 2e-4
 ROUNDS = 9
@@ -22,13 +26,17 @@ def bounds(parts: Iterable[Part], drawn_only: bool = True) -> tuple[np.ndarray, 
     """Lower and upper corner (3,) of `parts`, metres."""
     lows, highs = [], []
     for part in parts:
-        if part.drawn or not drawn_only:
-            if part.kind == "box" and part.rotation is not None:
-                reach = np.abs(part.rotation) @ (part.size / 2)
-                if part.bevel == 0 or np.allclose(np.abs(part.rotation).sum(axis=0), 1):
-                    lows.append(part.centre - reach)
-                    highs.append(part.centre + reach)
-                    continue
+        if not part.drawn and drawn_only:
+            continue
+        if (
+            part.kind not in _FREE
+            and part.segments % 4 == 0
+            and (part.rotation is IDENTITY or (np.abs(part.rotation).max(axis=0) > _ALIGNED).all())
+        ):
+            reach = np.abs(part.rotation) @ (part.size / 2)
+            lows.append(part.centre - reach)
+            highs.append(part.centre + reach)
+        else:
             vertices = mesh(part)[0]
             lows.append(vertices.min(axis=0))
             highs.append(vertices.max(axis=0))
@@ -50,7 +58,17 @@ def fitted(form: Form, subject: Subject) -> tuple[Part, ...]:
     middle = (low + high) / 2
     shrink = min(1.0, float((size / (high - low)).min()))
     shrink = 1.0 if shrink > 1 - 1e-4 else shrink
-    return tuple(_shrunk(p.but(centre=p.centre - middle), shrink) for p in parts)
+    return tuple(_within(_shrunk(p.but(centre=p.centre - middle), shrink), size / 2) for p in parts)
+
+
+def _within(part: Part, half: np.ndarray) -> Part:
+    """A part that stands in for others in collisions is cut to the box; what is drawn is inside already."""
+    if part.drawn or part.points is not None or part.rotation is not IDENTITY:
+        return part
+    low, high = np.maximum(part.centre - part.size / 2, -half), np.minimum(part.centre + part.size / 2, half)
+    if not (high > low).all() or np.allclose(high - low, part.size):
+        return part
+    return part.but(centre=(low + high) / 2, size=high - low)
 
 
 def _shrunk(part: Part, share: float) -> Part:

@@ -128,7 +128,7 @@ def painting(s: Subject) -> Iterator[Part]:
         return
     width = min(st.uniform("frame", 0.02, 0.06), 0.14 * min(s.w, s.h))
     mount = st.uniform("mount", 0.0, 0.13) * min(s.w, s.h)
-    yield span((-s.x + 0.003, 0.003, back), (s.x - 0.003, s.h - 0.003, back + 0.5 * s.d), "pale")
+    yield span((-s.x + 0.003, 0.003, back), (s.x - 0.003, s.h - 0.003, back + 0.5 * s.d), "second")
     yield span(
         (-s.x + width + mount, width + mount, back),
         (s.x - width - mount, s.h - width - mount, back + 0.58 * s.d),
@@ -139,7 +139,7 @@ def painting(s: Subject) -> Iterator[Part]:
 
 
 def poster(s: Subject) -> Iterator[Part]:
-    yield span((-s.x, 0, -s.z), (s.x, s.h, 0.5 * s.z), "pale")
+    yield span((-s.x, 0, -s.z), (s.x, s.h, 0.5 * s.z), "second")
     edge = 0.03 * min(s.w, s.h)
     yield span((-s.x + edge, edge, -s.z), (s.x - edge, s.h - edge, 0.7 * s.z), "picture", solid=False)
     for sx in (-1, 1):

@@ -70,7 +70,8 @@ class Part:
         if self.kind not in KINDS:
             raise ValueError(f"unknown kind of part {self.kind!r}; known: {', '.join(KINDS)}")
         for name in ("centre", "size", "rotation"):
-            object.__setattr__(self, name, _vector(getattr(self, name)))
+            if (value := getattr(self, name)) is not IDENTITY:
+                object.__setattr__(self, name, _vector(value))
         if self.points is not None:
             object.__setattr__(self, "points", _vector(self.points))
         if not (self.size > 0).all():

@@ -82,13 +82,15 @@ def shelving(s: Subject) -> Iterator[Part]:
 
 def shelf(s: Subject) -> Iterator[Part]:
     """A board at the bottom of its box: what is above is the room for things. A shelf on a wall has brackets."""
-    thick = min(0.022, max(0.006, s.h))
+    thick = min(0.022, s.h)
     yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
     if s.hung and s.h > 0.06:
         inset = 0.15 * s.w
         for sx in (-1, 1):
             x = sx * (s.x - inset)
-            yield span((x - 0.006, thick, -s.z), (x + 0.006, min(s.h, thick + 0.5 * s.d), -s.z + 0.008), "metal", solid=False)
+            yield span(
+                (x - 0.006, thick, -s.z), (x + 0.006, min(s.h, thick + 0.5 * s.d), -s.z + min(0.008, s.d)), "metal", solid=False
+            )
 
 
 def cabinet(s: Subject) -> Iterator[Part]:
@@ -266,7 +268,7 @@ def garbage_bag(s: Subject) -> Iterator[Part]:
             (0, neck),
         ],
         stretch=(1.0, s.d / s.w),
-        segments=14,
+        segments=16,
     )
     for i in range(9):
         angle = 40.0 * i + s.style.uniform(f"fold {i}", -14, 14)
