@@ -35,7 +35,7 @@ AGAINST = 2.0
 CARRIERS = frozenset({"Cabinet", "Drawer", "Sink", "SinkBasin", "Faucet"})
 TALL = frozenset({"Fridge", "GarbageCan", "Chair", "Stool", "Toilet", "Bathtub", "ShelvingUnit", "DiningTable"})
 STOVE_MARGIN_M = 0.07
-_KEPT = 64
+_KEPT = 128
 
 
 class Rect(NamedTuple):

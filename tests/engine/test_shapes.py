@@ -166,7 +166,7 @@ def test_a_chair_stands_on_legs_and_has_its_back_behind(forms):
             boxes = [bounds([p]) for p in parts if p.drawn]
             at_floor = [(low + high) / 2 for low, high in boxes if low[1] < -o.box.half[1] + 0.01]
             assert len(at_floor) >= 4, (plan.name, o.object_id)
-            high_up = [(low + high) / 2 for low, high in boxes if low[1] > 0.2 * o.box.half[1]]
+            high_up = [(low + high) / 2 for low, high in boxes if high[1] > 0.6 * o.box.half[1]]
             assert np.min([c[2] for c in high_up]) < -0.5 * o.box.half[2], (plan.name, o.object_id)
 
 

@@ -85,12 +85,10 @@ def shelf(s: Subject) -> Iterator[Part]:
     thick = min(0.022, s.h)
     yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
     if s.hung and s.h > 0.06:
-        inset = 0.15 * s.w
-        for sx in (-1, 1):
-            x = sx * (s.x - inset)
-            yield span(
-                (x - 0.006, thick, -s.z), (x + 0.006, min(s.h, thick + 0.5 * s.d), -s.z + min(0.008, s.d)), "metal", solid=False
-            )
+        arm = min(0.006, 0.1 * s.w)
+        for x in (-0.7 * s.x, 0.7 * s.x):
+            top = min(s.h, thick + 0.5 * s.d)
+            yield span((x - arm, thick, -s.z), (x + arm, top, -s.z + min(0.008, s.d)), "metal", solid=False)
 
 
 def cabinet(s: Subject) -> Iterator[Part]:
