@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import mmap
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,7 +17,6 @@ from types import MappingProxyType
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
 KINDS = {
     "kitchens": ("kitchen", 1),
@@ -49,6 +49,9 @@ def euler_degrees(rotation: np.ndarray) -> np.ndarray:
         x, z = np.copysign(np.pi / 2, sin_x), 0.0
         y = np.arctan2(-rotation[2, 0], rotation[0, 0])
     return np.degrees([x, y, z]) % 360.0
+
+
+GAUSS_NEWTON_STEPS = 8
 
 
 @dataclass(frozen=True)
@@ -164,22 +167,43 @@ def _sim_object(record: Mapping[str, Any]) -> SimObject:
 
 
 def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
-    """The one point whose distances to all objects are those in the records, snapped to the lattice in x and z."""
+    """The one point whose distances to all objects are those in the records, snapped to the lattice in x and z.
+
+    Squared distances differ by a linear function of the point between any two objects: a linear least-squares problem, whose
+    solution Gauss-Newton steps on the distances themselves then make exact.
+    """
     points = np.array([o.position for o in objects])
     distances = np.array([o.record["distance"] for o in objects])
-    fit = least_squares(lambda p: np.linalg.norm(points - p, axis=1) - distances, points.mean(axis=0) + [0, 0.9, 0])
-    start = fit.x
+    centred = points - points.mean(axis=0)
+    squares = (centred**2).sum(axis=1) - distances**2
+    start = points.mean(axis=0) + np.linalg.lstsq(2 * centred, squares - squares.mean(), rcond=None)[0]
+    for _ in range(GAUSS_NEWTON_STEPS):
+        away = start - points
+        lengths = np.linalg.norm(away, axis=1)
+        start = start - np.linalg.lstsq(away / lengths[:, None], lengths - distances, rcond=None)[0]
     start[[0, 2]] = np.round(start[[0, 2]] / LATTICE_M) * LATTICE_M
     return start
 
 
 @cache
-def _database() -> Mapping[str, list[list[dict[str, Any]]]]:
+def _database() -> mmap.mmap:
     found = importlib.util.find_spec("procthor")
     if found is None:
         raise FileNotFoundError("the pip package 'procthor' (floor-plan metadata) is not installed: pip install procthor")
     path = Path(found.submodule_search_locations[0]) / "databases" / "ai2thor-object-metadata.json"
-    return json.loads(path.read_bytes())
+    with path.open("rb") as file:
+        return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+
+
+def _records(group: str, index: int) -> list[dict[str, Any]]:
+    """The records of one scene. All of the file's 43 MB take longer to parse than a scene takes to build, so only the scene's
+    part is cut out: by the indentation of its brackets, which is that of a list of lists of objects four blanks a level."""
+    data = _database()
+    begin = data.find(b'\n    "%s": [' % group.encode())
+    for _ in range(index + 1):
+        begin = data.find(b"\n        [", begin + 1)
+    end = data.find(b"\n        ]", begin)
+    return json.loads(data[begin : end + len(b"\n        ]")])
 
 
 @cache
@@ -193,8 +217,7 @@ def load(name: str) -> FloorPlan:
     """The floor plan called `name` ("FloorPlan201"). KeyError if there is none."""
     for group, (kind, first) in KINDS.items():
         if name in {f"FloorPlan{first + i}" for i in range(30)}:
-            records = _database()[group][int(name.removeprefix("FloorPlan")) - first]
-            objects = tuple(_sim_object(r) for r in records)
+            objects = tuple(_sim_object(r) for r in _records(group, int(name.removeprefix("FloorPlan")) - first))
             floor = next(o for o in objects if o.type == "Floor")
             return FloorPlan(name, kind, objects, _start(objects), float(floor.box.centre[1] + floor.box.half[1]))
     raise KeyError(name)
