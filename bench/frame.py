@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.engine import floorplan, rays, scene_mesh, shading
+from ovman.engine import floorplan, optics, rays, scene_mesh
 from ovman.engine.camera import Renderer, View
 from ovman.engine.world import World
 
@@ -40,7 +40,7 @@ def bare_cast(world: World, view: View) -> Callable[[], object]:
     rows, columns = np.mgrid[0 : view.height, 0 : view.width].astype(np.float32) + np.float32(0.5)
     origins, ways = np.empty((rows.size, 3), np.float32), np.empty((rows.size, 3), np.float32)
     half = np.float32(np.tan(np.radians(view.fov_deg) / 2))
-    shading.primary(
+    optics.primary(
         *view.axes().astype(np.float32), half * np.float32(view.width / view.height), half, np.asarray(view.position, np.float32),
         np.float32(view.near_m), False, columns.ravel(), rows.ravel(), view.width, view.height, origins, ways,
     )  # fmt: skip

@@ -12,14 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.engine import lights, rays, scene_mesh, shading, textures
+from ovman.engine import lights, optics, rays, scene_mesh
+from ovman.engine.painter import Looks, Painter
 
 FIXED_KEPT = 4
 """Embree scenes kept per floor plan: one for each set of displaced objects seen lately."""
-SAMPLES = np.array([[0.36, -0.22], [-0.36, 0.22]], dtype=np.float32)
-"""Where a pixel on an edge is sampled besides its centre, pixels."""
-SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
-"""Linear RGB where nothing is."""
 
 
 @dataclass(frozen=True)
@@ -67,35 +64,12 @@ class Frame:
     """(H, W, 3) float32 unit normals in the world frame, towards the viewer; 0 where nothing is"""
 
 
-@dataclass(frozen=True)
-class _Looks:
-    """Materials as arrays, M of them."""
-
-    colours: np.ndarray
-    kinds: np.ndarray
-    scales: np.ndarray
-    seeds: np.ndarray
-    glosses: np.ndarray
-    emissions: np.ndarray
-
-    @staticmethod
-    def of(materials) -> _Looks:
-        return _Looks(
-            np.array([m.colour for m in materials], dtype=np.float32).reshape(-1, 3),
-            np.array([textures.KINDS.index(m.texture) for m in materials], dtype=np.int32),
-            np.array([m.scale_m for m in materials], dtype=np.float32),
-            np.array([m.seed & 0x7FFFFFFF for m in materials], dtype=np.int64),
-            np.array([m.gloss for m in materials], dtype=np.float32),
-            np.array([m.emission for m in materials], dtype=np.float32),
-        )
-
-
 class _Plan:
     """What renderers of one floor plan share: meshes, materials, and the Embree scenes of what stays where it was."""
 
     def __init__(self, world) -> None:
         self.meshes = scene_mesh.of_plan(world.plan, world.room)
-        self.looks = _Looks.of(self.meshes.materials)
+        self.looks = Looks.of(self.meshes.materials)
         self._scenes: OrderedDict[frozenset[str], object] = OrderedDict()
         vertices = self.meshes.untouched.vertices
         self.low, self.high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
@@ -131,20 +105,6 @@ def _centres(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
     """Columns and rows (H W,) float32 of all pixel centres."""
     rows, columns = np.mgrid[0:height, 0:width].astype(np.float32) + np.float32(0.5)
     return columns.ravel(), rows.ravel()
-
-
-@dataclass
-class _Hits:
-    """N image points and what their rays hit."""
-
-    columns: np.ndarray
-    rows: np.ndarray
-    origins: np.ndarray
-    rays: np.ndarray
-    prim: np.ndarray
-    distance: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
 
 
 class Renderer:
@@ -186,88 +146,16 @@ class Renderer:
             return Frame()
         self._follow()
         shape = (view.height, view.width)
-        hits = self._cast(view, *_centres(view.width, view.height))
+        painter = Painter(view, self._mesh, self._shared.looks, self._caster)
+        hits = painter.cast(*_centres(view.width, view.height))
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
-        shading.identify(
+        optics.identify(
             hits.prim, hits.distance, self._mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar
         )
         picture = facing = None
         if rgb or normals:
-            points, facing, footprint = self._surface(view, hits)
+            surface = painter.surface(hits)
+            facing = surface.normals.reshape(*shape, 3) if normals else None
             if rgb:
-                picture = self._shade(view, hits, points, facing, footprint, number, planar).reshape(*shape, 3)
-        return Frame(
-            picture,
-            planar.reshape(shape) if depth else None,
-            number.reshape(shape) if ids else None,
-            facing.reshape(*shape, 3) if normals else None,
-        )
-
-    def _cast(self, view: View, columns: np.ndarray, rows: np.ndarray) -> _Hits:
-        origins, ways = np.empty((len(columns), 3), np.float32), np.empty((len(columns), 3), np.float32)
-        flat = view.orthographic_size is not None
-        tall = view.orthographic_size if flat else np.tan(np.radians(view.fov_deg) / 2)
-        wide = tall * view.width / view.height
-        shading.primary(
-            *view.axes().astype(np.float32), np.float32(wide), np.float32(tall), np.asarray(view.position, dtype=np.float32),
-            np.float32(view.near_m), flat, columns, rows, view.width, view.height, origins, ways,
-        )  # fmt: skip
-        return _Hits(columns, rows, origins, ways, *self._caster.closest(origins, ways))
-
-    def _surface(self, view: View, hits: _Hits) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        count = len(hits.prim)
-        points, facing = np.zeros((count, 3), np.float32), np.zeros((count, 3), np.float32)
-        footprint = np.zeros(count, np.float32)
-        flat = view.orthographic_size is not None
-        pixel = 2 * (view.orthographic_size if flat else np.tan(np.radians(view.fov_deg) / 2)) / view.height
-        shading.surface(
-            hits.prim, hits.u, hits.v, hits.distance, hits.origins, hits.rays, self._mesh.normals, np.float32(pixel), flat,
-            points, facing, footprint,
-        )  # fmt: skip
-        return points, facing, footprint
-
-    def _colour(self, hits: _Hits, points: np.ndarray, footprint: np.ndarray) -> np.ndarray:
-        mesh, looks = self._mesh, self._shared.looks
-        colour = np.empty((len(hits.prim), 3), np.float32)
-        textures.albedo(
-            hits.prim, points, footprint, mesh.material, mesh.part, mesh.axis, mesh.frames, mesh.extents,
-            looks.colours, looks.kinds, looks.scales, looks.seeds, looks.emissions, textures.noise(), colour,
-        )  # fmt: skip
-        return colour
-
-    def _shade(self, view, hits, points, facing, footprint, number, planar) -> np.ndarray:
-        rig, looks, width, height = self._light(), self._shared.looks, view.width, view.height
-        wide, high = (width + 1) // 2, (height + 1) // 2
-        total = wide * high
-        starts, ways, reach = (
-            np.empty((2 * total, 3), np.float32),
-            np.empty((2 * total, 3), np.float32),
-            np.empty(2 * total, np.float32),
-        )
-        weight, even, grid = np.empty(total, np.float32), np.empty(total, np.float32), np.empty((total, shading.GRID), np.float32)
-        slots = np.empty((total, 2), np.int32)
-        count = shading.coarse(
-            hits.prim, points, facing, width, height, wide, high, rig.lights, rig.shadowed, rig.samples, shading.directions(),
-            np.float32(shading.REACH_M), starts, ways, reach, slots, weight, even, grid,
-        )  # fmt: skip
-        blocked = self._caster.occluded(starts[:count], ways[:count], reach[:count])
-        shading.soften(blocked, slots, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
-
-        def light(of: _Hits, where: np.ndarray, toward: np.ndarray, wideness: np.ndarray) -> np.ndarray:
-            out = np.empty((len(of.prim), 3), np.float32)
-            shading.shade(
-                of.prim, where, toward, of.rays, self._colour(of, where, wideness), of.columns, of.rows, grid, wide, high,
-                self._mesh.material, looks.glosses, looks.emissions, rig.lights, rig.ambient, np.float32(rig.exposure), SKY, out,
-            )  # fmt: skip
-            return out
-
-        linear = light(hits, points, facing, footprint)
-        pixels = np.empty(width * height, np.int64)
-        pixels = pixels[: shading.edges(number, planar, facing, linear, width, height, pixels)]
-        offsets = np.tile(SAMPLES, (len(pixels), 1))
-        spots = np.repeat(pixels, len(SAMPLES))
-        more = self._cast(view, hits.columns[spots] + offsets[:, 0], hits.rows[spots] + offsets[:, 1])
-        extra = light(more, *self._surface(view, more))
-        picture = np.empty((width * height, 3), np.uint8)
-        shading.develop(linear, shading.curve(), extra, pixels, len(SAMPLES), picture)
-        return picture
+                picture = painter.picture(hits, surface, self._light(), number, planar).reshape(*shape, 3)
+        return Frame(picture, planar.reshape(shape) if depth else None, number.reshape(shape) if ids else None, facing)

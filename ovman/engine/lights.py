@@ -18,9 +18,9 @@ CEILING_AREA_M2 = 18.0
 MOST_CEILING, MOST_WINDOWS, MOST_LAMPS = 2, 2, 2
 WIDEST_M = 0.28
 """Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
-MIDDLE_BRIGHTNESS = 1.0
+MIDDLE_BRIGHTNESS = 1.1
 """Linear light that a white card facing up in the middle of the room sends back."""
-BOUNCE = (0.30, 0.31, 0.46)
+BOUNCE = (0.30, 0.32, 0.54)
 """Light that surfaces facing up, sideways and down get from all around, as fractions of the direct light in the middle: a ceiling
 is lit by the floor alone."""
 

@@ -1,4 +1,4 @@
-"""Light on what the rays hit: smooth normals, soft shadows, contact darkening, highlights, and the way to eight bits.
+"""Light on what the rays hit: soft shadows, contact darkening, highlights.
 
 Everything is float32, in a fixed order and without fast-math, so a frame is a function of its inputs to the byte. The file is
 self-contained on purpose: numba's cache watches the file of the compiled function alone.
@@ -15,26 +15,10 @@ PHASES = 9
 """Rays that a neighbourhood of 3 x 3 coarse points shares."""
 REACH_M = 0.55
 """How far contact darkening looks."""
-CURVE = 4096
-"""Entries of the table from linear light to eight bits."""
-BRIGHTEST = 4.0
-"""Linear light that the table ends at."""
 GRID = 15
 """Columns of the coarse grid: point, normal, light (RGB), its mean direction, lit, open, flat."""
 LIFT_M = np.float32(0.004)
 """Rays from a surface start this far above it."""
-CONTRAST = 0.2
-"""Least relative difference of two neighbours for their edge to be worth smoothing."""
-
-
-@cache
-def curve() -> np.ndarray:
-    """(4096,) float32: displayed value 0..255 of linear light 0..4: a soft shoulder, then the sRGB curve."""
-    light = np.linspace(0, BRIGHTEST, CURVE)
-    knee = 0.55
-    light = np.where(light < knee, light, knee + (1 - knee) * (1 - np.exp(-(light - knee) / (1 - knee))))
-    shown = np.where(light <= 0.0031308, 12.92 * light, 1.055 * np.maximum(light, 1e-9) ** (1 / 2.4) - 0.055)
-    return np.round(np.clip(shown, 0, 1) * 255, 3).astype(np.float32)
 
 
 @cache
@@ -46,71 +30,12 @@ def directions() -> np.ndarray:
     return np.round(around[(k * 4) % PHASES], 6).astype(np.float32)
 
 
-@njit(cache=True, error_model="numpy")
-def primary(right, up, forward, tan_x, tan_y, eye, near, flat, columns, rows, width, height, origins, rays):
-    """Rays through N image points into origins and rays (N, 3) float32.
-
-    columns, rows (N,) float32: image points in pixels, row 0 at the top, centres at +0.5. A ray's length along `forward` is 1, so
-    distances along it are planar depths beyond `near`, where it starts. `flat`: all rays parallel (orthographic), and tan_x,
-    tan_y are half the width and height of the picture in metres.
-    """
-    for i in range(len(columns)):
-        x = (np.float32(2) * columns[i] / np.float32(width) - np.float32(1)) * tan_x
-        y = (np.float32(1) - np.float32(2) * rows[i] / np.float32(height)) * tan_y
-        for a in range(3):
-            aside = right[a] * x + up[a] * y
-            rays[i, a] = forward[a] if flat else aside + forward[a]
-            origins[i, a] = eye[a] + near * rays[i, a] + (aside if flat else np.float32(0))
-
-
-@njit(cache=True, error_model="numpy")
-def identify(prim, distance, instance, near, far, ids, depth):
-    """Instance ids (N,) int32 (-1: nothing) and planar depth (N,) float32 metres (`far`: nothing) of N hits."""
-    span = far - near
-    for i in range(len(prim)):
-        if prim[i] >= 0 and distance[i] <= span:
-            ids[i] = instance[prim[i]]
-            depth[i] = distance[i] + near
-        else:
-            ids[i] = -1
-            depth[i] = far
-
-
-@njit(cache=True, error_model="numpy")
-def surface(prim, u, v, distance, origins, rays, tri_normals, pixel, flat, points, normals, footprint):
-    """Points (N, 3), unit normals (N, 3) towards the viewer and pixel footprints (N,) metres of N hits.
-
-    `pixel`: width of a pixel one metre away, metres (everywhere, if the picture is orthographic: `flat`).
-    """
-    for i in range(len(prim)):
-        t = prim[i]
-        if t < 0:
-            continue
-        d = distance[i]
-        a, b = u[i], v[i]
-        c = np.float32(1) - a - b
-        dx, dy, dz = rays[i, 0], rays[i, 1], rays[i, 2]
-        x = c * tri_normals[t, 0, 0] + a * tri_normals[t, 1, 0] + b * tri_normals[t, 2, 0]
-        y = c * tri_normals[t, 0, 1] + a * tri_normals[t, 1, 1] + b * tri_normals[t, 2, 1]
-        z = c * tri_normals[t, 0, 2] + a * tri_normals[t, 1, 2] + b * tri_normals[t, 2, 2]
-        facing = x * dx + y * dy + z * dz
-        size = x * x + y * y + z * z
-        scale = np.float32(1) / np.sqrt(max(size, np.float32(1e-12)))
-        if facing > 0:
-            scale = -scale
-        normals[i, 0], normals[i, 1], normals[i, 2] = x * scale, y * scale, z * scale
-        length = np.sqrt(dx * dx + dy * dy + dz * dz)
-        grazing = max(abs(facing * scale) / length, np.float32(0.2))
-        footprint[i] = pixel / grazing if flat else pixel * d * length / grazing
-        for k in range(3):
-            points[i, k] = origins[i, k] + d * rays[i, k]
-
-
 @njit(cache=True, error_model="numpy", inline="always")
-def _sum_lights(lights, px, py, pz, nx, ny, nz):
-    """Unshadowed light on a point: (red, green, blue) and its mean direction (x, y, z), not normalised."""
+def _sum_lights(lights, shadowed, px, py, pz, nx, ny, nz):
+    """Unshadowed light on a point: (red, green, blue), its mean direction (x, y, z), not normalised, and the sum of the three
+    colours of the lights from number `shadowed` on."""
     zero = np.float32(0)
-    red, green, blue, tx, ty, tz = zero, zero, zero, zero, zero, zero
+    red, green, blue, tx, ty, tz, even = zero, zero, zero, zero, zero, zero, zero
     for k in range(len(lights)):
         lx, ly, lz = lights[k, 0] - px, lights[k, 1] - py, lights[k, 2] - pz
         cosine = lx * nx + ly * ny + lz * nz
@@ -131,7 +56,9 @@ def _sum_lights(lights, px, py, pz, nx, ny, nz):
         tx += lx * power
         ty += ly * power
         tz += lz * power
-    return red, green, blue, tx, ty, tz
+        if k >= shadowed:
+            even += power * cosine
+    return red, green, blue, tx, ty, tz, even
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,10 +69,9 @@ def coarse(
     """Light and rays of the coarse grid (high x wide: every other pixel). Returns how many rays there are.
 
     grid (H W, GRID) float32 gets point, normal, light and its direction of each coarse point; a normal of 0 where nothing is.
-    Rays go from each point to one of the first `shadowed` lights, if it shines there, and from every other point, as on the black
-    squares of a board, to what is near: starts, ways (2 H W, 3), reach (2 H W,) in lengths of the way. slots (H W, 2): the numbers
-    of a point's two rays, -1 for none. weight (H W,): what the one light would bring; even (H W,): what the lights without shadows
-    bring.
+    Rays go from each point to what is near, and to one of the first `shadowed` lights if it shines there: starts, ways
+    (2 H W, 3), reach (2 H W,) in lengths of the way. slots (H W, 2): the numbers of a point's rays to the light and to what is
+    near, -1 for none. weight (H W,): what the one light would bring; even (H W,): what the lights without shadows bring.
     """
     rays = 0
     for j in range(high):
@@ -162,10 +88,9 @@ def coarse(
             nx, ny, nz = normals[n, 0], normals[n, 1], normals[n, 2]
             grid[q, 0], grid[q, 1], grid[q, 2] = px, py, pz
             grid[q, 3], grid[q, 4], grid[q, 5] = nx, ny, nz
-            grid[q, 6], grid[q, 7], grid[q, 8], grid[q, 9], grid[q, 10], grid[q, 11] = _sum_lights(lights, px, py, pz, nx, ny, nz)
-            if shadowed < len(lights):
-                red, green, blue, _, _, _ = _sum_lights(lights[shadowed:], px, py, pz, nx, ny, nz)
-                even[q] = (red + green + blue) * np.float32(1 / PHASES)
+            red, green, blue, tx, ty, tz, free = _sum_lights(lights, shadowed, px, py, pz, nx, ny, nz)
+            grid[q, 6], grid[q, 7], grid[q, 8], grid[q, 9], grid[q, 10], grid[q, 11] = red, green, blue, tx, ty, tz
+            even[q] = free * np.float32(1 / PHASES)
             ox, oy, oz = px + nx * LIFT_M, py + ny * LIFT_M, pz + nz * LIFT_M
             light = np.int64(samples[phase, 4])
             lx, ly, lz = lights[light, 0] - px, lights[light, 1] - py, lights[light, 2] - pz
@@ -184,19 +109,18 @@ def coarse(
                 reach[rays] = max(np.float32(1) - samples[phase, 3] / max(far, np.float32(1e-3)), np.float32(0))
                 slots[q, 0] = rays
                 rays += 1
-            if (i + j) & 1 == 0:
-                # a frame about the normal that has no seam where a coordinate changes its sign but one
-                sign = np.float32(1) if nz >= 0 else np.float32(-1)
-                a = np.float32(-1) / (sign + nz)
-                b = nx * ny * a
-                dx, dy, dz = around[phase, 0], around[phase, 1], around[phase, 2]
-                starts[rays, 0], starts[rays, 1], starts[rays, 2] = ox, oy, oz
-                ways[rays, 0] = dx * (np.float32(1) + sign * nx * nx * a) + dy * b + dz * nx
-                ways[rays, 1] = dx * sign * b + dy * (sign + ny * ny * a) + dz * ny
-                ways[rays, 2] = -dx * sign * nx - dy * ny + dz * nz
-                reach[rays] = reach_m
-                slots[q, 1] = rays
-                rays += 1
+            # a frame about the normal that has no seam where a coordinate changes its sign but one
+            sign = np.float32(1) if nz >= 0 else np.float32(-1)
+            a = np.float32(-1) / (sign + nz)
+            b = nx * ny * a
+            dx, dy, dz = around[phase, 0], around[phase, 1], around[phase, 2]
+            starts[rays, 0], starts[rays, 1], starts[rays, 2] = ox, oy, oz
+            ways[rays, 0] = dx * (np.float32(1) + sign * nx * nx * a) + dy * b + dz * nx
+            ways[rays, 1] = dx * sign * b + dy * (sign + ny * ny * a) + dz * ny
+            ways[rays, 2] = -dx * sign * nx - dy * ny + dz * nz
+            reach[rays] = reach_m
+            slots[q, 1] = rays
+            rays += 1
     return rays
 
 
@@ -255,7 +179,7 @@ def soften(blocked, slots, weight, even, grid, eye, wide, high):
                 count += w * sums[p, 3]
             grid[q, 12] = got / whole if whole > 0 else np.float32(1)
             # a point with few of its kind around has seen too few directions to be called dark
-            grid[q, 13] = (free + np.float32(4)) / (count + np.float32(6))
+            grid[q, 13] = (free + np.float32(7)) / (count + np.float32(10))
     for q in range(total):
         for k in range(6, 9):
             grid[q, k] *= grid[q, 12]
@@ -361,11 +285,11 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
             else:
                 shadow, contact = any_shadow, any_contact
             if not turned:
-                red, green, blue, tx, ty, tz = _sum_lights(lights, px, py, pz, nx, ny, nz)
+                red, green, blue, tx, ty, tz, _ = _sum_lights(lights, len(lights), px, py, pz, nx, ny, nz)
                 red, green, blue = red * shadow, green * shadow, blue * shadow
         up = np.float32(0.5) + np.float32(0.5) * ny
         side = one - abs(ny)
-        contact = np.float32(0.25) + np.float32(0.75) * contact
+        contact = np.float32(0.4) + np.float32(0.6) * contact
         above, below = up * (one - side) * contact, (one - up) * (one - side) * contact
         side *= contact
         a_r = ambient[0, 0] * above + ambient[1, 0] * side + ambient[2, 0] * below
@@ -403,55 +327,3 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
             g += rim * (a_g + np.float32(0.5) * green)
             b += rim * (a_b + np.float32(0.5) * blue)
         out[i, 0], out[i, 1], out[i, 2] = r * exposure, g * exposure, b * exposure
-
-
-@njit(cache=True, error_model="numpy")
-def edges(ids, depth, normals, linear, width, height, found):
-    """Pixels where the picture breaks (another instance, another face, a step in depth) and one sees it, into found (H W,);
-    returns how many. A pixel counts when it differs from its right or lower neighbour; both of the pair are taken."""
-    marked = np.zeros(width * height, np.uint8)
-    least = np.float32(CONTRAST)
-    for y in range(height):
-        for x in range(width):
-            n = y * width + x
-            for k in range(2):
-                if (k == 0 and x + 1 >= width) or (k == 1 and y + 1 >= height):
-                    continue
-                m = n + 1 if k == 0 else n + width
-                unlike = abs(linear[n, 0] - linear[m, 0]) + abs(linear[n, 1] - linear[m, 1]) + abs(linear[n, 2] - linear[m, 2])
-                if unlike < least * (linear[n, 0] + linear[n, 1] + linear[n, 2] + least):
-                    continue
-                breaks = ids[n] != ids[m]
-                if not breaks and ids[n] >= 0:
-                    step = abs(depth[n] - depth[m])
-                    alike = normals[n, 0] * normals[m, 0] + normals[n, 1] * normals[m, 1] + normals[n, 2] * normals[m, 2]
-                    breaks = alike < np.float32(0.8) or step > np.float32(0.06) * min(depth[n], depth[m])
-                if breaks:
-                    marked[n], marked[m] = 1, 1
-    count = 0
-    for n in range(width * height):
-        if marked[n]:
-            found[count] = n
-            count += 1
-    return count
-
-
-@njit(cache=True, error_model="numpy")
-def develop(linear, table, extra, pixels, per_pixel, out):
-    """Eight-bit picture (N, 3) uint8 of linear light (N, 3). `extra` (len(pixels) * per_pixel, 3): further samples of `pixels`,
-    which are averaged with the first one as they are shown, not as light, so that bright edges stay smooth."""
-    scale = np.float32((CURVE - 1) / BRIGHTEST)
-    last = np.float32(CURVE - 1)
-    for i in range(len(linear)):
-        for k in range(3):
-            x = min(max(linear[i, k] * scale, np.float32(0)), last)
-            out[i, k] = np.uint8(table[np.int64(x)] + np.float32(0.5))
-    for j in range(len(pixels)):
-        n = pixels[j]
-        for k in range(3):
-            x = min(max(linear[n, k] * scale, np.float32(0)), last)
-            total = table[np.int64(x)]
-            for s in range(per_pixel):
-                x = min(max(extra[j * per_pixel + s, k] * scale, np.float32(0)), last)
-                total += table[np.int64(x)]
-            out[n, k] = np.uint8(total / np.float32(per_pixel + 1) + np.float32(0.5))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import camera, floorplan, lights, materials, rays, scene_mesh, shading, textures
+from ovman.engine import camera, floorplan, lights, materials, painter, rays, scene_mesh, shading, textures
 from ovman.engine.camera import Renderer, View
 from ovman.engine.shapes import Part
 from ovman.engine.world import World
@@ -240,6 +240,23 @@ def test_normals_are_unit_and_face_the_viewer():
     assert (np.einsum("ijk,ijk->ij", normals, rays_of(view))[seen] <= 1e-4).all()
 
 
+def test_a_mirror_shows_what_it_faces():
+    """The wall behind the viewer is bright at one side; so is the mirror, on the same side as it would be in a photograph."""
+    paint = {
+        "mirror": materials.Material(np.array([0.1, 0.1, 0.1]), gloss=1.0),
+        "red": materials.Material(np.array([0.9, 0.02, 0.02]), gloss=0.0),
+        "blue": materials.Material(np.array([0.02, 0.02, 0.9]), gloss=0.0),
+    }
+    stage = hall()
+    slabs = {"mirror": ((-2, 0, 2), (2, 2.5, 2.1)), "red": ((-2, 0, -2), (0, 2.5, -1.9)), "blue": ((0, 0, -2), (2, 2.5, -1.9))}
+    for name, (low, high) in slabs.items():
+        low, high = np.array(low, float), np.array(high, float)
+        stage._parts += ((name, (Part("box", (low + high) / 2, high - low, slot=name),), paint),)
+    rgb = Renderer(stage).frame(View(np.array([0, 1.2, 0]), 0, fov_deg=60, width=40, height=40)).rgb.astype(int)
+    left, right = rgb[20, 10], rgb[20, 30]
+    assert left[0] > left[2] + 60 and right[2] > right[0] + 60
+
+
 def test_light_and_shadow_shape_the_picture():
     """Under a lamp, what is below a slab gets less light than what is beside it, and contact darkens where walls meet."""
     slab = ("slab", np.array([0.0, 1.0, 0.0]), np.array([1.5, 1.05, 1.5]))
@@ -277,7 +294,7 @@ def test_textures_move_with_the_object():
     """The colour at a point of an object is the same wherever the object is."""
     world = World(floorplan.load("FloorPlan201"))
     meshes = scene_mesh.of_plan(world.plan, world.room)
-    looks = camera._Looks.of(meshes.materials)
+    looks = painter.Looks.of(meshes.materials)
     movable = [o for o in world.plan.objects if o.dynamic]
     turn = floorplan.rotation_matrix(np.array([10.0, 77.0, -20.0]))
 

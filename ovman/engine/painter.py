@@ -1,0 +1,154 @@
+"""From what the rays of a view hit to its picture: colour, light, shadow, mirrors and smooth edges."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ovman.engine import film, optics, shading, textures
+from ovman.engine.lights import Rig
+from ovman.engine.materials import Material
+from ovman.engine.rays import Caster
+from ovman.engine.scene_mesh import SceneMesh
+
+SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
+"""Linear RGB where nothing is."""
+
+
+@dataclass(frozen=True)
+class Looks:
+    """Materials as arrays, M of them: linear RGB (M, 3), texture kinds, scales (metres), seeds, glosses, emissions (M,)."""
+
+    colours: np.ndarray
+    kinds: np.ndarray
+    scales: np.ndarray
+    seeds: np.ndarray
+    glosses: np.ndarray
+    emissions: np.ndarray
+
+    @staticmethod
+    def of(materials: Iterable[Material]) -> Looks:
+        materials = tuple(materials)
+        return Looks(
+            np.array([m.colour for m in materials], dtype=np.float32).reshape(-1, 3),
+            np.array([textures.KINDS.index(m.texture) for m in materials], dtype=np.int32),
+            np.array([m.scale_m for m in materials], dtype=np.float32),
+            np.array([m.seed & 0x7FFFFFFF for m in materials], dtype=np.int64),
+            np.array([m.gloss for m in materials], dtype=np.float32),
+            np.array([m.emission for m in materials], dtype=np.float32),
+        )
+
+
+@dataclass(frozen=True)
+class Hits:
+    """N image points (columns, rows in pixels), their rays, and what those hit: triangle (-1: none), distance in lengths of the
+    ray, barycentric coordinates."""
+
+    columns: np.ndarray
+    rows: np.ndarray
+    origins: np.ndarray
+    rays: np.ndarray
+    prim: np.ndarray
+    distance: np.ndarray
+    u: np.ndarray
+    v: np.ndarray
+
+
+@dataclass(frozen=True)
+class Surface:
+    """Where N rays met the world: points (N, 3), unit normals (N, 3) towards the eye (0 for none), width of a pixel (N,)."""
+
+    points: np.ndarray
+    normals: np.ndarray
+    footprint: np.ndarray
+
+
+class Painter:
+    """Casts and colours the rays of one view of a mesh."""
+
+    def __init__(self, view, mesh: SceneMesh, looks: Looks, caster: Caster) -> None:
+        """`view`: camera.View"""
+        self._view, self._mesh, self._looks, self._caster = view, mesh, looks, caster
+        self._flat = view.orthographic_size is not None
+        self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)
+
+    def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
+        """What is seen at some image points, (N,) float32 pixels."""
+        view = self._view
+        origins, ways = np.empty((len(columns), 3), np.float32), np.empty((len(columns), 3), np.float32)
+        optics.primary(
+            *view.axes().astype(np.float32), np.float32(self._tall * view.width / view.height), np.float32(self._tall),
+            np.asarray(view.position, dtype=np.float32), np.float32(view.near_m), self._flat, columns, rows,
+            view.width, view.height, origins, ways,
+        )  # fmt: skip
+        return Hits(columns, rows, origins, ways, *self._caster.closest(origins, ways))
+
+    def surface(self, hits: Hits) -> Surface:
+        count = len(hits.prim)
+        found = Surface(np.zeros((count, 3), np.float32), np.zeros((count, 3), np.float32), np.zeros(count, np.float32))
+        optics.surface(
+            hits.prim, hits.u, hits.v, hits.distance, hits.origins, hits.rays, self._mesh.normals,
+            np.float32(2 * self._tall / self._view.height), self._flat, found.points, found.normals, found.footprint,
+        )  # fmt: skip
+        return found
+
+    def picture(self, hits: Hits, surface: Surface, rig: Rig, ids: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """(H W, 3) uint8 of the view's own pixels, in order: `hits` at their centres, with instance ids and depths (H W,)."""
+        view = self._view
+        grid = self._grid(hits, surface, rig)
+        linear = self._light(hits, surface, rig, grid)
+        pixels = np.empty(len(hits.prim), np.int64)
+        aside, down = np.empty(len(hits.prim), np.float32), np.empty(len(hits.prim), np.float32)
+        count = film.edges(ids, depth, surface.normals, linear, view.width, view.height, pixels, aside, down)
+        pixels = pixels[:count]
+        more = self.cast(hits.columns[pixels] + aside[:count], hits.rows[pixels] + down[:count])
+        extra = self._light(more, self.surface(more), rig, grid)
+        picture = np.empty((len(linear), 3), np.uint8)
+        film.develop(linear, film.curve(), extra, pixels, picture)
+        return picture
+
+    def _grid(self, hits: Hits, surface: Surface, rig: Rig) -> np.ndarray:
+        """Light and shadow at every other pixel, as `shading.soften` leaves them."""
+        view = self._view
+        wide, high = (view.width + 1) // 2, (view.height + 1) // 2
+        total = wide * high
+        starts, ways = np.empty((2 * total, 3), np.float32), np.empty((2 * total, 3), np.float32)
+        reach, weight, even = np.empty(2 * total, np.float32), np.empty(total, np.float32), np.empty(total, np.float32)
+        slots, grid = np.empty((total, 2), np.int32), np.empty((total, shading.GRID), np.float32)
+        count = shading.coarse(
+            hits.prim, surface.points, surface.normals, view.width, view.height, wide, high, rig.lights, rig.shadowed,
+            rig.samples, shading.directions(), np.float32(shading.REACH_M), starts, ways, reach, slots, weight, even, grid,
+        )  # fmt: skip
+        blocked = self._caster.occluded(starts[:count], ways[:count], reach[:count])
+        shading.soften(blocked, slots, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
+        return grid
+
+    def _colour(self, hits: Hits, surface: Surface) -> np.ndarray:
+        mesh, looks = self._mesh, self._looks
+        colour = np.empty((len(hits.prim), 3), np.float32)
+        textures.albedo(
+            hits.prim, surface.points, surface.footprint, mesh.material, mesh.part, mesh.axis, mesh.frames, mesh.extents,
+            looks.colours, looks.kinds, looks.scales, looks.seeds, looks.emissions, textures.noise(), colour,
+        )  # fmt: skip
+        return colour
+
+    def _light(self, hits: Hits, surface: Surface, rig: Rig, grid: np.ndarray, mirrors: bool = True) -> np.ndarray:
+        """Linear light (N, 3) float32 of image points. Mirrors show what they face, but not other mirrors in it."""
+        view, looks, material = self._view, self._looks, self._mesh.material
+        out = np.empty((len(hits.prim), 3), np.float32)
+        shading.shade(
+            hits.prim, surface.points, surface.normals, hits.rays, self._colour(hits, surface), hits.columns, hits.rows,
+            grid, (view.width + 1) // 2, (view.height + 1) // 2, material, looks.glosses, looks.emissions,
+            rig.lights, rig.ambient, np.float32(rig.exposure), SKY, out,
+        )  # fmt: skip
+        if mirrors:
+            which = optics.mirrors(hits.prim, material, looks.glosses)
+            if len(which):
+                starts, ways = np.empty((len(which), 3), np.float32), np.empty((len(which), 3), np.float32)
+                gloss = looks.glosses[material[hits.prim[which]]]
+                optics.mirrored(which, surface.points, surface.normals, hits.rays, starts, ways)
+                met = Hits(hits.columns[which], hits.rows[which], starts, ways, *self._caster.closest(starts, ways))
+                film.mirror(which, gloss, self._light(met, self.surface(met), rig, grid, mirrors=False), out)
+        return out
