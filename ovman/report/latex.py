@@ -1,4 +1,4 @@
-"""A table as LaTeX with booktabs rules, to be \\input into a document that loads booktabs."""
+r"""A table as LaTeX with booktabs rules, to be \input into a document that loads booktabs."""
 
 from __future__ import annotations
 

@@ -1,0 +1,109 @@
+"""The release: what results/ holds that others need, as one directory with a dataset card and checksums."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import shutil
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ovman.engine import floorplan
+from ovman.report.markdown import pipe_table
+from ovman.task import Episode, Rejection, Relation, read_episodes
+
+FILES = (
+    "episodes/main.jsonl",
+    "metrics/rejections.csv",
+    "metrics/static_outcomes.csv",
+    "metrics/embodied_outcomes.csv",
+    "metrics/static_rates.csv",
+    "metrics/embodied_rates.csv",
+)
+TREES = ("scenes", "trials", "predictions", "runs", "tables")
+HIDDEN = "."
+
+
+def release(results: Path, output: Path, card: str) -> list[Path]:
+    """Copy the results that are released into `output`, beside `card` and SHA256SUMS; returns the files, relative, sorted.
+
+    `output` is made anew. FileNotFoundError names the file of `results` that is not there.
+    """
+    shutil.rmtree(output, ignore_errors=True)
+    names = [Path(f) for f in FILES]
+    for tree in TREES:
+        names += sorted(p.relative_to(results) for p in (results / tree).rglob("*") if p.is_file() and p.name[0] != HIDDEN)
+    for name in names:
+        if not (results / name).is_file():
+            raise FileNotFoundError(f"{results / name} is not there; make it first: make tables")
+        (output / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(results / name, output / name)
+    (output / "README.md").write_text(card, encoding="utf-8")
+    names.append(Path("README.md"))
+    sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]
+    (output / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
+    return sorted(names)
+
+
+def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
+    """A table whose first `words` columns are text and the others numbers."""
+    return pipe_table(header, body, [index >= words for index in range(len(header))]).rstrip()
+
+
+def _counts(episodes: Sequence[Episode], key: Any) -> list[list[str]]:
+    """A row for each value of `key`, sorted by number of episodes: value, six relations, all."""
+    table: dict[str, Counter[str]] = {}
+    for episode in episodes:
+        table.setdefault(key(episode), Counter())[episode.relation.value] += 1
+    rows = sorted(table.items(), key=lambda item: (-item[1].total(), item[0]))
+    return [[name, *(str(counts[r.value] or "") for r in Relation), str(counts.total())] for name, counts in rows]
+
+
+def _rejections(rows: Sequence[Mapping[str, str]]) -> list[list[str]]:
+    """A row for each stage and reason, in the order of Algorithm 1: what was drawn, what was rejected, what is left."""
+    order = [("drawn", ""), *((r.stage.value, r.value) for r in Rejection), ("certified", ""), ("released", "")]
+    count = Counter({(row["stage"], row["reason"], row["relation"]): int(row["count"]) for row in rows})
+    table = []
+    for stage, reason in order:
+        counts = [count[stage, reason, relation.value] for relation in Relation]
+        if sum(counts):
+            table.append([stage, reason.replace("_", " "), *(str(n or "") for n in counts), str(sum(counts))])
+    return table
+
+
+def card(results: Path) -> str:
+    """The dataset card of the episodes in `results`, Markdown."""
+    episodes = read_episodes(results / "episodes" / "main.jsonl")
+    with (results / "metrics" / "rejections.csv").open(newline="") as file:
+        rejected = list(csv.DictReader(file))
+    trials = [json.loads(line) for path in sorted((results / "trials").glob("*.jsonl")) for line in path.read_text().splitlines()]
+    kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
+    relations = [r.value for r in Relation]
+    instances = Counter(min(e.instances_in_category, 4) for e in episodes)
+    shortest = sorted(e.shortest_path_m for e in episodes)
+    return (
+        (Path(__file__).parent / "card.md")
+        .read_text(encoding="utf-8")
+        .format(
+            episodes=len(episodes),
+            scenes=len(kind),
+            trials=len(trials),
+            kinds=", ".join(f"{n} {k}{'s' if n > 1 else ''}" for k, n in Counter(kind.values()).most_common()),
+            by_relation=_table([*relations, "all"], [_counts(episodes, lambda e: "")[0][1:]], 0),
+            by_scene=_table(["scene", *relations, "all"], _counts(episodes, lambda e: f"{e.scene} ({kind[e.scene]})")),
+            by_category=_table(["category", *relations, "all"], _counts(episodes, lambda e: e.category)),
+            rejections=_table(["stage", "reason", *relations, "all"], _rejections(rejected), 2),
+            instances=", ".join(f"{count} with {'four or more' if n == 4 else n}" for n, count in sorted(instances.items())),
+            shortest=f"{shortest[0]:.2f}, {shortest[len(shortest) // 2]:.2f} and {shortest[-1]:.2f}",
+        )
+    )
+
+
+def run(results: Path, output: Path) -> None:
+    """Release `results` into `output`."""
+    names = release(results, output, card(results))
+    size = sum((output / name).stat().st_size for name in names)
+    print(f"{output}: {len(names)} files, {size / 1e6:.1f} MB")
