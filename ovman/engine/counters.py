@@ -22,6 +22,8 @@ CELL_M = 0.05
 """Resolution at which evidence is counted; also the step of strip depths and leg positions."""
 WHOLE_M = 0.95
 """A counter narrower than this is one rectangle: two runs of usual depth do not fit into it."""
+ISLAND_M = 1.3
+"""A counter without base units is one rectangle up to this width: an island or a bar."""
 DEPTHS_M = np.round(np.arange(0.45, 0.91, CELL_M), 3)
 """Depths that a run may have."""
 BODY_M = 0.2
@@ -32,7 +34,8 @@ UNSUPPORTED = 0.3
 """Cost of a covered cell without evidence, in cells with evidence."""
 AGAINST = 2.0
 """Cost of covering a cell that something tall stands in."""
-CARRIERS = frozenset({"Cabinet", "Drawer", "Sink", "SinkBasin", "Faucet"})
+BASES = frozenset({"Cabinet", "Drawer"})
+CARRIERS = BASES | {"Sink", "SinkBasin", "Faucet"}
 TALL = frozenset({"Fridge", "GarbageCan", "Chair", "Stool", "Toilet", "Bathtub", "ShelvingUnit", "DiningTable"})
 STOVE_MARGIN_M = 0.07
 _KEPT = 128
@@ -105,7 +108,10 @@ def carriers(plan: FloorPlan, counter: SimObject) -> list[SimObject]:
 
 def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
     box = footprint(counter)
-    if min(box.x1 - box.x0, box.z1 - box.z0) <= WHOLE_M and not box.holds(plan.start[0], plan.start[2], BODY_M):
+    island = not any(o.type in BASES for o in carriers(plan, counter))
+    if min(box.x1 - box.x0, box.z1 - box.z0) <= (ISLAND_M if island else WHOLE_M) and not box.holds(
+        plan.start[0], plan.start[2], BODY_M
+    ):
         return (box,)
     support, against = _evidence(plan, counter, box)
     worth = support - UNSUPPORTED * (support == 0) - AGAINST * against + support

@@ -22,8 +22,10 @@ INSERTS = {"Drawer": "drawer", "Cabinet": "door", "Shelf": "shelf"}
 TURNED_TYPES = {"Bed": 2}
 """Quarter turns of types whose front is known not to be +z: the recorded beds have their heads at +z."""
 
-REACH_M = 0.1
-"""How far before a front something must stand to block it."""
+REACH_M = (0.08, 0.3)
+"""Distances before a front at which something fixed blocks it."""
+ASIDE_M = 0.1
+"""What is nearer than this to the plane of a face is neither before nor behind it."""
 SLACK_M = 0.03
 """How far a drawer may stick out of the furniture that it belongs to."""
 
@@ -98,7 +100,7 @@ def _room_side(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
     normal = obj.box.rotation @ direction(quarter)
     ahead = ((low + high) / 2 - obj.box.centre) @ normal
     start = float(np.tanh((plan.start - obj.box.centre) @ normal)) * 0.5 * len(low)
-    return float(np.sign(ahead[np.abs(ahead) > REACH_M]).sum() + start)
+    return float(np.sign(ahead[np.abs(ahead) > ASIDE_M]).sum() + start)
 
 
 def _openness(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
@@ -108,9 +110,11 @@ def _openness(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
     depth = obj.box.half[2] if quarter % 2 == 0 else obj.box.half[0]
     across = obj.box.half[0] if quarter % 2 == 0 else obj.box.half[2]
     face = obj.box.centre + ahead * depth
-    probe = face + ahead * REACH_M
-    inside = ((probe >= low) & (probe <= high)).all(axis=1)
-    blocked = sum(1 for i in np.flatnonzero(inside) if objects[i] is not obj and not objects[i].pickupable)
+    blocked = 0
+    for reach in REACH_M:
+        probe = face + ahead * reach
+        inside = ((probe >= low) & (probe <= high)).all(axis=1)
+        blocked += any(objects[i] is not obj and not objects[i].dynamic for i in np.flatnonzero(inside))
     edge = min(
         (room[i + 3] - face[i]) * (ahead[i] > 0.5) + (face[i] - room[i]) * (ahead[i] < -0.5)
         for i in (0, 2)
@@ -120,12 +124,7 @@ def _openness(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
     to_start = plan.start - face
     towards = float(to_start @ ahead / (np.linalg.norm(to_start[[0, 2]]) + 1e-9))
     return (
-        towards
-        + 1.0 * hinge
-        - 1.5 * min(blocked, 2)
-        - 1.5 * (edge < 0.35)
-        + 0.6 * (across >= 0.6 * depth)
-        + 0.5 * min(edge, 2.0) / 2.0
+        towards + 1.0 * hinge - 1.0 * blocked - 1.5 * (edge < 0.35) + 0.6 * (across >= 0.6 * depth) + 0.5 * min(edge, 2.0) / 2.0
     )
 
 
