@@ -95,8 +95,8 @@ def upright(direction: np.ndarray) -> np.ndarray:
     """Rotation matrix (3, 3) that takes +y to `direction` (any length) and turns as little as it can."""
     y = np.asarray(direction, dtype=float)
     y = y / np.linalg.norm(y)
-    helper = np.array([0.0, 0.0, 1.0]) if abs(y[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
-    x = np.cross(y, helper)
+    aside = np.array([0.0, 0.0, 1.0]) if abs(y[2]) < 0.9 else np.array([1.0, 0.0, 0.0])
+    x = np.cross(y, aside)
     x /= np.linalg.norm(x)
     return np.stack([x, y, np.cross(x, y)], axis=1)
 
