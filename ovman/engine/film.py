@@ -82,8 +82,8 @@ def edges(ids, depth, normals, linear, width, height, found, aside, down):
 
 @njit(cache=True, error_model="numpy")
 def develop(linear, table, extra, pixels, out):
-    """Eight-bit picture (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3): second samples of `pixels`, which are averaged
-    with the first ones as they are shown, not as light, so that bright edges stay smooth."""
+    """Eight-bit picture (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3): second samples of `pixels`, which are
+    averaged with the first ones as they are shown, not as light, so that bright edges stay smooth."""
     scale = np.float32((CURVE - 1) / BRIGHTEST)
     last = np.float32(CURVE - 1)
     for i in range(len(linear)):

@@ -54,6 +54,7 @@ def surface(prim, u, v, distance, origins, rays, tri_normals, pixel, flat, point
     for i in range(len(prim)):
         t = prim[i]
         if t < 0:
+            normals[i, 0], normals[i, 1], normals[i, 2] = np.float32(0), np.float32(0), np.float32(0)
             continue
         d = distance[i]
         a, b = u[i], v[i]

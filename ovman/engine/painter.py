@@ -58,7 +58,8 @@ class Hits:
 
 @dataclass(frozen=True)
 class Surface:
-    """Where N rays met the world: points (N, 3), unit normals (N, 3) towards the eye (0 for none), width of a pixel (N,)."""
+    """Where N rays met the world: points (N, 3), unit normals (N, 3) towards the eye, width of a pixel (N,) metres. Where nothing
+    is the normal is 0 and the rest undefined."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -87,7 +88,7 @@ class Painter:
 
     def surface(self, hits: Hits) -> Surface:
         count = len(hits.prim)
-        found = Surface(np.zeros((count, 3), np.float32), np.zeros((count, 3), np.float32), np.zeros(count, np.float32))
+        found = Surface(np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float32))
         optics.surface(
             hits.prim, hits.u, hits.v, hits.distance, hits.origins, hits.rays, self._mesh.normals,
             np.float32(2 * self._tall / self._view.height), self._flat, found.points, found.normals, found.footprint,

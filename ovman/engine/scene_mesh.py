@@ -19,6 +19,8 @@ from ovman.engine.floorplan import Box, FloorPlan
 
 CREASE_DEG = 40.0
 """Faces that meet at less than this angle are shaded as one smooth surface."""
+MIX = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93], dtype=np.uint64)
+"""Odd constants that turn a point's coordinates into one number."""
 SAME = 1e-6
 """Metres, and entries of a rotation matrix, within which two poses are one."""
 PLANS_KEPT = 6
@@ -81,18 +83,22 @@ class _Local:
     materials: tuple[paint.Material, ...]
 
 
-def corner_normals(vertices: np.ndarray, triangles: np.ndarray, crease_deg: float = CREASE_DEG) -> np.ndarray:
+def corner_normals(
+    vertices: np.ndarray, triangles: np.ndarray, part: np.ndarray | int = 0, crease_deg: float = CREASE_DEG
+) -> np.ndarray:
     """Unit normals at the corners, (T, 3, 3) for triangles (T, 3) over vertices (V, 3).
 
-    At a corner, the area-weighted mean of the normals of all triangles at that point that make less than `crease_deg` with
-    the corner's own triangle. Points are the same when their coordinates are, to 0.01 mm.
+    At a corner, the area-weighted mean of the normals of all triangles of the same part (T,) at that point that make less than
+    `crease_deg` with the corner's own triangle. Points are the same when their coordinates are, to 0.01 mm.
     """
     points = vertices[triangles]
     area = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
     length = np.linalg.norm(area, axis=1, keepdims=True)
     own = area / np.where(length > 0, length, 1.0)
-    _, group = np.unique(np.round(points.reshape(-1, 3) * 1e5).astype(np.int64), axis=0, return_inverse=True)
-    group = group.ravel()
+    key = np.round(points.reshape(-1, 3) * 1e5).astype(np.int64).view(np.uint64)
+    key = key[:, 0] * MIX[0] ^ key[:, 1] * MIX[1] ^ key[:, 2] * MIX[2]
+    key ^= np.repeat(np.broadcast_to(part, len(triangles)).astype(np.uint64), 3) * MIX[3]
+    group = np.unique(key, return_inverse=True)[1].ravel()
     order = np.argsort(group, kind="stable")
     face = order // 3
     first = np.searchsorted(group[order], group[order], side="left")
@@ -121,14 +127,12 @@ def _local(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) 
             continue
         vertices = np.asarray(vertices, dtype=float)
         turn = np.asarray(part.rotation, dtype=float)
-        normals = corner_normals(vertices, triangles)
         corners = vertices[triangles] @ turn
         facing = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
         pieces.append(
             (
                 vertices,
                 np.asarray(triangles) + count,
-                normals,
                 np.full(len(triangles), slots.index(part.slot)),
                 np.full(len(triangles), number),
                 np.argmax(facing, axis=1),
@@ -137,13 +141,13 @@ def _local(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) 
         count += len(vertices)
     if not pieces:
         return None
-    vertices, triangles, normals, material, part, axis = (np.concatenate(column) for column in zip(*pieces, strict=True))
+    vertices, triangles, material, part, axis = (np.concatenate(column) for column in zip(*pieces, strict=True))
     turns = np.array([p.rotation for p in parts], dtype=float).transpose(0, 2, 1)
     centres = np.array([p.centre for p in parts], dtype=float)
     return _Local(
         vertices,
         triangles.astype(np.int32),
-        normals,
+        corner_normals(vertices, triangles, part),
         material.astype(np.int32),
         part.astype(np.int32),
         axis.astype(np.int32),

@@ -183,7 +183,7 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
         ia, ic = np.int64(np.floor(a)), np.int64(np.floor(c))
         fa, fc = a - np.float32(np.floor(a)) - half, c - np.float32(np.floor(c)) - half
         across = fa if (ia + ic) & 1 else fc
-        k = one - np.float32(1.5) * across * across * _fade(footprint, period)
+        k = one - min(np.float32(1.5), np.float32(0.06) / period) * across * across * _fade(footprint, period)
         k *= one + np.float32(0.10) * (_hash(ia, ic, seed) - half) * _fade(footprint, period)
         return r * k, g * k, b * k
     if kind == TILES:
