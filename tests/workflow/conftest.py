@@ -1,0 +1,87 @@
+"""The smallest world that goes through every stage, made once by the real workflow."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+TINY = ROOT / "overlays" / "tiny.yaml"
+TARGET = "results/tables"
+
+
+@dataclass(frozen=True)
+class World:
+    """A directory in which the workflow runs on the tiny world."""
+
+    directory: Path
+
+    def command(self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET) -> list[str]:
+        """The command line of Snakemake; `overlay` are settings on top of those of the tiny world."""
+        files = [str(TINY)]
+        if overlay is not None:
+            path = self.directory / "overlay.yaml"
+            path.write_text(yaml.safe_dump(dict(overlay)))
+            files.append(str(path))
+        base = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(self.directory)]
+        return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", target]
+
+    def snakemake(self, *arguments: str, overlay: Mapping[str, Any] | None = None) -> subprocess.CompletedProcess[str]:
+        """Run it to its end; standard error is in stdout."""
+        environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
+        return subprocess.run(
+            self.command(*arguments, overlay=overlay),
+            cwd=ROOT,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            check=False,
+        )
+
+    def planned(self, overlay: Mapping[str, Any] | None = None) -> dict[str, int]:
+        """How many jobs of each rule a dry run plans."""
+        said = self.snakemake("--dry-run", overlay=overlay)
+        assert said.returncode == 0, said.stdout
+        if "Nothing to be done" in said.stdout:
+            return {}
+        table = re.search(r"^-+ +-+$\n(.*?)^total", said.stdout, re.MULTILINE | re.DOTALL)
+        assert table, said.stdout
+        return {rule: int(count) for rule, count in map(str.split, table.group(1).splitlines())}
+
+    def results(self) -> dict[str, bytes]:
+        """The bytes of everything that a reader of the results sees."""
+        kept = ("episodes", "predictions", "executions", "runs", "metrics", "tables", "admissible", "certified", "trials")
+        return {
+            str(path.relative_to(self.directory)): path.read_bytes()
+            for stage in kept
+            for path in sorted((self.directory / "results" / stage).rglob("*"))
+            if path.is_file() and path.name != ".snakemake_timestamp"
+        }
+
+    def units(self) -> Mapping[str, Sequence[str]]:
+        """Keys of the finished units in every journal, in the order in which they were finished."""
+        journals = sorted((self.directory / "results" / "journal").rglob("*.jsonl"))
+        return {
+            str(path.relative_to(self.directory)): [json.loads(line)["key"] for line in path.read_text().splitlines()]
+            for path in journals
+        }
+
+
+@pytest.fixture(scope="session")
+def world(tmp_path_factory) -> World:
+    """The tiny world, finished."""
+    made = World(tmp_path_factory.mktemp("world"))
+    said = made.snakemake()
+    assert said.returncode == 0, said.stdout
+    return made

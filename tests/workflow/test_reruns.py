@@ -1,0 +1,127 @@
+"""A change reruns the stages that own what changed and those that follow them, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pytest
+import yaml
+
+from ovman.config import STAGES, load, owned, settings
+from tests.workflow.conftest import ROOT, TINY
+
+FOLLOWS: Mapping[str, tuple[str, ...]] = {
+    "scenes": ("candidates", "trials"),
+    "candidates": ("trials",),
+    "trials": ("admissible", "certified", "episodes", "predictions", "executions"),
+    "admissible": ("certified", "episodes"),
+    "certified": ("episodes",),
+    "episodes": ("predictions", "executions", "runs", "metrics", "tables"),
+    "predictions": ("metrics",),
+    "executions": ("runs",),
+    "runs": ("metrics",),
+    "metrics": ("tables",),
+    "tables": (),
+}
+
+
+def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    return dict(base) | {
+        key: merged(base[key], value) if isinstance(value, Mapping) and key in base else value for key, value in over.items()
+    }
+
+
+TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
+VALUES = settings(load(TREE))
+OTHER = {
+    "benchmark.backend": "thor",
+    "success.sweep_deg": [0, 30],
+}
+
+
+def other(name: str) -> Any:
+    """Another value for a constant, which makes sense beside all others."""
+    value = VALUES[name]
+    return OTHER[name] if name in OTHER else value + 1 if isinstance(value, int) else value * 1.01
+
+
+def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
+    tree: dict[str, Any] = {}
+    for name, value in values.items():
+        *path, last = name.split(".")
+        section = tree
+        for key in path:
+            section = section.setdefault(key, {})
+        section[last] = value
+    return tree
+
+
+def owners(*names: str) -> set[str]:
+    return {stage for stage in STAGES if owned(stage, names)}
+
+
+def and_what_follows(stages: set[str]) -> set[str]:
+    reached = set(stages)
+    while True:
+        more = {after for stage in reached for after in FOLLOWS[stage]} | reached
+        if more == reached:
+            return reached
+        reached = more
+
+
+def kinds() -> list[list[str]]:
+    """Constants that rerun the same stages, together. Those that say which files there are, are tested by themselves."""
+    found: dict[frozenset[str], list[str]] = {}
+    for name in VALUES:
+        if name not in ("benchmark.scenes", "evaluation.seeds"):
+            found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
+    return list(found.values())
+
+
+def test_finished_is_finished(world):
+    assert world.planned() == {}
+
+
+@pytest.mark.parametrize("name", [names[0] for names in kinds()])
+def test_a_constant_reruns_its_owners_and_what_follows(world, name):
+    # A dry run is slow and a stage's parameter is compared for every constant elsewhere: one constant for each set of stages.
+    assert set(world.planned(overlay({name: other(name)}))) == and_what_follows(owners(name))
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("name", [name for names in kinds() for name in names[1:]])
+def test_every_constant_reruns_its_owners_and_what_follows(world, name):
+    assert set(world.planned(overlay({name: other(name)}))) == and_what_follows(owners(name))
+
+
+def test_constants_that_swap_their_values_rerun_their_owners(world):
+    swapped = {
+        "association.gate_m": VALUES["association.feature_scale_m"],
+        "association.feature_scale_m": VALUES["association.gate_m"],
+    }
+    assert set(world.planned(overlay(swapped))) == and_what_follows(owners(*swapped))
+
+
+def test_number_form_key_order_and_the_users_own_sections_rerun_nothing(world):
+    numbers = {"tour.headings": 4.0, "association.feature_scale_m": 2, "success.sweep_deg": [0.0, 30, 60]}
+    turned = {section: dict(reversed(TREE[section].items())) for section in reversed(TREE)}
+    assert world.planned(merged(turned, overlay(numbers)) | {"x-notes": {"mine": 1}}) == {}
+
+
+def test_a_further_seed_reruns_the_executions_and_what_follows(world):
+    assert set(world.planned({"evaluation": {"seeds": [0, 1]}})) == and_what_follows({"executions"})
+
+
+def test_a_further_scene_runs_its_own_stages_once_and_what_gathers_all(world):
+    planned = world.planned({"benchmark": {"scenes": ["FloorPlan201", "FloorPlan230"]}})
+    alone = {"scenes", "candidates", "trials", "admissible", "certified", "episodes", "metrics", "tables"}
+    assert {stage: planned[stage] for stage in alone} == dict.fromkeys(alone, 1)
+    assert set(planned) == set(STAGES)
+
+
+def test_the_rules_are_the_stages(world):
+    said = world.snakemake("--dry-run", "--forceall", "--rulegraph")
+    assert said.returncode == 0
+    for stage in STAGES:
+        assert f'label = "{stage}"' in said.stdout or f'label="{stage}"' in said.stdout
