@@ -10,6 +10,7 @@ Controller with the bar.
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import platform
 import sys
@@ -75,7 +76,8 @@ def mover(world: World) -> Callable[[], object]:
 
 
 def controller_frame(scene: str, view: View):
-    """(call, stop) of a frame through the real Controller with RGB, depth and ids; the agent turns by a degree on each."""
+    """(call, stop) of a frame through the real Controller with RGB, depth and ids; the agent looks to and fro by half a
+    degree: the engine draws no view twice."""
     from ai2thor.controller import Controller
 
     import ovman.engine
@@ -86,7 +88,8 @@ def controller_frame(scene: str, view: View):
         local_executable_path=ovman.engine.executable(), scene=scene, width=view.width, height=view.height,
         renderDepthImage=True, renderInstanceSegmentation=True, snapToGrid=False,
     )  # fmt: skip
-    return (lambda: controller.step("RotateRight", degrees=1.0)), controller.stop
+    turns = itertools.cycle(["RotateRight", "RotateLeft"])
+    return (lambda: controller.step(next(turns), degrees=0.5)), controller.stop
 
 
 def main() -> int:
