@@ -48,6 +48,8 @@ PARTITION_ITEMS = frozenset(["Window", "Painting", "LightSwitch", "Mirror", "Pos
 PARTITION_M = 0.12
 SLAB_M = 3.0
 """Depth of the solid behind a wall's face: nothing passes at any speed that physics allows."""
+HOB_M = 0.03
+"""How far the solid of a stove stays below its hob, on which the burners stand out."""
 SHELL_M = 0.02
 """Distance of the shell from everything."""
 CEILING_M = (2.5, 3.0)
@@ -101,8 +103,8 @@ class Room:
     walls: tuple[Wall, ...]
     """What the agent walks into"""
     solids: tuple[Wall, ...]
-    """What bodies bump into: the outline, the blocks, and a shell around everything that the plan holds, for what stands in a
-    wall from the beginning"""
+    """What bodies bump into: the outline, the blocks, a shell around everything that the plan holds, for what stands in a wall
+    from the beginning, and the stoves, of which the plan has only burners and knobs"""
     ceiling_y: float
 
     @property
@@ -130,15 +132,18 @@ class Room:
                 *(_wall("wall", sides, *heights) for sides in _around(outline)),
                 *inner,
                 *(_wall("shell", sides, *heights) for sides in _around(everything)),
+                *_stoves(plan),
             ),
             ceiling_y,
         )
 
     def parts(self) -> tuple[tuple[str, tuple[Any, ...], Mapping[str, Any]], ...]:
-        """(structure name, parts in the world frame, palette by slot) of walls, doors and ceiling."""
+        """(structure name, parts in the world frame, palette by slot) of walls, doors, ceiling and stoves."""
         from ovman.engine.masonry import structures
+        from ovman.engine.materials import palette
+        from ovman.engine.shapes import stoves
 
-        return structures(self)
+        return (*structures(self), *((name, parts, palette(burner, self.plan)) for name, burner, parts in stoves(self.plan)))
 
 
 def structure_name(kind: str, centre: np.ndarray) -> str:
@@ -161,6 +166,12 @@ def _wall(kind: str, sides: Rectangle, low: float, high: float) -> Wall:
     centre = np.array([(x_0 + x_1) / 2, (low + high) / 2, (z_0 + z_1) / 2])
     half = np.array([x_1 - x_0, high - low, z_1 - z_0]) / 2
     return Wall(structure_name(kind, centre), Box(centre, half, np.eye(3)))
+
+
+def _stoves(plan: FloorPlan) -> list[Wall]:
+    from ovman.engine.counters import stoves
+
+    return [_wall("stove", s.rect, plan.floor_y, s.top - HOB_M) for s in stoves(plan)]
 
 
 def _plan_bounds(box: Box) -> tuple[np.ndarray, np.ndarray]:
