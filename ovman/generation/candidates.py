@@ -115,11 +115,15 @@ def draw(
 
 
 def candidates(scene: Mapping[str, Any], constants: Any) -> list[dict[str, Any]]:
-    """All candidates of a scene, relation after relation. None for a relation without a category that could serve it."""
+    """All candidates of a scene, relation after relation. None for a relation without a category that could serve it.
+
+    APPEARED and REMOVED draw the same targets: one is the other with its visits swapped, so each recorded tour serves both.
+    """
     by_category = eligible(scene)
     drawn = []
     for relation in Relation:
-        rng = seeds.generator(constants.benchmark.seed, "targets", scene["scene"], relation.value)
+        drawn_as = Relation.APPEARED if relation is Relation.REMOVED else relation
+        rng = seeds.generator(constants.benchmark.seed, "targets", scene["scene"], drawn_as.value)
         # With a third instance that stays, the stable one would not be unique (Eq. 2).
         pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
         if not pool:

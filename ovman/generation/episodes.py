@@ -13,7 +13,7 @@ from ovman import seeds
 from ovman.constants import task_constants
 from ovman.language import noun, sentence
 from ovman.sim.recorded import judged
-from ovman.task import Rejection, Relation, SuccessConstants
+from ovman.task import Episode, Rejection, Relation, SuccessConstants, episode_lines
 
 SCHEMA = "ovman-episode/1"
 REJECTION_COLUMNS = ("relation", "stage", "reason", "count")

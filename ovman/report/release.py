@@ -48,6 +48,12 @@ def release(results: Path, output: Path, card: str) -> list[Path]:
     return sorted(names)
 
 
+def rows(path: Path) -> list[dict[str, str]]:
+    """The rows of a released csv file."""
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
 def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
     """A table whose first `words` columns are text and the others numbers."""
     return pipe_table(header, body, [index >= words for index in range(len(header))]).rstrip()
@@ -77,8 +83,7 @@ def _rejections(rows: Sequence[Mapping[str, str]]) -> list[list[str]]:
 def card(results: Path) -> str:
     """The dataset card of the episodes in `results`, Markdown."""
     episodes = read_episodes(results / "episodes" / "main.jsonl")
-    with (results / "metrics" / "rejections.csv").open(newline="") as file:
-        rejected = list(csv.DictReader(file))
+    rejected = rows(results / "metrics" / "rejections.csv")
     trials = [json.loads(line) for path in sorted((results / "trials").glob("*.jsonl")) for line in path.read_text().splitlines()]
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
     relations = [r.value for r in Relation]

@@ -111,9 +111,9 @@ class Session:
         """Only these objects are in `objects` until the next reset: metadata are most of what a step without an image costs."""
         self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
-    def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> bool:
-        """Put the agent at `pose`; False if something is in the way (only with `allowed`)."""
-        event = self.step(
+    def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> Any:
+        """Put the agent at `pose`; returns the event, which is false if something is in the way (only with `allowed`)."""
+        return self.step(
             "TeleportFull",
             image=image,
             allowed=allowed,
@@ -122,7 +122,6 @@ class Session:
             horizon=pose.horizon_deg,
             standing=True,
         )
-        return bool(event.metadata["lastActionSuccess"])
 
     def reachable(self) -> list[tuple[float, float]]:
         """Floor-plane points of the navigation grid around the agent, as the world is now."""

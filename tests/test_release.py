@@ -1,0 +1,128 @@
+"""The released records are what they say: whole, consistent, re-derivable, and made again to the same bytes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from ovman.agents import executions, predictions
+from ovman.agents.arms import Kind, of_kind
+from ovman.analysis import metrics, runs
+from ovman.config import canonical, load
+from ovman.constants import StageConstants, task_constants
+from ovman.generation import admissible, candidates, certified, episodes, scenes, trials
+from ovman.report import release, tables
+from ovman.sim.recorded import judged
+from ovman.task import Relation, read_episodes, referents
+
+ROOT = Path(__file__).parent.parent
+DATA = ROOT / "data" / "ovman-embedded-v1"
+CONFIG = load(ROOT / "config.yaml")
+REGENERATED = "FloorPlan16"
+
+
+def constants(stage: str) -> StageConstants:
+    return StageConstants(canonical(CONFIG, stage))
+
+
+def records(path: Path) -> list[dict]:
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+@pytest.fixture(scope="module")
+def released():
+    return read_episodes(DATA / "episodes" / "main.jsonl")
+
+
+def test_every_file_has_its_checksum():
+    sums = dict(reversed(line.split("  ", 1)) for line in (DATA / "SHA256SUMS").read_text().splitlines())
+    files = {p.relative_to(DATA).as_posix() for p in DATA.rglob("*") if p.is_file()} - {"SHA256SUMS"}
+    assert set(sums) == files
+    for name, checksum in sums.items():
+        assert hashlib.sha256((DATA / name).read_bytes()).hexdigest() == checksum, name
+
+
+def test_the_split_is_the_papers(released):
+    counts = Counter(e.relation.value for e in released)
+    assert counts == {"moved": 33, "former": 38, "moving": 36, "stable": 32, "appeared": 40, "removed": 40}
+    assert len({e.scene for e in released}) == 20 == len(CONFIG.benchmark.scenes)
+
+
+def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released):
+    task = task_constants(constants("admissible"))
+    for episode in released:
+        assert len(episode.certification) == 1 + CONFIG.admissibility.runs
+        assert all(run.success for run in episode.certification), episode.id
+        assert referents(*episode.states, episode.query, task) == (episode.target,), episode.id
+
+
+def test_verdicts_and_audit_follow_from_the_released_measurements(tmp_path):
+    """Pure functions on the released trials and runs give the released predictions, judgements, rates and tables."""
+    episodes_file = DATA / "episodes" / "main.jsonl"
+    trial_files = sorted((DATA / "trials").glob("*.jsonl"))
+    for arm in of_kind(Kind.STATIC):
+        predictions.run(arm.name, episodes_file, trial_files, constants("predictions"), tmp_path / f"{arm.name}.jsonl")
+        assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
+    run_files = sorted((DATA / "runs").rglob("*.jsonl"))
+    task = task_constants(constants("runs"))
+    for file in run_files:
+        for run in records(file):
+            relation = Relation(run["episode"].split("/")[1])
+            assert judged(run, relation, task) == run["success"], run
+    metrics.run(episodes_file, sorted((DATA / "predictions").glob("*.jsonl")), run_files, constants("metrics"), tmp_path)
+    for name in ("static_rates.csv", "embodied_rates.csv"):
+        assert (tmp_path / name).read_bytes() == (DATA / "metrics" / name).read_bytes()
+    rates = [tmp_path / "static_rates.csv", tmp_path / "embodied_rates.csv", DATA / "metrics" / "rejections.csv"]
+    tables.run(*rates, constants("tables"), tmp_path / "tables")
+    for path in sorted((DATA / "tables").iterdir()):
+        assert (tmp_path / "tables" / path.name).read_bytes() == path.read_bytes(), path.name
+
+
+def test_what_must_come_out_does():
+    rows = {(r["arm"], r["relation"]): r for r in release.rows(DATA / "metrics" / "static_rates.csv")}
+    assert float(rows["positions_two_visits", "all"]["rate"]) >= 0.97
+    rows = {(r["arm"], r["relation"]): r for r in release.rows(DATA / "metrics" / "embodied_rates.csv")}
+    assert float(rows["oracle_check", "all"]["rate"]) >= 0.98
+    assert float(rows["two_visits_oracle_positions", "all"]["rate"]) >= 0.97
+
+
+def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    scene = REGENERATED
+
+    def journal(stage: str) -> Path:
+        return tmp_path / "journal" / f"{stage}.jsonl"
+
+    def path(stage: str, suffix: str = "jsonl") -> Path:
+        return tmp_path / f"{stage}.{suffix}"
+
+    scenes.run(scene, constants("scenes"), path("scene", "json"), journal("scenes"))
+    assert path("scene", "json").read_bytes() == (DATA / "scenes" / f"{scene}.json").read_bytes()
+    candidates.run(path("scene", "json"), constants("candidates"), path("candidates"))
+    visits = tmp_path / "visits"
+    trials.run(path("candidates"), path("scene", "json"), constants("trials"), path("trials"), visits, journal("trials"))
+    assert path("trials").read_bytes() == (DATA / "trials" / f"{scene}.jsonl").read_bytes()
+    admissible.run(path("trials"), constants("admissible"), path("admissible"))
+    (tmp_path / f"{scene}.jsonl").write_bytes(path("trials").read_bytes())
+    certified.run(
+        path("admissible"), tmp_path / f"{scene}.jsonl", constants("certified"), path("certified"), journal("certified")
+    )
+    made = {c["id"]: c["runs"] for c in records(path("certified"))}
+    by_id = {t["candidate"]["id"]: t for t in records(path("trials"))}
+    task = task_constants(constants("episodes"))
+    kept = [e for e in records(DATA / "episodes" / "main.jsonl") if e["scene"] == scene]
+    assert kept
+    for record in kept:
+        again = episodes.episode(by_id[record["id"]], made[record["id"]], CONFIG.benchmark.backend, task)
+        assert episodes.Episode.from_json(again).to_json() == record
+    for arm in of_kind(Kind.EMBODIED):
+        outputs = {0: tmp_path / f"{arm.name}.jsonl"}
+        executions.run(
+            arm.name, scene, DATA / "episodes" / "main.jsonl", path("trials"), constants("executions"), outputs, journal(arm.name)
+        )
+        runs.run([outputs[0]], DATA / "episodes" / "main.jsonl", constants("runs"), [tmp_path / "judged.jsonl"])
+        assert (tmp_path / "judged.jsonl").read_bytes() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_bytes()
