@@ -11,11 +11,12 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables quick test soak bench lint lock setup clean
+.PHONY: help tables quick release test soak bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
+	@echo "make release results/ into data/ovman-embedded-v1, with card, checksums and picture"
 	@echo "make test    the tests;  make soak: the long ones"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint and import contracts"
@@ -27,6 +28,11 @@ tables: $(READY)
 
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
+
+release: tables
+	@$(SNAKEMAKE) -- results/figures/relations.png
+	@cp results/figures/relations.png docs/relations.png
+	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v1
 
 test: $(READY)
 	@.venv/bin/python -m pytest -q

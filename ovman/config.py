@@ -249,6 +249,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "executions": (*_RUNNING, "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
     "runs": ("success.*",),
     "metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "figures": ("camera.*", "admissibility.minimum_mask_px"),
     "tables": (
         "tour.*",
         "success.*",

@@ -56,29 +56,31 @@ def _pin_point(episode: Mapping[str, Any], first: Visit, second: Visit) -> tuple
     return episode["answer"]["x"], where["y"], episode["answer"]["z"]
 
 
-def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, camera: Any) -> tuple[int, float]:
+def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants: Any) -> tuple[int, float]:
     """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
     point = _pin_point(episode, first, second)
     showing = first if Relation(episode["relation"]).past else second
+    least_px = constants.admissibility.minimum_mask_px
     scores = [
-        _score(point, view, camera) + (0.0 if view["seen"].get(episode["target"], 0) >= 300 else -math.inf)
+        _score(point, view, constants.camera) if view["seen"].get(episode["target"], 0) >= least_px else -math.inf
         for view in showing.views
     ]
     return int(np.argmax(scores)), float(max(scores))
 
 
-def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], camera: Any, output: Path) -> None:
-    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG or PDF)."""
+def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constants: Any, output: Path) -> None:
+    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG)."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
 
+    camera = constants.camera
     columns = len(chosen)
     figure, axes = plt.subplots(2, columns, figsize=(PANEL_INCHES * columns, PANEL_INCHES * 2 + 0.9), squeeze=False)
     for column, (episode, first, second, visits) in enumerate(chosen):
         relation = Relation(episode["relation"])
-        index, _ = best_view(episode, first, second, camera)
+        index, _ = best_view(episode, first, second, constants)
         point = _pin_point(episode, first, second)
         for row, visit in enumerate((first, second)):
             axis = axes[row, column]
@@ -97,7 +99,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], camera:
         axes[0, column].set_title(relation.value.upper(), fontsize=11, fontweight="bold", color=INK)
         axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode['sentence']}”", 30)), fontsize=10, color=INK)
     figure.tight_layout(pad=0.6)
-    figure.savefig(output, dpi=110)
+    figure.savefig(output, dpi=110, format="png")
     plt.close(figure)
 
 
@@ -110,10 +112,10 @@ def run(episodes_file: Path, visits_dir: Path, constants: Any, output: Path) -> 
         for episode in (e for e in episodes if e["relation"] == relation.value):
             directory = Path(visits_dir) / episode["scene"]
             first, second = (Visit.load(directory / episode["visits"][v]) for v in ("first", "second"))
-            _, score = best_view(episode, first, second, constants.camera)
+            _, score = best_view(episode, first, second, constants)
             ranked.append((episode["scene"] in scenes, -score, episode["id"], episode, first, second, directory))
         if ranked:
             *_, episode, first, second, directory = min(ranked, key=lambda r: r[:3])
             scenes.add(episode["scene"])
             chosen.append((episode, first, second, directory))
-    draw(chosen, constants.camera, Path(output))
+    draw(chosen, constants, Path(output))

@@ -6,6 +6,7 @@ import csv
 import hashlib
 import json
 import shutil
+import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -112,3 +113,7 @@ def run(results: Path, output: Path) -> None:
     names = release(results, output, card(results))
     size = sum((output / name).stat().st_size for name in names)
     print(f"{output}: {len(names)} files, {size / 1e6:.1f} MB")
+
+
+if __name__ == "__main__":
+    run(*(Path(argument) for argument in sys.argv[1:]))

@@ -1,0 +1,12 @@
+# No part of the main job: snakemake --cores 1 results/figures/relations.png
+rule figures:
+    input:
+        episodes="results/episodes/main.jsonl",
+    output:
+        relations="results/figures/relations.png",
+    log:
+        "logs/figures.log",
+    params:
+        constants=stage("figures"),
+    script:
+        "../scripts/figures.py"
