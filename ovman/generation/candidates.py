@@ -12,13 +12,16 @@ import numpy as np
 from ovman import seeds
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
-from ovman.sim.change import Alteration
+from ovman.sim.change import AGENT_RADIUS_M, Alteration
+from ovman.sim.mover import Lane
 from ovman.task import Rejection, Relation
 
 SCHEMA = "ovman-candidate/1"
 SHARE_OF_LANES = 4
 """A mover gets one of the nearest quarter of the lanes that it could take."""
+LANE_SAMPLING_M = 0.1
 Item = Mapping[str, Any]
+Point = tuple[float, float]
 
 
 def eligible(scene: Mapping[str, Any]) -> Mapping[str, list[Item]]:
@@ -61,10 +64,18 @@ def _motion(
     return Alteration("motion", item["id"], None, round(scene["floor_y"] + placement.ABOVE_SURFACE_M, 4), lane)
 
 
+def _beside(lane: Lane, item: Item, clearance_m: float) -> list[tuple[Point, float]]:
+    """The beginning of a lane with the spawn clearance, and points along it that the agent's body must leave to the mover."""
+    body_m = AGENT_RADIUS_M + np.hypot(item["size"]["x"], item["size"]["z"]) / 2
+    along = np.arange(0.0, lane.length_m + LANE_SAMPLING_M, LANE_SAMPLING_M).clip(max=lane.length_m)
+    return [(lane.at(0.0), clearance_m), *((lane.at(metres), body_m + LANE_SAMPLING_M) for metres in along)]
+
+
 def _spawn(
-    floor: FreeFloor, keep_from: list[tuple[float, float]], clearance_m: float, headings: int, rng: np.random.Generator
+    floor: FreeFloor, keep_from: list[tuple[Point, float]], headings: int, rng: np.random.Generator
 ) -> dict[str, float] | None:
-    free = [(x, z) for x, z in floor.cells if all(np.hypot(x - kx, z - kz) >= clearance_m for kx, kz in keep_from)]
+    """A reachable position at least so many metres from each of the points of `keep_from`; None if there is none."""
+    free = [(x, z) for x, z in floor.cells if all(np.hypot(x - kx, z - kz) >= metres for (kx, kz), metres in keep_from)]
     if not free:
         return None
     x, z = free[int(rng.integers(len(free)))]
@@ -81,7 +92,8 @@ def draw(
     first: list[Alteration] = []
     second: list[Alteration] = []
     refused: Rejection | None = None
-    keep_from = [(item["position"]["x"], item["position"]["z"])]
+    clearance_m = constants.candidates.spawn_clearance_m
+    keep_from: list[tuple[Point, float]] = [((item["position"]["x"], item["position"]["z"]), clearance_m)]
     if relation is Relation.APPEARED:
         first = [Alteration("disable", item["id"])]
     elif relation is Relation.REMOVED:
@@ -95,8 +107,11 @@ def draw(
             refused = Rejection.NO_LANE if relation is Relation.MOVING else Rejection.NO_PLACEMENT
         else:
             second = [alteration]
-            keep_from.append(alteration.placement or (alteration.lane.x_0, alteration.lane.z_0))
-    spawn = _spawn(floor, keep_from, constants.candidates.spawn_clearance_m, constants.tour.headings, rng)
+            if alteration.lane is None:
+                keep_from.append((alteration.placement, clearance_m))
+            else:
+                keep_from += _beside(alteration.lane, changed, clearance_m)
+    spawn = _spawn(floor, keep_from, constants.tour.headings, rng)
     if spawn is None and refused is None:
         refused = Rejection.NO_SPAWN
     return {

@@ -31,12 +31,16 @@ SURFACES = frozenset(
     )
 )
 """Categories whose top carries things."""
+SLABS = frozenset(("CounterTop",))
+"""Categories whose recorded box is that of their top alone; what carries it reaches to the floor."""
 LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""
 ABOVE_SURFACE_M = 0.05
 """Height above a surface from which the simulator looks down for it."""
 CLEARANCE_M = 0.02
 """Gap that is left between a placed object and its neighbours."""
+FLUSH_M = 0.02
+"""What ends this little below a surface is let into it, as sinks and burners are."""
 JITTER_M = 0.1
 LONGEST_LANE_M = 4.0
 
@@ -61,7 +65,7 @@ class FreeFloor:
         boxes = [
             (o["position"]["x"], o["position"]["z"], o["size"]["x"] / 2, o["size"]["z"] / 2)
             for o in scene["objects"]
-            if o["id"] != item["id"] and o["category"] != "Floor" and o["position"]["y"] - o["size"]["y"] / 2 < top
+            if o["id"] != item["id"] and o["category"] != "Floor" and (o["category"] in SLABS or _bottom(o) < top)
         ]
         return FreeFloor(
             np.array(sorted(scene["reachable"])),
@@ -93,6 +97,10 @@ class Spot:
     x: float
     z: float
     height_m: float
+
+
+def _bottom(item: Mapping[str, Any]) -> float:
+    return item["position"]["y"] - item["size"]["y"] / 2
 
 
 def _half(item: Mapping[str, Any]) -> tuple[float, float]:
@@ -145,8 +153,8 @@ def _clears(other: Mapping[str, Any], x: float, z: float, half_x: float, half_z:
     return bool(
         abs(centre["x"] - x) > size["x"] / 2 + half_x
         or abs(centre["z"] - z) > size["z"] / 2 + half_z
-        or centre["y"] - size["y"] / 2 > high
-        or centre["y"] + size["y"] / 2 < low + ABOVE_SURFACE_M / 2
+        or _bottom(other) > high
+        or centre["y"] + size["y"] / 2 < low - FLUSH_M
     )
 
 
