@@ -70,7 +70,7 @@ class Painter:
     """Casts and colours the rays of one view of a mesh."""
 
     def __init__(self, view, mesh: SceneMesh, looks: Looks, caster: Caster) -> None:
-        """`view`: camera.View"""
+        """`view`: camera.View."""
         self._view, self._mesh, self._looks, self._caster = view, mesh, looks, caster
         self._flat = view.orthographic_size is not None
         self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)

@@ -17,7 +17,7 @@ RELATIONS = st.sampled_from(Relation)
 DISTANCES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 3.0))
 PIXELS = st.one_of(st.sampled_from([0, 99, 100]), st.integers(0, 300))
 MEASUREMENTS = st.builds(
-    Measurement, DISTANCES, DISTANCES, DISTANCES, st.fixed_dictionaries({pitch: PIXELS for pitch in CONSTANTS.sweep_deg})
+    Measurement, DISTANCES, DISTANCES, DISTANCES, st.fixed_dictionaries(dict.fromkeys(CONSTANTS.sweep_deg, PIXELS))
 )
 LENGTHS = st.one_of(st.just(0.0), st.floats(0.0, 50.0))
 

@@ -1,0 +1,151 @@
+"""Visits recorded through the real Controller and engine: what the files say is what was there, and it is said again the same."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ovman.config import canonical, load
+from ovman.constants import StageConstants
+from ovman.sim import visit
+from ovman.sim.change import Alteration, World, position
+from ovman.sim.mover import Gait, Lane
+from ovman.sim.session import AgentPose, Session, SimulatorError
+
+ROOT = Path(__file__).parents[2]
+SCENE = "FloorPlan16"
+GAIT = Gait(0.1, 0.0, 0.0)
+PLANT = "HousePlant"
+
+
+@pytest.fixture(scope="module")
+def session():
+    constants = StageConstants(canonical(load(ROOT / "config.yaml"), "trials"))
+    with Session(SCENE, constants) as session:
+        session.reset()
+        yield session
+
+
+@pytest.fixture(scope="module")
+def views(session):
+    session.reset()
+    start = session.pose
+    return visit.tour([(start.x, start.z)], 4)
+
+
+def world(session, *alterations, seed=0):
+    return World(session, alterations, GAIT, np.random.default_rng(seed))
+
+
+def chair(session) -> str:
+    return next(k for k, o in sorted(session.objects.items()) if o["objectType"] == "Chair")
+
+
+def free_lane(session) -> Lane:
+    """Half a metre along x from a cell whose neighbours are free, away from the agent."""
+    cells = {(round(x / 0.25), round(z / 0.25)) for x, z in session.reachable()}
+    here = session.pose
+    for i, j in sorted(cells):
+        around = {(i + a, j + b) for a in range(-2, 5) for b in range(-2, 3)}
+        if around <= cells and np.hypot(i * 0.25 - here.x, j * 0.25 - here.z) > 1.2:
+            return Lane(i * 0.25, j * 0.25, (i + 2) * 0.25, j * 0.25)
+    raise AssertionError("no lane in the scene")
+
+
+def test_the_files_say_what_the_frames_showed_and_twice_the_same(session, views, tmp_path):
+    first = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "a", "key")
+    again = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "b", "key")
+    assert first == again == visit.Visit.load(tmp_path / "a")
+    names = sorted(p.name for p in (tmp_path / "a").iterdir())
+    assert names == sorted(p.name for p in (tmp_path / "b").iterdir()) and len(names) == 2 + 3 * len(views)
+    for name in names:
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    session.reset()
+    for i, pose in enumerate(views):
+        event = session.teleport(pose, image=True)
+        ids = cv2.imread(str(tmp_path / "a" / f"{i:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
+        depth = cv2.imread(str(tmp_path / "a" / f"{i:02d}_depth.png"), cv2.IMREAD_UNCHANGED)
+        rgb = cv2.imread(str(tmp_path / "a" / f"{i:02d}_rgb.png"))[..., ::-1]
+        view = first.views[i]
+        for k, name in enumerate(view["instances"], start=1):
+            assert np.array_equal(ids == k, event.instance_masks[name])
+            assert view["seen"].get(name, 0) == (n if (n := int((ids == k).sum())) >= 50 else 0)
+        assert np.abs(depth / 1000.0 - event.depth_frame).max() <= 5.01e-4
+        assert np.array_equal(rgb, event.frame)
+
+
+def test_a_displaced_instance_is_where_it_was_put_and_the_others_stay(session, views, tmp_path):
+    session.reset()
+    item = chair(session)
+    untouched = {k: position(o) for k, o in session.objects.items()}
+    lane = free_lane(session)
+    moved = Alteration("displace", item, (lane.x_0, lane.z_0), 0.1)
+    recorded = visit.record(session, world(session, moved), "moved", [moved], views, 50, tmp_path / "v", "key")
+    assert recorded.drift_m(item, (lane.x_0, lane.z_0)) < 0.05
+    for k, here in recorded.positions[-1].items():
+        if k != item:
+            assert here == untouched[k], k
+
+
+def test_what_is_disabled_is_neither_present_nor_seen(session, views, tmp_path):
+    session.reset()
+    item = chair(session)
+    gone = Alteration("disable", item)
+    recorded = visit.record(session, world(session, gone), "gone", [gone], views, 1, tmp_path / "v", "key")
+    assert item not in recorded.record["present"]
+    assert all(item not in view["seen"] for view in recorded.views)
+
+
+def test_a_mover_takes_its_step_before_every_view_and_its_path_is_its_seeds(session, views, tmp_path):
+    session.reset()
+    item, lane = chair(session), free_lane(session)
+    motion = Alteration("motion", item, None, 0.1, lane)
+    visits = [
+        visit.record(session, world(session, motion, seed=seed), "moving", [motion], views, 50, tmp_path / str(k), "key")
+        for k, seed in enumerate((3, 3))
+    ]
+    assert visits[0] == visits[1]
+    path = visits[0].record["mover"]["path"]
+    assert len(path) == 1 + len(views)
+    for point, here in zip(path[1:], visits[0].positions, strict=True):
+        assert np.hypot(point["x"] - here[item]["x"], point["z"] - here[item]["z"]) < 2e-4
+    steps = np.hypot(np.diff([p["x"] for p in path]), np.diff([p["z"] for p in path]))
+    assert np.allclose(steps, GAIT.step_m, atol=2e-4)
+
+
+def test_sightings_are_the_category_only_in_the_order_of_the_tour(session, views, tmp_path):
+    recorded = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "v", "key")
+    seen = recorded.sightings(PLANT) + recorded.sightings("Chair")
+    assert seen and all(s["px"] >= 50 for s in seen)
+    assert [s["view"] for s in recorded.sightings(PLANT)] == sorted(s["view"] for s in recorded.sightings(PLANT))
+    assert json.dumps(seen)
+
+
+def test_equal_world_states_share_a_name_and_others_do_not():
+    lane = Lane(0.0, 0.0, 1.0, 0.0)
+    states = [
+        ([], None),
+        ([Alteration("disable", "Vase|1")], None),
+        ([Alteration("disable", "Vase|2")], None),
+        ([Alteration("displace", "Vase|1", (1.0, 2.0), 0.1)], None),
+        ([Alteration("displace", "Vase|1", (1.0, 2.5), 0.1)], None),
+        ([Alteration("motion", "Vase|1", None, 0.1, lane)], 1),
+        ([Alteration("motion", "Vase|1", None, 0.1, lane)], 2),
+    ]
+    names = [visit.visit_name(*state) for state in states]
+    assert len(set(names)) == len(names)
+    again = [Alteration.from_json(json.loads(json.dumps(a.to_json()))) for a in states[5][0]]
+    assert visit.visit_name(again, 1) == names[5]
+
+
+def test_a_view_that_is_not_free_is_an_error_and_leaves_no_visit(session, tmp_path):
+    session.reset()
+    inside = session.objects[chair(session)]["axisAlignedBoundingBox"]["center"]
+    blocked = [AgentPose(inside["x"], inside["z"], 0.0)]
+    with pytest.raises(SimulatorError, match=SCENE):
+        visit.record(session, world(session), "blocked", [], blocked, 50, tmp_path / "v", "key")
+    assert not (tmp_path / "v").exists()
