@@ -27,7 +27,7 @@ class Section:
         except KeyError:
             where = f"{self._path}.{name}" if self._path else name
             raise AttributeError(
-                f"stage {self._stage!r} does not own the constant {where!r}; STAGES in ovman/config.py says who owns what"
+                f"stage {self._stage!r} does not own the constant {where!r}; STAGES in ovman/stages.py says who owns what"
             ) from None
 
     def __setattr__(self, name: str, value: Any) -> NoReturn:

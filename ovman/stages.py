@@ -1,0 +1,108 @@
+"""Which stage owns which constant, and the canonical text that a stage's rule has as its one parameter.
+
+Snakemake compares parameters as a set of nameless values, so two constants that swap their values would pass unnoticed; one text
+with names in it does not.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from pydantic import BaseModel
+
+from ovman.constants import StageConstants
+from ovman.provenance import code_digest
+from ovman.sections import Config
+
+# Who owns which constant: "a.b" is one, "a.*" is all of a section. A change reruns the stages that own it and what follows them.
+# benchmark.scenes and evaluation.seeds say which files there are; who owns them as well puts them into its records.
+_SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
+_RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
+    _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
+)
+STAGES: Mapping[str, tuple[str, ...]] = {
+    "scenes": (*_SIMULATOR, "tour.waypoints"),
+    "candidates": (
+        "benchmark.seed",
+        "candidates.*",
+        "tour.headings",
+        "mover.lane_min_m",
+        "primitives.step_m",
+    ),
+    "trials": (*_SIMULATOR, *_GAIT, "benchmark.seed", "tour.headings", "measurement.*", "success.sweep_deg"),
+    "admissible": (
+        "candidates.delta_min_m",
+        "candidates.spawn_clearance_m",
+        "admissibility.tau_m",
+        "admissibility.minimum_mask_px",
+        "admissibility.validity_radius_m",
+        "admissibility.drift_tolerance_m",
+        "admissibility.motion_m",
+        "success.visible_px",
+    ),
+    "certified": (*_RUNNING, "admissibility.runs"),
+    "episodes": (
+        "benchmark.seed",
+        "benchmark.backend",
+        "benchmark.scenes",
+        "benchmark.split.*",
+        "success.*",
+    ),
+    "predictions": ("association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
+    "executions": (*_RUNNING, "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
+    "runs": ("success.*",),
+    "metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "figures": ("camera.*", "admissibility.minimum_mask_px"),
+    "tables": (
+        "tour.*",
+        "success.*",
+        "candidates.delta_min_m",
+        "candidates.spawn_clearance_m",
+        "association.*",
+        "admissibility.*",
+        "primitives.*",
+        "mover.*",
+        "single_visit.samples",
+        "evaluation.confidence",
+    ),
+}
+
+
+def settings(config: Config) -> dict[str, Any]:
+    """Every constant by its dotted name, in the order of config.yaml. Sequences are tuples."""
+
+    def walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
+        for name in type(section).model_fields:
+            value = getattr(section, name)
+            where = f"{path}{name}"
+            if isinstance(value, BaseModel):
+                yield from walk(f"{where}.", value)
+            else:
+                yield where, value
+
+    return dict(walk("", config))
+
+
+def owned(stage: str, names: Sequence[str]) -> tuple[str, ...]:
+    """Those of `names` (dotted) that a stage owns, sorted. Raises KeyError for a stage that is not in STAGES."""
+    whole = {pattern for pattern in STAGES[stage] if not pattern.endswith(".*")}
+    beginnings = tuple(pattern.removesuffix("*") for pattern in STAGES[stage] if pattern.endswith(".*"))
+    return tuple(sorted(name for name in names if name in whole or name.startswith(beginnings)))
+
+
+def canonical(config: Config, stage: str) -> str:
+    """The one parameter of a stage's rule: JSON of its constants by name, and of the digest of the code that it runs."""
+    values = settings(config)
+    record = {
+        "stage": stage,
+        "constants": {name: values[name] for name in owned(stage, list(values))},
+        "code": code_digest(stage),
+    }
+    return json.dumps(record, sort_keys=True, separators=(",", ":"))
+
+
+def constants(config: Config, stage: str) -> StageConstants:
+    """The view of `config` that a stage is given: only what it owns."""
+    return StageConstants(canonical(config, stage))
