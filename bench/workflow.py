@@ -1,0 +1,80 @@
+"""What the workflow itself costs: Snakemake and imports against the work, and a changed threshold. `python bench/workflow.py`.
+
+Runs the job of `make quick` in a temporary directory, then again with every journal full, so that no simulator starts: what
+that takes is the overhead (and the pure stages, which are counted as overhead here). CPU time of all processes.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import platform
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+QUICK = ROOT / "overlays" / "quick.yaml"
+
+
+def snakemake(directory: str, files: list[Path], *arguments: str) -> tuple[float, float, str]:
+    """Seconds of wall clock and of CPU, and what was said."""
+    configuration = ["--configfile", *map(str, files)] if files else []
+    command = [
+        sys.executable,
+        "-m",
+        "snakemake",
+        "--snakefile",
+        str(ROOT / "Snakefile"),
+        "--directory",
+        directory,
+        "--cores",
+        "2",
+    ]
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+    done = subprocess.run(
+        [*command, *configuration, *arguments, "--", "results/tables"], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    wall, after = time.perf_counter() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode != 0:
+        sys.exit(done.stderr)
+    return wall, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done.stdout + done.stderr
+
+
+def jobs(said: str) -> int:
+    return int(re.search(r"^total +(\d+)", said, re.MULTILINE)[1])
+
+
+def resident_mb(directory: str) -> float:
+    """The largest of all jobs, with its child processes."""
+    rows = [row for path in Path(directory, "benchmarks").rglob("*.tsv") for row in csv.DictReader(path.open(), delimiter="\t")]
+    return max(float(row["max_rss"]) for row in rows if row["max_rss"] not in ("NA", "-"))
+
+
+def row(name: str, wall: float | None, cpu: float, note: str = "") -> None:
+    print(f"{name:<46}" + (f"{wall:8.1f} s wall" if wall is not None else " " * 15) + f"{cpu:8.1f} s CPU  {note}")
+
+
+def main() -> None:
+    print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    with tempfile.TemporaryDirectory() as directory:
+        wall, cpu, said = snakemake(directory, [QUICK])
+        count = jobs(said)
+        row("make quick, without set-up", wall, cpu, f"{count} jobs, at most {resident_mb(directory):.0f} MB resident")
+        again_wall, again_cpu, _ = snakemake(directory, [QUICK], "--forceall")
+        row("all of it again, no simulator", again_wall, again_cpu, f"{again_cpu / cpu:.1%} of its CPU time")
+        change = Path(directory, "change.yaml")
+        change.write_text("admissibility: {drift_tolerance_m: 0.26}\n")
+        wall, cpu, _ = snakemake(directory, [QUICK, change])
+        row("another drift tolerance, to new tables", wall, cpu)
+    with tempfile.TemporaryDirectory() as directory:
+        full = jobs(snakemake(directory, [], "--dry-run")[2])
+    row(f"at that rate the {full} jobs of make tables", None, again_cpu / count * full)
+
+
+if __name__ == "__main__":
+    main()
