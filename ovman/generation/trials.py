@@ -88,9 +88,12 @@ class Trials:
         else:
             origin = self._position[candidate["target"]]
             answer = world.placed.get(candidate["target"], origin) if relation.current else origin
-            self._ground(candidate, relation, spawn, (answer["x"], answer["z"]), measured)
+            ground = self._ground(candidate, relation, spawn, (answer["x"], answer["z"]), measured)
             if measured["ended"] is None:
                 self._observed(candidate, relation, first, second, measured)
+                if relation.current:
+                    # What was placed may still have rolled a little during the tour; Eq. 3 answers with where it is then.
+                    measured.update(_reach(ground, _last(measured["world_2"], candidate["target"])))
 
     def _placed(
         self, candidate: Mapping[str, Any], second: Sequence[Alteration], world: World, spawn: AgentPose, measured: dict[str, Any]
@@ -113,31 +116,23 @@ class Trials:
         spawn: AgentPose,
         answer: tuple[float, float],
         measured: dict[str, Any],
-    ) -> None:
+    ) -> Ground | None:
         """Reachability of the answer, mobility of the spawn, visibility from the nearest navigable cell; world 2 is in place."""
         constants, session = self._constants, self._session
-        measured["answer"] = {"x": round(answer[0], 4), "z": round(answer[1], 4)}
         measured["spawn_free_moves"] = 0
         if not session.teleport(spawn, allowed=True):
             measured["ended"] = Rejection.SPAWN_IMMOBILE
-            return
+            return None
         ground = Ground.around(session, spawn, constants.primitives.step_m)
         for quarter in range(4):
             session.teleport(AgentPose(spawn.x, spawn.z, 90.0 * quarter))
             moved = session.step("MoveAhead", allowed=True).metadata["lastActionSuccess"]
             measured["spawn_free_moves"] += int(moved)
-        navigable = ground.navigable(*answer)
-        low, high = map(
-            tuple, zip(*((min(v), max(v)) for v in zip(*map(ground.grid.centre, ground.component), strict=True)), strict=True)
-        )
-        measured.update(
-            component_cells=len(ground.component),
-            reachable_box={"x": [low[0], high[0]], "z": [low[1], high[1]]},
-            nearest_navigable={"x": round(navigable[0], 4), "z": round(navigable[1], 4)},
-            answer_to_navigable_m=round(math.hypot(answer[0] - navigable[0], answer[1] - navigable[1]), 4),
-            shortest_path_m=round(geodesic_m(ground.grid, ground.spawn, ground.grid.nearest(*navigable)), 4),
-            visible_px=None,
-        )
+        xs, zs = zip(*map(ground.grid.centre, ground.component), strict=True)
+        measured["component_cells"] = len(ground.component)
+        measured["reachable_box"] = {"x": [min(xs), max(xs)], "z": [min(zs), max(zs)]}
+        measured["visible_px"] = None
+        measured.update(_reach(ground, answer))
         if measured["answer_to_navigable_m"] > constants.measurement.answer_to_navigable_m:
             measured["ended"] = "beyond_measurement"
         elif relation.current:
@@ -146,6 +141,7 @@ class Trials:
             )
             if max(measured["visible_px"].values()) < constants.measurement.visible_px:
                 measured["ended"] = "beyond_measurement"
+        return ground
 
     def _observed(
         self,
@@ -180,6 +176,21 @@ class Trials:
 
 def _intended(alteration: Alteration, position: Mapping[str, Mapping[str, float]]) -> tuple[float, float]:
     return alteration.placement or (position[alteration.instance]["x"], position[alteration.instance]["z"])
+
+
+def _reach(ground: Ground, answer: tuple[float, float]) -> dict[str, Any]:
+    """An answer, its nearest navigable cell, and the ways from one to the other and from the spawn."""
+    x, z = ground.navigable(*answer)
+    return {
+        "answer": {"x": round(answer[0], 4), "z": round(answer[1], 4)},
+        "nearest_navigable": {"x": round(x, 4), "z": round(z, 4)},
+        "answer_to_navigable_m": round(math.hypot(answer[0] - x, answer[1] - z), 4),
+        "shortest_path_m": round(geodesic_m(ground.grid, ground.spawn, ground.grid.nearest(x, z)), 4),
+    }
+
+
+def _last(world: Sequence[Mapping[str, Any]], instance: str) -> tuple[float, float]:
+    return next((e["x"], e["z"]) for e in world if e["id"] == instance)
 
 
 def _truth(recorded: Visit, category: str) -> list[dict[str, Any]]:
