@@ -65,7 +65,7 @@ class Observation:
     its vertical field of view is field_of_view_deg, its pixels are square. Either is None for an arm that takes no images, for
     which nothing is drawn. last_action_succeeded: False where the last move was blocked; True in a tour. positions: the
     instances of this frame for an arm that is handed positions, None for every other arm. reachable: (K, 2) positions in metres
-    that can be reached now, where the world goes on changing (MOVING); None where those of the second visit still hold.
+    that can be reached now, where the world goes on changing (MOVING); None where those that were given last still hold.
     """
 
     rgb: np.ndarray | None

@@ -88,13 +88,15 @@ def execute(
     gone = {a.instance for a in assignment.second if a.kind == "disable"}
     session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
+    mover_in: tuple[int, int] | None = None
     outcome = "budget"
     while actions < constants.primitives.action_budget:
+        reachable = None
         if world.mover is not None:
-            ground = Ground.around(session, session.pose, constants.primitives.step_m)
-        action = agent.act(
-            _observation(session, gone, name_of, succeeded, None if world.mover is None else cells(ground), constants)
-        )
+            mover_in, before_in = _cell(world.mover.position, constants.primitives.step_m), mover_in
+            if mover_in != before_in:
+                reachable = cells(Ground.around(session, session.pose, constants.primitives.step_m))
+        action = agent.act(_observation(session, gone, name_of, succeeded, reachable, constants))
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
@@ -117,11 +119,18 @@ def execute(
         "visible_px": None,
     }
     if outcome == "stopped":
-        answer = world.mover.position if world.mover is not None else assignment.answer
+        answer = assignment.answer
+        if world.mover is not None:
+            answer = world.mover.position
+            ground = Ground.around(session, session.pose, constants.primitives.step_m)
         measured |= measurement.at_stop(
             session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg)
         )
     return measured | {"path_length_m": round(travelled, 4), "actions": actions}
+
+
+def _cell(point: tuple[float, float], step_m: float) -> tuple[int, int]:
+    return round(point[0] / step_m), round(point[1] / step_m)
 
 
 def cells(ground: Ground) -> np.ndarray:

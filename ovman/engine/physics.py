@@ -38,6 +38,7 @@ CHANNELS = 30
 """Collision bits that tell waking bodies apart; more bodies than this share them."""
 
 _SWAP = np.array([0, 2, 1])
+_SWAP_ROWS = _SWAP[:, None]
 _ABSENT_GROUP, _AGENT_GROUP = 4, 3
 
 
@@ -53,7 +54,7 @@ class Solid:
 
 
 def _matrix(rotation: np.ndarray) -> np.ndarray:
-    return rotation[np.ix_(_SWAP, _SWAP)]
+    return rotation[_SWAP_ROWS, _SWAP]
 
 
 def _quaternion(rotation: np.ndarray) -> np.ndarray:

@@ -32,6 +32,8 @@ def start(
         "rotateStepDegrees": turn_deg,
         "renderDepthImage": True,
         "renderInstanceSegmentation": True,
+        # Of the initialisation alone: a world that was just reset is looked at when it is as it should be.
+        "renderImage": False,
     }
     if backend == "embedded":
         from ovman.engine import executable
