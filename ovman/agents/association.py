@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import linear_sum_assignment
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +63,9 @@ def associate(
             None if f_2 is None else f_2[order_2],
             feature_scale_m=feature_scale_m,
         )
+        # Imported where it is needed: most jobs that import this module associate nothing, and it takes half a second.
+        from scipy.optimize import linear_sum_assignment
+
         rows, columns = linear_sum_assignment(padded(cost, gate_m))
         pairs = sorted(
             (int(order_1[i]), int(order_2[j]))

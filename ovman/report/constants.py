@@ -38,7 +38,7 @@ SHOWN: tuple[Shown, ...] = (
     Shown("primitives.action_budget", None, "action budget", "actions"),
     Shown("primitives.stop_within_m", None, "the agent stops within", "m"),
     Shown("primitives.blocked_edge_expiry", None, "expiry of a blocked edge (MOVING)", "actions"),
-    Shown("primitives.stall_after", None, "stall: no nearer to the goal for", "actions"),
+    Shown("primitives.stall_after", None, "stall: no successful move for", "actions"),
     Shown("admissibility.validity_radius_m", None, "validity radius", "m"),
     Shown("candidates.spawn_clearance_m", None, "spawn clearance", "m"),
     Shown("admissibility.drift_tolerance_m", None, "drift tolerance", "m"),
