@@ -21,7 +21,12 @@ from ovman.task import Relation
 PANEL_INCHES = 2.6
 PIN = "#ffd23f"
 INK = "#1b1b1e"
+STEM_PX = 34
 BEST_DISTANCE_M = 2.2
+LARGER = 0.1
+"""Weight of the logarithm of the target's mask size."""
+THERE_M = 0.15
+"""A view shows a mover where the answer is if it is no farther from it than this."""
 
 
 def project(
@@ -61,11 +66,25 @@ def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants
     point = _pin_point(episode, first, second)
     showing = first if Relation(episode["relation"]).past else second
     least_px = constants.admissibility.minimum_mask_px
-    scores = [
-        _score(point, view, constants.camera) if view["seen"].get(episode["target"], 0) >= least_px else -math.inf
-        for view in showing.views
-    ]
+    target, answer = episode["target"], episode["answer"]
+    scores = [-math.inf] * len(showing.views)
+    for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
+        away = math.hypot(here[target]["x"] - answer["x"], here[target]["z"] - answer["z"])
+        px = view["seen"].get(target, 0)
+        if px >= least_px and away <= THERE_M:
+            scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / least_px)
     return int(np.argmax(scores)), float(max(scores))
+
+
+def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
+    """A star on a stem whose foot is at pixel (u, v), so that it hides little of what it marks."""
+    top = v - STEM_PX
+    for colour, width in ((INK, 4.0), (PIN, 1.8)):
+        axis.plot([u, u], [v, top], color=colour, linewidth=width, solid_capstyle="round")
+    axis.plot(u, v, marker="o", markersize=4.5, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.9)
+    face = INK if hollow else PIN
+    axis.plot(u, top, marker="*", markersize=18, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=3.0)
+    axis.plot(u, top, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.4)
 
 
 def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constants: Any, output: Path) -> None:
@@ -91,9 +110,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
                 spine.set_visible(False)
             u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
             if row == 1:
-                face = "none" if relation.past else PIN
-                axis.plot(u, v, marker="*", markersize=17, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=2.6)
-                axis.plot(u, v, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.2)
+                _pin(axis, u, v, hollow=relation.past)
             if column == 0:
                 axis.set_ylabel("first visit" if row == 0 else "second visit", fontsize=11, color=INK)
         axes[0, column].set_title(relation.value.upper(), fontsize=11, fontweight="bold", color=INK)
