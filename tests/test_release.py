@@ -60,8 +60,18 @@ def test_every_episode_was_completed_four_times_and_its_referent_is_unique(relea
         assert referents(*episode.states, episode.query, task) == (episode.target,), episode.id
 
 
-def test_verdicts_and_audit_follow_from_the_released_measurements(tmp_path):
-    """Pure functions on the released trials and runs give the released predictions, judgements, rates and tables."""
+def test_verdicts_episodes_and_audit_follow_from_the_released_measurements(tmp_path):
+    files = [f"{scene}.jsonl" for scene in CONFIG.benchmark.scenes]
+    for name in files:
+        admissible.run(DATA / "trials" / name, constants("admissible"), tmp_path / name)
+    folders = (DATA / "trials", tmp_path, DATA / "certified")
+    inputs = [[folder / name for name in files] for folder in folders]
+    episodes.run(*inputs, constants("episodes"), tmp_path / "main.jsonl", tmp_path / "rejections.csv")
+    assert (tmp_path / "main.jsonl").read_bytes() == (DATA / "episodes" / "main.jsonl").read_bytes()
+    assert (tmp_path / "rejections.csv").read_bytes() == (DATA / "metrics" / "rejections.csv").read_bytes()
+
+
+def test_predictions_judgements_rates_and_tables_follow_from_the_released_records(tmp_path):
     episodes_file = DATA / "episodes" / "main.jsonl"
     trial_files = sorted((DATA / "trials").glob("*.jsonl"))
     for arm in of_kind(Kind.STATIC):

@@ -24,7 +24,7 @@ FILES = (
     "metrics/static_rates.csv",
     "metrics/embodied_rates.csv",
 )
-TREES = ("scenes", "trials", "predictions", "runs", "tables")
+TREES = ("scenes", "trials", "certified", "predictions", "runs", "tables")
 HIDDEN = "."
 
 
