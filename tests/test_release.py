@@ -100,8 +100,7 @@ def test_what_must_come_out_does():
     assert float(rows["two_visits_oracle_positions", "all"]["rate"]) >= 0.97
 
 
-def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     scene = REGENERATED
 
     def journal(stage: str) -> Path:
