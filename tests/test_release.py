@@ -22,7 +22,7 @@ from ovman.task import Relation, read_episodes, referents
 ROOT = Path(__file__).parent.parent
 DATA = ROOT / "data" / "ovman-embedded-v1"
 CONFIG = load(ROOT / "config.yaml")
-REGENERATED = "FloorPlan429"
+REGENERATED = "FloorPlan323"
 
 
 def constants(stage: str) -> StageConstants:
