@@ -8,23 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from ovman.constants import task_constants
-from ovman.sim.recorded import judged
+from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Relation, SuccessConstants, spl
 
-FIELDS = (
-    "schema",
-    "episode",
-    "arm",
-    "seed",
-    "outcome",
-    "stop",
-    "box_distance_m",
-    "answer_distance_m",
-    "navigable_distance_m",
-    "visible_px",
-    "path_length_m",
-    "actions",
-)
+FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
 
 
 def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: SuccessConstants) -> dict[str, Any]:

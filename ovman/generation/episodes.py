@@ -12,7 +12,7 @@ from typing import Any
 from ovman import seeds
 from ovman.constants import task_constants
 from ovman.language import noun, sentence
-from ovman.sim.recorded import judged
+from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Episode, Rejection, Relation, SuccessConstants, episode_lines
 
 SCHEMA = "ovman-episode/1"
@@ -61,20 +61,7 @@ def episode(
         "visits": measured["visits"],
         "drift_m": measured["drift_m"],
         "certification": [
-            {k: r[k] for k in ("run", "seed")}
-            | {"success": judged(r, relation, constants)}
-            | {
-                k: r[k]
-                for k in (
-                    "stop",
-                    "box_distance_m",
-                    "answer_distance_m",
-                    "navigable_distance_m",
-                    "visible_px",
-                    "path_length_m",
-                    "actions",
-                )
-            }
+            {k: r[k] for k in ("run", "seed")} | {"success": judged(r, relation, constants)} | {k: r[k] for k in MEASURED}
             for r in runs
         ],
     }

@@ -7,6 +7,17 @@ from typing import Any
 
 from ovman.task import Instance, Measurement, Relation, SuccessConstants, WorldState, success
 
+MEASURED = (
+    "stop",
+    "box_distance_m",
+    "answer_distance_m",
+    "navigable_distance_m",
+    "visible_px",
+    "path_length_m",
+    "actions",
+)
+"""What is measured of a run, in the order of the records."""
+
 
 def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int) -> WorldState:
     """The instances of `category` with a mask of at least `minimum_px` in some view of a visit.
