@@ -16,6 +16,7 @@ from ovman.sim import measurement
 from ovman.sim.change import Alteration, World, position
 from ovman.sim.measurement import Ground
 from ovman.sim.mover import Gait
+from ovman.sim.recorded import MEASURED
 from ovman.sim.session import AgentPose, Session
 from ovman.task import Query, Relation
 
@@ -45,7 +46,7 @@ class Assignment:
             candidate["category"],
             candidate["target"],
             tuple(Alteration.from_json(a) for a in candidate["second"]),
-            AgentPose(candidate["spawn"]["x"], candidate["spawn"]["z"], candidate["spawn"]["yaw_deg"]),
+            AgentPose(**candidate["spawn"]),
             (measured["answer"]["x"], measured["answer"]["z"]),
             measured["mover"],
         )
@@ -110,14 +111,7 @@ def execute(
         if since_moved >= constants.primitives.stall_after:
             outcome = "stalled"
             break
-    measured: dict[str, Any] = {
-        "outcome": outcome,
-        "stop": None,
-        "box_distance_m": None,
-        "answer_distance_m": None,
-        "navigable_distance_m": None,
-        "visible_px": None,
-    }
+    measured: dict[str, Any] = {"outcome": outcome, **dict.fromkeys(MEASURED)}
     if outcome == "stopped":
         answer = assignment.answer
         if world.mover is not None:

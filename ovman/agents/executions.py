@@ -20,6 +20,7 @@ from ovman.journal import Journal, digest
 from ovman.navigation import Primitives
 from ovman.sim.session import Session
 from ovman.task import Relation
+from ovman.task.record import read_records
 
 SCHEMA = "ovman-run/1"
 
@@ -68,8 +69,8 @@ def run(
     arm: str, scene: str, episodes_file: Path, trials_file: Path, constants: Any, outputs: Mapping[int, Path], journal: Path
 ) -> None:
     """Run an arm on the episodes of a scene under every seed of `outputs` (seed -> file); `journal` keeps finished runs."""
-    trials = {t["candidate"]["id"]: t for t in map(json.loads, Path(trials_file).read_text().splitlines())}
-    names = [e["id"] for e in map(json.loads, Path(episodes_file).read_text().splitlines()) if e["scene"] == scene]
+    trials = {t["candidate"]["id"]: t for t in read_records(trials_file)}
+    names = [e["id"] for e in read_records(episodes_file) if e["scene"] == scene]
     kept = Journal(journal)
     with Session(scene, constants) as session:
         for seed, output in outputs.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from ovman.agents.single_visit import single_visit
 from ovman.agents.two_visits import AssociationConstants, answer
 from ovman.sim.recorded import world_state
 from ovman.task import Query, Relation
+from ovman.task.record import read_records
 
 
 def association_constants(constants: Any) -> AssociationConstants:
@@ -43,7 +43,7 @@ def predict(arm: str, trial: Mapping[str, Any], constants: Any) -> Outcome:
 
 def run(arm: str, episodes_file: Path, trials_files: Sequence[Path], constants: Any, output: Path) -> None:
     """Write the predictions of an arm for all released episodes."""
-    trials = {t["candidate"]["id"]: t for file in trials_files for t in map(json.loads, Path(file).read_text().splitlines())}
-    names = [json.loads(line)["id"] for line in Path(episodes_file).read_text().splitlines()]
+    trials = {t["candidate"]["id"]: t for file in trials_files for t in read_records(file)}
+    names = [episode["id"] for episode in read_records(episodes_file)]
     write(output, [Prediction(name, arm, 0, predict(arm, trials[name], constants)) for name in names])
     print(f"{arm}: {len(names)} predictions", flush=True)

@@ -10,6 +10,7 @@ from typing import Any
 from ovman.constants import task_constants
 from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Relation, SuccessConstants, spl
+from ovman.task.record import read_records
 
 FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
 
@@ -24,8 +25,8 @@ def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: S
 def run(executions_files: Sequence[Path], episodes_file: Path, constants: Any, outputs: Sequence[Path]) -> None:
     """Judge each file of executions into the output of the same position."""
     task = task_constants(constants)
-    episodes = {e["id"]: e for e in map(json.loads, Path(episodes_file).read_text().splitlines())}
+    episodes = {e["id"]: e for e in read_records(episodes_file)}
     for source, output in zip(executions_files, outputs, strict=True):
-        records = [judge(x, episodes[x["episode"]], task) for x in map(json.loads, Path(source).read_text().splitlines())]
+        records = [judge(x, episodes[x["episode"]], task) for x in read_records(source)]
         Path(output).parent.mkdir(parents=True, exist_ok=True)
         Path(output).write_text("".join(json.dumps(r, separators=(",", ":")) + "\n" for r in records))

@@ -10,6 +10,7 @@ from typing import Any
 from ovman.constants import task_constants
 from ovman.sim.recorded import world_state
 from ovman.task import Instance, Query, Rejection, Relation, WorldState, admissible
+from ovman.task.record import read_records
 
 SCHEMA = "ovman-verdict/1"
 BEYOND_MEASUREMENT = "beyond_measurement"
@@ -92,6 +93,6 @@ def verdict(trial: Mapping[str, Any], constants: Any) -> dict[str, Any]:
 
 def run(trials_file: Path, constants: Any, output: Path) -> None:
     """Write the verdict on every trial of a scene."""
-    verdicts = [verdict(json.loads(line), constants) for line in trials_file.read_text().splitlines()]
+    verdicts = [verdict(trial, constants) for trial in read_records(trials_file)]
     output.write_text("".join(json.dumps(v, separators=(",", ":")) + "\n" for v in verdicts))
     print(f"{trials_file.stem}: {sum(v['rejected'] is None for v in verdicts)} of {len(verdicts)} admissible", flush=True)

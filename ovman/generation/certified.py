@@ -18,6 +18,7 @@ from ovman.journal import Journal, digest
 from ovman.navigation import Primitives
 from ovman.sim.session import Session
 from ovman.task import Relation
+from ovman.task.record import read_records
 
 SCHEMA = "ovman-certification/1"
 
@@ -48,8 +49,8 @@ def certify(session: Session, trial: Mapping[str, Any], constants: Any) -> dict[
 
 def run(admissible_file: Path, trials_file: Path, constants: Any, output: Path, journal: Path) -> None:
     """Certify the admissible trials of a scene; `journal` keeps finished ones, and no simulator starts where all are there."""
-    trials = {t["candidate"]["id"]: t for t in map(json.loads, trials_file.read_text().splitlines())}
-    admitted = [v["id"] for v in map(json.loads, admissible_file.read_text().splitlines()) if v["rejected"] is None]
+    trials = {t["candidate"]["id"]: t for t in read_records(trials_file)}
+    admitted = [v["id"] for v in read_records(admissible_file) if v["rejected"] is None]
     kept = Journal(journal)
     lines = []
     with Session(trials_file.stem, constants) as session:

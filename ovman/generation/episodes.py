@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -14,6 +13,7 @@ from ovman.constants import task_constants
 from ovman.language import noun, sentence
 from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Episode, Rejection, Relation, SuccessConstants, episode_lines
+from ovman.task.record import read_records
 
 SCHEMA = "ovman-episode/1"
 REJECTION_COLUMNS = ("relation", "stage", "reason", "count")
@@ -148,4 +148,4 @@ def run(
 
 
 def _records(files: Sequence[Path]) -> list[dict[str, Any]]:
-    return [json.loads(line) for file in files for line in Path(file).read_text().splitlines()]
+    return [record for file in files for record in read_records(file)]

@@ -22,6 +22,7 @@ from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.visit import Visit
 from ovman.task import Rejection, Relation
+from ovman.task.record import read_records
 
 SCHEMA = "ovman-trial/1"
 
@@ -72,7 +73,7 @@ class Trials:
         relation = Relation(candidate["relation"])
         first = [Alteration.from_json(a) for a in candidate["first"]]
         second = [Alteration.from_json(a) for a in candidate["second"]]
-        spawn = AgentPose(candidate["spawn"]["x"], candidate["spawn"]["z"], candidate["spawn"]["yaw_deg"])
+        spawn = AgentPose(**candidate["spawn"])
         try:
             world = self._world(second, candidate["id"])
         except SimulatorError as error:
@@ -210,7 +211,7 @@ def _trial(candidate: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[st
 def run(candidates_file: Path, scene_file: Path, constants: Any, output: Path, visits_dir: Path, journal: Path) -> None:
     """Measure every candidate of a scene; `journal` keeps finished trials."""
     scene = json.loads(scene_file.read_text())
-    candidates = [json.loads(line) for line in candidates_file.read_text().splitlines()]
+    candidates = read_records(candidates_file)
     kept = Journal(journal)
     lines = []
     with Session(scene["scene"], constants) as session:

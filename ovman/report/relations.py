@@ -6,7 +6,6 @@ answer is an object that must be visible at the stop, a hollow star where it is 
 
 from __future__ import annotations
 
-import json
 import math
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -17,6 +16,7 @@ import numpy as np
 
 from ovman.sim.visit import Visit
 from ovman.task import Relation
+from ovman.task.record import read_records
 
 PANEL_INCHES = 2.6
 PIN = "#ffd23f"
@@ -122,7 +122,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
 
 def run(episodes_file: Path, visits_dir: Path, constants: Any, output: Path) -> None:
     """Draw the best shown episode of each relation, each from another scene where there is one."""
-    episodes = [json.loads(line) for line in Path(episodes_file).read_text().splitlines()]
+    episodes = read_records(episodes_file)
     chosen, scenes = [], set()
     for relation in Relation:
         ranked = []

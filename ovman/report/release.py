@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import hashlib
-import json
 import shutil
 import sys
 from collections import Counter
@@ -15,6 +14,7 @@ from typing import Any
 from ovman.engine import floorplan
 from ovman.report.markdown import pipe_table
 from ovman.task import Episode, Rejection, Relation, read_episodes
+from ovman.task.record import read_records
 
 FILES = (
     "episodes/main.jsonl",
@@ -85,7 +85,7 @@ def card(results: Path) -> str:
     """The dataset card of the episodes in `results`, Markdown."""
     episodes = read_episodes(results / "episodes" / "main.jsonl")
     rejected = rows(results / "metrics" / "rejections.csv")
-    trials = [json.loads(line) for path in sorted((results / "trials").glob("*.jsonl")) for line in path.read_text().splitlines()]
+    trials = [trial for path in sorted((results / "trials").glob("*.jsonl")) for trial in read_records(path)]
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
     relations = [r.value for r in Relation]
     instances = Counter(min(e.instances_in_category, 4) for e in episodes)

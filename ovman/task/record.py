@@ -69,6 +69,11 @@ def records(path: Path) -> Iterator[tuple[str, Any]]:
                 raise RecordError(f"{place}: not JSON ({error.msg} at column {error.colno}); {remedy}") from None
 
 
+def read_records(path: Path) -> list[Any]:
+    """The records of a JSONL file in its order. RecordError as `records`."""
+    return [record for _, record in records(path)]
+
+
 @dataclass(frozen=True)
 class Node:
     """A value inside a record that knows where it stands, so that every complaint about it can say so."""
