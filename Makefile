@@ -53,10 +53,10 @@ lint: $(READY)
 lock:
 	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; \
 	"$(PYTHON)" -m venv "$$directory"; \
-	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ".[dev]"; \
+	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ".[benchmark,dev]"; \
 	{ \
 		echo "# Exact versions of everything for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64; made by \`make lock\`:"; \
-		echo "# pip install .[dev] in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
+		echo "# pip install .[benchmark,dev] in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
 		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman \
 			| sed 's/^opencv-python==/opencv-python-headless==/' | LC_ALL=C sort -f; \
 	} > "$$directory/lock"; \

@@ -1,6 +1,6 @@
 """Draws what the engine's objects and rooms look like: docs/engine/types.png and docs/engine/rooms.png.
 
-    python examples/contact_sheets.py [FOLDER]
+python examples/contact_sheets.py [FOLDER]
 """
 
 from __future__ import annotations

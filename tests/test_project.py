@@ -23,13 +23,13 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 
-SOURCES = ("ovman", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")
+SOURCES = ("ovman", "tests", "bench", "examples", "workflow", "overlays", "profiles", "docs", ".ci")
 TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".json", ".jsonl", ".csv", ".tex", ""})
 
 
 def declared() -> dict[str, Requirement]:
     project = PROJECT["project"]
-    lines = project["dependencies"] + project["optional-dependencies"]["dev"]
+    lines = project["dependencies"] + [line for extra in project["optional-dependencies"].values() for line in extra]
     return {canonicalize_name(r.name): r for r in map(Requirement, lines)}
 
 
@@ -67,9 +67,20 @@ def third_party(path: Path) -> set[str]:
     return names - sys.stdlib_module_names - {"ovman", "tests"}
 
 
-@pytest.mark.parametrize(("folder", "dev"), [("ovman", False), ("workflow", False), ("bench", True), ("tests", True)])
-def test_what_is_imported_is_declared(folder: str, dev: bool) -> None:
-    lines = PROJECT["project"]["dependencies"] + (PROJECT["project"]["optional-dependencies"]["dev"] if dev else [])
+@pytest.mark.parametrize(
+    ("folder", "extras"),
+    [
+        ("ovman/engine", []),
+        ("ovman", ["benchmark"]),
+        ("workflow", ["benchmark"]),
+        ("examples", ["dev"]),
+        ("bench", ["benchmark", "dev"]),
+        ("tests", ["benchmark", "dev"]),
+    ],
+)
+def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:
+    optional = PROJECT["project"]["optional-dependencies"]
+    lines = PROJECT["project"]["dependencies"] + [line for extra in extras for line in optional[extra]]
     allowed = {canonicalize_name(Requirement(line).name) for line in lines}
     distributions = packages_distributions()
     undeclared = {

@@ -1,9 +1,17 @@
 """An engine that stands in for AI2-THOR's Unity build: no GPU, no display, the unmodified ai2thor Controller in front of it."""
 
+import os
 import shlex
 import sys
 
+DISPLAY = ":0"
+"""A display that nobody opens."""
+
 
 def executable() -> str:
-    """What to give the Controller as `local_executable_path`."""
+    """What to give the Controller as `local_executable_path`.
+
+    The client refuses to start anything while the environment names no DISPLAY; where there is none, this sets one.
+    """
+    os.environ.setdefault("DISPLAY", DISPLAY)
     return f"{shlex.quote(sys.executable)} -m ovman.engine"

@@ -38,8 +38,7 @@ def start(
     if backend == "embedded":
         from ovman.engine import executable
 
-        # An external build opens no window, but the client insists on a display and asks for Vulkan if it sees a GPU.
-        os.environ.setdefault("DISPLAY", ":0")
+        # The client asks for Vulkan if it sees a GPU.
         hidden = os.environ.pop("CUDA_VISIBLE_DEVICES", None)
         try:
             return Controller(local_executable_path=executable(), **shared)

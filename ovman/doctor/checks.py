@@ -1,0 +1,236 @@
+"""The checks of `ovman doctor`. Each looks at one thing, never raises, and says what to do where it is not well."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import json
+import os
+import platform
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
+"""How long a backend may take to its first frames: the engine compiles its kernels once, Unity's build is downloaded once."""
+SHORT_S = 30.0
+"""How long a small program may take."""
+
+
+class State(Enum):
+    """WELL; ABSENT: not there, and only some things need it; ILL: something that was asked for does not work."""
+
+    WELL = "ok"
+    ABSENT = "--"
+    ILL = "NO"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a check found, in one line, and the remedy where there is something to mend."""
+
+    subject: str
+    state: State
+    says: str
+    remedy: str = ""
+
+
+def python() -> Finding:
+    """The interpreter and the packages that everything needs."""
+    version = platform.python_version()
+    if sys.platform != "linux":
+        remedy = "the client's pipes work on Linux: use WSL2 or a container"
+        return Finding("python", State.ILL, f"Python {version} on {sys.platform}", remedy)
+    return Finding("python", State.WELL, f"Python {version}, {os.cpu_count()} cores, {_memory_gb():.0f} GB")
+
+
+def client() -> Finding:
+    """The ai2thor package and the traps that it sets before any simulator starts."""
+    try:
+        version = importlib.metadata.version("ai2thor")
+    except importlib.metadata.PackageNotFoundError:
+        return Finding("ai2thor", State.ILL, "not installed", "pip install ai2thor==5.0.0")
+    home = Path.home()
+    store = home / ".ai2thor"
+    if not os.access(store if store.exists() else home, os.W_OK):
+        return Finding("ai2thor", State.ILL, f"{version}; {store} cannot be written", "set HOME to a folder that can be written")
+    devices = os.environ.get("CUDA_VISIBLE_DEVICES", "")
+    if any(d.strip().isdigit() for d in devices.split(",")) and shutil.which("vulkaninfo") is None:
+        return Finding(
+            "ai2thor", State.ABSENT, f"{version}; it would ask for Vulkan because CUDA_VISIBLE_DEVICES is {devices}",
+            "take CUDA_VISIBLE_DEVICES out of os.environ while a Controller is made (OVMAN's own programs do)",
+        )  # fmt: skip
+    return Finding("ai2thor", State.WELL, version)
+
+
+def engine_process() -> Finding:
+    """Whether the process that the client would start can import the engine: if not, the client waits for ever."""
+    from ovman.engine import executable
+
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("AI2THOR_")}
+    try:
+        done = subprocess.run(shlex.split(executable()), env=environment, capture_output=True, text=True, timeout=SHORT_S)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding("engine process", State.ILL, _line(error), "is this Python still where it was? make the environment anew")
+    if done.returncode != 2 or "ovman-engine" not in done.stderr:
+        return Finding(
+            "engine process", State.ILL, _last(done.stderr),
+            "install the package (pip install -e .), or give PYTHONPATH as an absolute path",
+        )  # fmt: skip
+    return Finding("engine process", State.WELL, "starts")
+
+
+def frame(backend: str, subject: str, remedy: str) -> Finding:
+    """One frame of a backend through the real Controller, within a time limit."""
+    limit = FRAME_LIMIT_S[backend]
+    command = [sys.executable, "-m", "ovman.doctor.probe", backend]
+    probe = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    try:
+        out, err = probe.communicate(timeout=limit)
+    except subprocess.TimeoutExpired:
+        os.killpg(probe.pid, signal.SIGKILL)
+        probe.communicate()
+        return Finding(subject, State.ILL, f"no frame within {limit:g} s", remedy)
+    if probe.returncode != 0:
+        return Finding(subject, State.ILL, _last(err), remedy)
+    found = json.loads(out.splitlines()[-1])
+    wide, high = found["size_px"]
+    return Finding(
+        subject, State.WELL,
+        f"{wide} x {high} RGB, depth and ids in {found['frame_ms']:.0f} ms; {found['start_s']:.1f} s to the first;"
+        f" {found['resident_mb']:.0f} MB",
+    )  # fmt: skip
+
+
+def engine_frame() -> Finding:
+    """A frame of the embedded engine."""
+    return frame("embedded", "engine frame", "the engine's own words are at the end of ~/.ai2thor/log/unity.log")
+
+
+def workflow() -> Finding:
+    """What the benchmark needs beside the engine."""
+    missing = [name for name in ("snakemake", "pydantic", "yaml", "matplotlib") if importlib.util.find_spec(name) is None]
+    if missing:
+        remedy = "pip install 'ovman[benchmark]', or make setup"
+        return Finding("benchmark", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
+    return Finding("benchmark", State.WELL, f"snakemake {importlib.metadata.version('snakemake')}")
+
+
+def gpu() -> Finding:
+    """NVIDIA GPUs. Nothing needs one by default."""
+    if shutil.which("nvidia-smi") is None:
+        return Finding("gpu", State.ABSENT, "none; only Unity and the paper's weights want one")
+    try:
+        done = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True, timeout=SHORT_S)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding("gpu", State.ABSENT, f"nvidia-smi: {_line(error)}", "reload the driver")
+    if done.returncode != 0 or not done.stdout.strip():
+        return Finding("gpu", State.ABSENT, f"nvidia-smi: {_last(done.stdout + done.stderr)}", "reload the driver")
+    return Finding("gpu", State.WELL, "; ".join(line.split(" (UUID")[0] for line in done.stdout.splitlines()))
+
+
+def torch() -> Finding:
+    """PyTorch, asked in a process of its own: importing it takes seconds and memory."""
+    if importlib.util.find_spec("torch") is None:
+        return Finding("torch", State.ABSENT, "not installed; nothing in this version needs it")
+    question = "import torch; print(torch.__version__, 'with CUDA' if torch.cuda.is_available() else 'on the CPU')"
+    try:
+        done = subprocess.run([sys.executable, "-c", question], capture_output=True, text=True, timeout=SHORT_S)
+    except subprocess.TimeoutExpired:
+        return Finding("torch", State.ABSENT, f"not imported within {SHORT_S:.0f} s", "install it anew")
+    if done.returncode != 0:
+        return Finding("torch", State.ABSENT, _last(done.stderr), "install it anew")
+    return Finding("torch", State.WELL, done.stdout.strip())
+
+
+def weights() -> Finding:
+    """The paper's networks in the caches of their libraries."""
+    caches = Path(os.environ.get("HF_HOME", Path.home() / ".cache" / "huggingface")) / "hub"
+    wanted = {
+        "yolov8m-seg": [Path("yolov8m-seg.pt"), Path("weights") / "yolov8m-seg.pt"],
+        "ViT-B-16 laion2b_s34b_b88k": [caches / "models--laion--CLIP-ViT-B-16-laion2B-s34B-b88K"],
+    }
+    there = [name for name, places in wanted.items() if any(place.exists() for place in places)]
+    if len(there) == len(wanted):
+        return Finding("weights", State.WELL, ", ".join(there))
+    missing = ", ".join(name for name in wanted if name not in there)
+    return Finding("weights", State.ABSENT, f"{missing} not there; nothing in this version needs them")
+
+
+def vulkan() -> Finding:
+    """Vulkan, which Unity's CloudRendering build draws with."""
+    remedy = "sudo apt install vulkan-tools libvulkan1, and the GPU's own driver"
+    if shutil.which("vulkaninfo") is None:
+        return Finding("vulkan", State.ILL, "vulkaninfo is not installed", remedy)
+    try:
+        done = subprocess.run(["vulkaninfo", "--summary"], capture_output=True, text=True, timeout=SHORT_S)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding("vulkan", State.ILL, _line(error), remedy)
+    names = [line.split("=", 1)[1].strip() for line in done.stdout.splitlines() if "deviceName" in line]
+    if done.returncode != 0 or not names:
+        return Finding("vulkan", State.ILL, _last(done.stderr) if done.returncode else "no device", remedy)
+    return Finding("vulkan", State.WELL, "; ".join(names))
+
+
+def unity_build() -> Finding:
+    """AI2-THOR's build, which its client downloads when it is first used."""
+    from ai2thor.build import COMMIT_ID
+
+    folder = Path.home() / ".ai2thor" / "releases" / f"thor-CloudRendering-{COMMIT_ID}"
+    if folder.is_dir():
+        return Finding("unity build", State.WELL, folder.name)
+    return Finding("unity build", State.ABSENT, "not downloaded yet; the client does it at its first start (about 1 GB)")
+
+
+def unity_frame() -> Finding:
+    """A frame of the Unity build."""
+    return frame("thor", "unity frame", "mend what stands above; Unity's own words are at the end of ~/.ai2thor/log/unity.log")
+
+
+HERE: tuple[Callable[[], Finding], ...] = (python, client, engine_process, engine_frame, workflow, torch, weights, gpu)
+"""What is always looked at."""
+UNITY: tuple[Callable[[], Finding], ...] = (vulkan, unity_build, unity_frame)
+"""What is looked at if Unity is asked for."""
+
+
+def findings(thor: bool = False) -> Iterator[Finding]:
+    """One after the other, as they are found. No frame is waited for where its process cannot start."""
+    ill: set[str] = set()
+    for check in (*HERE, *(UNITY if thor else ())):
+        needs = {engine_frame: {"ai2thor", "engine process"}, unity_frame: {"ai2thor", "vulkan"}}.get(check, set())
+        if needs & ill:
+            yield Finding(check.__name__.replace("_", " "), State.ILL, f"not tried: {', '.join(sorted(needs & ill))} first")
+            continue
+        found = check()
+        if found.state is State.ILL:
+            ill.add(found.subject)
+        yield found
+
+
+def report(found: Sequence[Finding]) -> str:
+    """Findings as lines: state, subject, what was found, and below it what to do."""
+    lines = []
+    for f in found:
+        lines.append(f"{f.state.value}  {f.subject:<15}{f.says}")
+        if f.remedy:
+            lines.append(f"{'':19}-> {f.remedy}")
+    return "\n".join(lines)
+
+
+def _line(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}".splitlines()[0]
+
+
+def _last(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return lines[-1] if lines else "it ended without a word"
+
+
+def _memory_gb() -> float:
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
