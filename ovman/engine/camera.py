@@ -12,7 +12,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.engine import lights, optics, rays, scene_mesh
+from ovman.engine import lights, optics, rays, repaint, scene_mesh
+from ovman.engine.decor import Decor
 from ovman.engine.painter import Looks, Painter
 
 FIXED_KEPT = 4
@@ -69,10 +70,21 @@ class _Plan:
 
     def __init__(self, world) -> None:
         self.meshes = scene_mesh.of_plan(world.plan, world.room)
+        self.room = world.room
         self.looks = Looks.of(self.meshes.materials)
+        self._painted: tuple[tuple[str, str], Looks] | None = None
         self._scenes: OrderedDict[frozenset[str], object] = OrderedDict()
         vertices = self.meshes.untouched.vertices
         self.low, self.high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
+
+    def painted(self, decor: Decor) -> Looks:
+        """Materials under `decor`; the last one asked for is kept."""
+        key = (decor.finishes, decor.colours)
+        if not any(key):
+            return self.looks
+        if self._painted is None or self._painted[0] != key:
+            self._painted = key, repaint.looks(self.meshes, self.room, decor)
+        return self._painted[1]
 
     def fixed(self, displaced: frozenset[str]):
         """Embree scene of all that the plan has, without `displaced`."""
@@ -112,8 +124,9 @@ class Renderer:
 
     def __init__(self, world) -> None:
         self.world = world
+        self.decor = Decor()
         self._drawn: int | None = None
-        self._lit: int | None = None
+        self._lit: tuple[int, Decor] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -133,11 +146,13 @@ class Renderer:
         self._drawn = self.world.version
 
     def _light(self) -> lights.Rig:
-        if self._lit != self.world.version:
+        if self._lit != (self.world.version, self.decor):
             low, high = self._shared.low, self._shared.high
             boxes = {o: body.box for o, body in self.world.bodies.items() if body.present and o in self.world.plan}
             self._rig = lights.rig(lights.of_plan(self.world.plan, low, high, boxes), low, high)
-            self._lit = self.world.version
+            if self.decor.lighting is not None:
+                self._rig = repaint.relit(self._rig, self.decor.lighting)
+            self._lit = self.world.version, self.decor
         return self._rig
 
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
@@ -146,7 +161,7 @@ class Renderer:
             return Frame()
         self._follow()
         shape = (view.height, view.width)
-        painter = Painter(view, self._mesh, self._shared.looks, self._caster)
+        painter = Painter(view, self._mesh, self._shared.painted(self.decor), self._caster)
         hits = painter.cast(*_centres(view.width, view.height))
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
         optics.identify(

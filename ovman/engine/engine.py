@@ -50,6 +50,7 @@ class Engine:
         self.scene_name = ""
         self.auto_simulation = True
         self.seed = 0
+        self.draws = 0
         self.time_s = 0.0
         self._world: World | None = None
         self._absence = "send the action Reset with a sceneName first."
@@ -210,6 +211,7 @@ class Engine:
 
         if self._renderer is None:
             self._renderer = Renderer(self.world)
+        self._renderer.decor = self.settings.decor
         view = self.view()
         ids = wanted.instances or wanted.classes
         frame = self._renderer.frame(view, rgb=wanted.colour, depth=wanted.depth, ids=ids, normals=wanted.normals)

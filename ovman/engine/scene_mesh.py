@@ -81,6 +81,8 @@ class _Local:
     frames: np.ndarray
     extents: np.ndarray
     materials: tuple[paint.Material, ...]
+    slots: tuple[str, ...]
+    """Slots of the palette that `materials` are"""
 
 
 def corner_normals(
@@ -154,6 +156,7 @@ def _local(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) 
         np.concatenate([turns, -(turns @ centres[:, :, None])], axis=2),
         np.array([p.size for p in parts], dtype=float) / 2,
         tuple(palette[slot] for slot in slots),
+        tuple(slots),
     )
 
 
@@ -240,6 +243,10 @@ class PlanMeshes:
 
     def _join(self, poses: Iterable[tuple[int, Box]]) -> SceneMesh:
         return _joined(((i, self._locals[i], box) for i, box in poses), self.names, self.materials, self._offsets)
+
+    def repainted(self, palettes: Mapping[str, Mapping[str, paint.Material]]) -> tuple[paint.Material, ...]:
+        """`materials` with those of other `palettes` by the names of instances, in the same order."""
+        return tuple(palettes[self.names[i]][slot] for i, made in self._locals.items() for slot in made.slots)
 
     def index(self, object_id: str) -> int:
         """Index of an instance in `names`. KeyError if there is none."""

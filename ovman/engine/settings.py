@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ovman.engine.decor import Decor
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -31,6 +33,8 @@ class Settings:
     """An event in which nothing changed but the action's outcome may be sent as a patch of the one before."""
     shown: frozenset[str] | None = None
     """Ids of the objects that the metadata list; None for all."""
+    decor: Decor = Decor()
+    """How the scene is painted and lit."""
 
 
 @dataclass(frozen=True)

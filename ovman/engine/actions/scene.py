@@ -108,7 +108,7 @@ def change_quality(engine: Engine, quality: str) -> None:
 
 @action("SetRandomSeed")
 def set_random_seed(engine: Engine, seed: int) -> None:
-    engine.seed = seed
+    engine.seed, engine.draws = seed, 0
 
 
 @action("SetObjectFilter")
