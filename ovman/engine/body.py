@@ -6,10 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ovman.engine.embodiment import DEFAULT, Embodiment
 from ovman.engine.floorplan import Box, SimObject
-
-STANDING_CAMERA_M = 0.675
-"""Height of the camera above the agent's position; 0 when crouching."""
 
 
 @dataclass(frozen=True)
@@ -22,17 +20,24 @@ class Pose:
 
 @dataclass
 class Agent:
-    """AI2-THOR's default agent. Position is the middle of its capsule; horizon positive is down."""
+    """The agent: its position (3,) in metres, 0.9 m above its feet; horizon positive is down."""
 
     position: np.ndarray
     yaw_deg: float = 0.0
     horizon_deg: float = 0.0
     standing: bool = True
+    """Always so for an embodiment that does not crouch."""
+    embodiment: Embodiment = DEFAULT
 
     @property
     def camera(self) -> np.ndarray:
         """Position of the camera, (3,) metres."""
-        return self.position + [0.0, STANDING_CAMERA_M if self.standing else 0.0, 0.0]
+        return self.position + [0.0, self.embodiment.camera_m(self.standing), 0.0]
+
+    @property
+    def foot(self) -> float:
+        """Height of the lower end of its capsule, metres."""
+        return float(self.position[1]) + self.embodiment.foot_m
 
 
 @dataclass

@@ -10,7 +10,7 @@ import numpy as np
 from ovman.engine.body import Agent, Body, Pose
 from ovman.engine.floorplan import Box
 from ovman.engine.physics import TICK_S, Model, Solid
-from ovman.engine.setting import AGENT_HEIGHT_M, AGENT_RADIUS_M, Setting
+from ovman.engine.setting import Setting
 
 
 def within(box: Box, pieces: Iterable[tuple]) -> list[Box]:
@@ -58,6 +58,7 @@ class Dynamics:
         self._fresh: set[str] = set()
         self._pardons: dict[str, set[str]] = {}
         self._model: Model | None = None
+        self._embodiment = agent.embodiment
         self._written: dict[str, Pose] = {}
         self._owed_s = 0.0
 
@@ -68,7 +69,7 @@ class Dynamics:
     def surfaces(self, body: Body) -> list[Box]:
         """Boxes around the pieces of a body and of its parts where they are now; of its carrier if it is a part itself."""
         whole = body if body.carrier is None else self._bodies[body.carrier]
-        return within(whole.box, self._pieces[whole.object_id])
+        return within(whole.box, self._pieces.get(whole.object_id, ()))
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
@@ -96,6 +97,10 @@ class Dynamics:
             self.awake.add(name)
             self._fresh.add(name)
             self._pardons.pop(name, None)
+
+    def make_room(self) -> None:
+        """Call when a body has come: what is awake does not touch what it overlaps now."""
+        self._fresh |= self.awake
 
     def still(self, name: str) -> None:
         """Make a body fixed again."""
@@ -135,14 +140,17 @@ class Dynamics:
         return True
 
     def _current(self, free: frozenset[str]) -> Model:
-        if self._model is None or set(self._model.free) != free:
+        embodiment = self._agent.embodiment
+        if self._model is None or set(self._model.free) != free or self._embodiment != embodiment:
             solids = [
                 Solid(name, pieces, self._bodies[name].obj.mass, self._bodies[name].dynamic)
                 for name, pieces in self._pieces.items()
             ]
             boxes = {name: self._bodies[name].box for name in self._pieces}
             walls = {w.name: w.box for w in self._setting.room.solids}
-            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, (AGENT_RADIUS_M, AGENT_HEIGHT_M))
+            capsule = (embodiment.radius_m, embodiment.height_m)
+            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, capsule)
+            self._embodiment = embodiment
             self._written = {}
         model = self._model
         for name in self._pieces:
@@ -151,7 +159,7 @@ class Dynamics:
             if self._written.get(name) is not body.pose:
                 model.set_box(name, body.box, body.velocity)
                 self._written[name] = body.pose
-        model.set_agent(self._agent.position)
+        model.set_agent(self._agent.position + [0.0, embodiment.centre_m, 0.0])
         model.pardon({})
         model.forward()
         for name in sorted(self._fresh & free):

@@ -5,6 +5,7 @@ Both ask the same question of the same boxes, so that a position is reachable ex
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,8 @@ from ovman.engine.footprint import Boxes
 
 DEEPER_M = 1e-6
 """How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+ON_EDGE = 1e-9
+"""A position this far beyond an edge is on it: rounding."""
 
 
 @dataclass(frozen=True)
@@ -24,16 +27,29 @@ class Obstacles:
     boxes: Boxes
     reach: np.ndarray
     """(N,) how close the axis may come to each box, metres: the radius of the capsule and what its controller keeps clear of"""
+    radius: float
+    """of the capsule alone, metres"""
     low: float
     high: float
 
     def take(self, index: np.ndarray) -> Obstacles:
         """Those at `index` (integers or a mask)."""
-        return Obstacles(self.boxes.take(index), self.reach[index], self.low, self.high)
+        return Obstacles(self.boxes.take(index), self.reach[index], self.radius, self.low, self.high)
 
     def distances(self, points: np.ndarray, within: float) -> np.ndarray:
         """Distances from the axis at `points` (M, 2) to each box: (M, N), exact below `within`."""
         return self.boxes.distances(points, self.low, self.high, within)
+
+    def overlapping(self, point: np.ndarray) -> np.ndarray:
+        """Whether the capsule at `point` (2,) overlaps each box: (N,) bool."""
+        return self.distances(point[None], self.radius)[0] < np.minimum(self.reach, self.radius)
+
+
+def heading(yaw_deg: float) -> np.ndarray:
+    """Unit vector (x, z) along a yaw, exact where it goes along an axis of the world, so that a walk stays on its lattice."""
+    if yaw_deg % 90 == 0:
+        return np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][int(yaw_deg // 90) % 4])
+    return np.array([math.sin(math.radians(yaw_deg)), math.cos(math.radians(yaw_deg))])
 
 
 def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int | None:
@@ -45,7 +61,7 @@ def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int |
     length = float(np.linalg.norm(end - start))
     at_start = obstacles.distances(start[None], float(obstacles.reach.max(initial=0.0)) + length)[0]
     if length == 0.0:
-        hit = np.nonzero(at_start < obstacles.reach)[0]
+        hit = np.nonzero(at_start < np.minimum(obstacles.reach, obstacles.radius))[0]
         return int(hit[at_start[hit].argmin()]) if len(hit) else None
     near = np.nonzero(at_start < obstacles.reach + length)[0]
     if not len(near):
@@ -56,20 +72,27 @@ def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int |
     return int(hit[at_start[hit].argmin()]) if len(hit) else None
 
 
-def reachable(obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float) -> np.ndarray:
-    """Positions `here` + step_m * (i, j) within [`low`, `high`] (2,) that unblocked moves along x and z lead to: (N, 2).
+def reachable(
+    obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float, axes: np.ndarray
+) -> np.ndarray:
+    """Positions `here` + step_m * (i, j) @ `axes` within [`low`, `high`] (2,) that unblocked moves along the axes lead to: (N, 2).
 
-    `here` comes first, the others in the order of i, then j.
+    The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first, the
+    others in the order of i, then j.
     """
     boxes, most = obstacles.boxes, float(obstacles.reach.max(initial=0.0))
-    obstacles = obstacles.take((boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0))
-    first = np.minimum(np.ceil((low - here) / step_m).astype(int), 0)
-    last = np.maximum(np.floor((high - here) / step_m).astype(int), 0)
+    level = (boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0)
+    obstacles = obstacles.take(level & ~obstacles.overlapping(here))
+    corners = np.array([(x, z) for x in (low[0], high[0]) for z in (low[1], high[1])])
+    reached = (corners - here) @ axes.T / step_m
+    first = np.minimum(np.ceil(reached.min(axis=0) - ON_EDGE).astype(int), 0)
+    last = np.maximum(np.floor(reached.max(axis=0) + ON_EDGE).astype(int), 0)
     cells = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), axis=-1)
     number = np.arange(cells.shape[0] * cells.shape[1]).reshape(cells.shape[:2])
-    points = (here + step_m * cells).reshape(-1, 2)
+    points = (here + step_m * (cells @ axes)).reshape(-1, 2)
+    inside = ((points >= low - ON_EDGE) & (points <= high + ON_EDGE)).all(axis=1)
     clearance = obstacles.distances(points, most + step_m)
-    free = (clearance >= obstacles.reach).all(axis=1)
+    free = inside & (clearance >= obstacles.reach).all(axis=1)
     label = _components(obstacles, points, number, clearance, free, step_m)
     own = int(number[tuple(-first)])
     seen, queue, entered = {own}, [own], set()
@@ -81,7 +104,7 @@ def reachable(obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.
                 seen.update(np.nonzero((label == label[index]) & free)[0].tolist())
             continue
         for target in _beside(number, index):
-            if target not in seen and first_hit(obstacles, points[index], points[target]) is None:
+            if target not in seen and inside[target] and first_hit(obstacles, points[index], points[target]) is None:
                 seen.add(target)
                 queue.append(target)
     return points[[own, *sorted(seen - {own})]]

@@ -7,16 +7,13 @@ from collections.abc import Mapping
 from functools import cached_property
 
 from ovman.engine.carrying import carriers
+from ovman.engine.embodiment import Embodiment
 from ovman.engine.floorplan import FloorPlan
 from ovman.engine.footprint import Boxes
 from ovman.engine.passage import DEEPER_M
 from ovman.engine.room import Room
 from ovman.engine.shapes import collision, compound
 
-AGENT_RADIUS_M = 0.2
-AGENT_HEIGHT_M = 1.8
-AGENT_CENTRE_M = 0.9
-"""Height of the agent's position above the lower end of its capsule."""
 SKIN_M = 0.01
 """What the agent's controller keeps between its capsule and whatever blocks it."""
 PASSABLE = frozenset(["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster"])
@@ -37,7 +34,7 @@ class Setting:
         self.room = Room.of(plan)
         self.walls = Boxes.of([w.box for w in self.room.walls])
         self.carriers = carriers(plan)
-        self.clearances = _clearances(plan, self.room)
+        self._clearances: dict[Embodiment, dict[str, float]] = {}
 
     @staticmethod
     def of(plan: FloorPlan) -> Setting:
@@ -50,6 +47,16 @@ class Setting:
             _settings.popitem(last=False)
         return found
 
+    def clearances(self, embodiment: Embodiment) -> Mapping[str, float]:
+        """How close, in metres, an agent may come to what is known to be smaller than its box: by the names of walls and objectIds.
+
+        An agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does. And
+        counters with an opening are walked into.
+        """
+        if embodiment not in self._clearances:
+            self._clearances[embodiment] = _clearances(self.plan, self.room, embodiment)
+        return self._clearances[embodiment]
+
     @cached_property
     def pieces(self) -> Mapping[str, tuple]:
         """Convex pieces of every object, in the frames of their boxes."""
@@ -58,20 +65,10 @@ class Setting:
         }
 
 
-def axis_of(foot: float) -> tuple[float, float]:
-    """Heights of the ends of the axis of the agent's capsule, which stands at height `foot`."""
-    return foot + AGENT_RADIUS_M, foot + AGENT_HEIGHT_M - AGENT_RADIUS_M
-
-
-def _clearances(plan: FloorPlan, room: Room) -> dict[str, float]:
-    """How close the agent may come to what is known to be smaller than its box, metres.
-
-    The agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does. And
-    counters with an opening are walked into.
-    """
+def _clearances(plan: FloorPlan, room: Room, embodiment: Embodiment) -> dict[str, float]:
     boxes = {w.name: w.box for w in room.walls} | {o.object_id: o.box for o in plan.objects if o.type not in PASSABLE}
-    low, high = axis_of(float(plan.start[1]) - AGENT_CENTRE_M)
-    reach = AGENT_RADIUS_M + SKIN_M
+    low, high = embodiment.axis(float(plan.start[1]) + embodiment.foot_m)
+    reach = embodiment.radius_m + SKIN_M
     at_start = Boxes.of(list(boxes.values())).distances(plan.start[None, [0, 2]], low, high, reach)[0]
     found = {name: max(float(d) - DEEPER_M, 0.0) for name, d in zip(boxes, at_start, strict=True) if d < reach}
     for o in plan.objects:

@@ -6,18 +6,19 @@ World frame as in `floorplan`. What the changes do, and the messages when they a
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from decimal import ROUND_HALF_UP, Decimal
 from typing import Any
 
 import numpy as np
 
+from ovman.engine.arrangement import arranged, named
 from ovman.engine.body import Agent, Body, Pose
-from ovman.engine.carrying import inside, resting
+from ovman.engine.carrying import inside, move, resting
 from ovman.engine.dynamics import Dynamics
+from ovman.engine.embodiment import Embodiment
 from ovman.engine.floorplan import Box, FloorPlan
 from ovman.engine.footprint import Boxes
-from ovman.engine.passage import Obstacles, first_hit, reachable
-from ovman.engine.setting import AGENT_CENTRE_M, AGENT_RADIUS_M, PASSABLE, SKIN_M, Setting, axis_of
+from ovman.engine.passage import Obstacles, first_hit, heading, reachable
+from ovman.engine.setting import PASSABLE, SKIN_M, Setting
 
 __all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
@@ -47,8 +48,10 @@ class World:
         self.version = 0
         for part, carrier in self._setting.carriers.items():
             self.bodies[part].carrier = carrier
+        self._loose: set[str] = set()
+        """Disabled objects that nothing holds where they are."""
         self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
-        self._obstacles_of: tuple[int, float, Obstacles, list[str]] | None = None
+        self._obstacles_of: tuple[int, float, Embodiment, Obstacles, list[str]] | None = None
 
     # What is where
 
@@ -82,24 +85,27 @@ class World:
         hit = first_hit(obstacles, np.array(start_xz, dtype=float), np.array(end_xz, dtype=float))
         return None if hit is None else names[hit]
 
-    def reachable(self, step_m: float = 0.25) -> list[tuple[float, float, float]]:
-        """Positions that moves of `step_m` along world x and z take the agent to, its own first; y is the agent's."""
+    def reachable(self, step_m: float = 0.25, yaw_deg: float = 0.0) -> list[tuple[float, float, float]]:
+        """Positions that moves of `step_m` along the yaw and across it take the agent to, its own first; y is the agent's."""
         x_0, z_0, x_1, z_1 = self.room.rectangle
         here = self.agent.position[[0, 2]]
-        found = reachable(self._obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m)
+        axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])
+        found = reachable(self._obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m, axes)
         y = float(self.agent.position[1])
         return [(x, y, z) for x, z in found.tolist()]
 
     def _obstacles(self) -> tuple[Obstacles, list[str]]:
-        foot = float(self.agent.position[1]) - AGENT_CENTRE_M
-        if self._obstacles_of is None or self._obstacles_of[:2] != (self.version, foot):
+        foot, agent = self.agent.foot, self.agent.embodiment
+        if self._obstacles_of is None or self._obstacles_of[:3] != (self.version, foot, agent):
             bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
             names = [w.name for w in self.room.walls] + [b.object_id for b in bodies]
             known = [w.name for w in self.room.walls] + [b.obj.object_id if b.untouched else None for b in bodies]
-            reach = np.array([self._setting.clearances.get(name, AGENT_RADIUS_M + SKIN_M) for name in known])
+            clearances = self._setting.clearances(agent)
+            reach = np.array([clearances.get(name, agent.radius_m + SKIN_M) for name in known])
             boxes = self._setting.walls.join(Boxes.of([b.box for b in bodies]))
-            self._obstacles_of = self.version, foot, Obstacles(boxes, reach, *axis_of(foot)), names
-        return self._obstacles_of[2:]
+            obstacles = Obstacles(boxes, reach, agent.radius_m, *agent.axis(foot))
+            self._obstacles_of = self.version, foot, agent, obstacles, names
+        return self._obstacles_of[3:]
 
     # Changes
 
@@ -150,54 +156,45 @@ class World:
     def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
         """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...].
 
-        Every other movable object leaves the scene; an object listed again is there again, as name_copy_1, ...; objectIds follow
-        the new positions. Nothing is checked for overlaps. Refused, after the others are placed, if a name is unknown.
+        Every other movable object leaves the scene for good; an object listed again in place i is there again, as name_copy_i;
+        objectIds follow the positions. Nothing is checked for overlaps. Refused, after the others are placed, if a name is none
+        of a movable object that is in the scene.
         """
-        movable = {b.name: b for b in self.bodies.values() if b.dynamic and "_copy_" not in b.name}
-        kept = [b for b in self.bodies.values() if "_copy_" not in b.name]
-        for body in movable.values():
-            body.active = body.removed = False
-            for part in self._dynamics.parts(body.object_id):
-                part.active = False
-        unknown, copies = [], {}
-        for pose in poses:
-            name = pose["objectName"]
-            if name not in movable:
-                unknown.append(name)
-                continue
-            body = movable[name]
-            copies[name] = copies.get(name, -1) + 1
-            if copies[name]:
-                body = Body.of(body.obj)
-                body.name = f"{name}_copy_{copies[name]}"
-                body.object_id = f"{name}_copy_{copies[name]}"
-                kept.append(body)
-            body.active = True
-            self._move(body, Pose(np.array(pose["position"], dtype=float), np.array(pose["rotation"], dtype=float)))
-            body.kinematic, body.velocity = stationary, np.zeros(6)
-            for part in self._dynamics.parts(body.object_id):
-                part.active = True
-        self._rename(kept)
-        self.version += 1
+        self._collect()
+        here = [b for b in self.bodies.values() if not b.removed]
+        listed, copies, unknown = arranged(here, poses, lambda body: self._dynamics.parts(body.object_id))
+        for body in listed:
+            body.kinematic = stationary
+        self._rename([*self.bodies.values(), *copies])
+        self._collect()
         if not stationary:
-            self._dynamics.wake(b.object_id for b in kept if b.dynamic and b.present)
-        if unknown:
-            raise Refused(f"No Pickupable or Moveable object of name {unknown[0]} found in scene.")
+            self._dynamics.wake(b.object_id for b in listed)
+        self.version += 1
+        if unknown is not None:
+            raise Refused(f"No Pickupable or Moveable object of name {unknown} found in scene.")
 
     def set_active(self, object_id: str, active: bool) -> None:
-        """EnableObject, DisableObject: a disabled object keeps its pose. Refused (no message) if there is no such object."""
-        body = self.bodies.get(object_id)
-        if body is None:
-            raise Refused("")
-        if body.active != active:
-            self._come_or_go(body, active=active)
+        """EnableObject, DisableObject: a disabled object keeps its pose. Refused (no message) if there is no such object.
 
-    def remove(self, object_id: str) -> None:
-        """RemoveFromScene: gone until Reset."""
+        What has lost its support meanwhile, or was put somewhere, falls as soon as it is there again.
+        """
         body = self.bodies.get(object_id)
         if body is None or body.removed:
-            raise Refused("NullReferenceException: Object reference not set to an instance of an object")
-        self._come_or_go(body, removed=True)
+            raise Refused("")
+        if body.active != active:
+            self._come_or_go([body], active=active)
+
+    def remove(self, *object_ids: str) -> None:
+        """RemoveFromScene: gone until Reset, and with it all that is disabled. Refused before anything is gone if there is no
+        such object."""
+        found = [self.bodies.get(object_id) for object_id in object_ids]
+        bodies = [b for b in found if b is not None and not b.removed]
+        if len(bodies) < len(found):
+            raise Refused(
+                "NullReferenceException: Object reference not set to an instance of an object. trace:   at RemoveFromScene"
+            )
+        self._come_or_go(bodies, removed=True)
+        self._collect()
 
     def advance(self, seconds: float) -> None:
         """Let physics run. Costs nothing while everything is at rest."""
@@ -250,28 +247,47 @@ class World:
         self._move(body, pose)
         body.kinematic = kinematic
         self._dynamics.still(body.object_id)
-        self._dynamics.wake(load)
-        if body.dynamic and not kinematic and body.present:
-            self._dynamics.wake([body.object_id])
+        self._let_go(load)
+        if body.dynamic and not kinematic:
+            self._let_go([body.object_id])
         self.version += 1
+
+    def _let_go(self, names: Collection[str]) -> None:
+        """Let bodies fall: now, or when they are there again."""
+        self._dynamics.wake(name for name in names if self.bodies[name].present)
+        self._loose |= {name for name in names if not self.bodies[name].present}
 
     def _move(self, body: Body, pose: Pose) -> None:
-        """A body and its parts, rigidly."""
-        turn = pose.rotation @ body.obj.rotation.T
-        body.pose = pose
-        for part in self._dynamics.parts(body.object_id):
-            offset = part.obj.position - body.obj.position
-            part.pose = Pose(pose.position + turn @ offset, turn @ part.obj.rotation)
+        move(body, self._dynamics.parts(body.object_id), pose)
 
-    def _come_or_go(self, body: Body, **state: bool) -> None:
-        load = self._load(body)
-        for one in (body, *self._dynamics.parts(body.object_id)):
-            for name, value in state.items():
-                setattr(one, name, value)
-        if not body.present:
-            self._dynamics.still(body.object_id)
-            self._dynamics.wake(load)
+    def _come_or_go(self, bodies: Sequence[Body], **state: bool) -> None:
+        loads = [self._load(body) for body in bodies]
+        for body in bodies:
+            for one in (body, *self._dynamics.parts(body.object_id)):
+                for name, value in state.items():
+                    setattr(one, name, value)
+        for body, load in zip(bodies, loads, strict=True):
+            if body.present:
+                self._dynamics.make_room()
+                if body.object_id in self._loose:
+                    self._loose.discard(body.object_id)
+                    self._dynamics.wake([body.object_id])
+            else:
+                self._dynamics.still(body.object_id)
+                self._let_go(load)
         self.version += 1
+
+    def _collect(self) -> None:
+        """List the scene's objects anew: what is not active is no more found, nor are copies of what is there no more."""
+        for body in self.bodies.values():
+            body.removed |= not body.active
+        gone = [
+            name
+            for name, b in self.bodies.items()
+            if b.removed and b.obj.object_id not in (name, b.object_id) and "_copy_" in b.name
+        ]
+        for name in gone:
+            del self.bodies[name]
 
     def _advance(self, seconds: float, until_asleep: str | None = None) -> None:
         moving = sorted(self._dynamics.awake)
@@ -281,26 +297,9 @@ class World:
             self.version += 1
 
     def _rename(self, bodies: Sequence[Body]) -> None:
-        """Give `bodies` the objectIds of their positions and make them the world's."""
-        renamed: dict[str, str] = {}
+        """Make `bodies` the world's, by the objectIds of their positions."""
+        found = named(bodies)
         self.bodies.clear()
-        for body in bodies:
-            former = body.object_id
-            if body.dynamic and not body.untouched:
-                body.object_id = object_id(body.obj.type, body.pose.position)
-            while body.object_id in self.bodies:
-                body.object_id += "_copy"
-            renamed[former] = body.object_id
-            self.bodies[body.object_id] = body
-        for body in bodies:
-            body.carrier = renamed.get(body.carrier, body.carrier) if body.carrier else None
+        self.bodies.update(found)
+        self._loose.clear()
         self._dynamics.bodies_changed()
-
-
-def object_id(kind: str, position: np.ndarray) -> str:
-    """objectId of an object of type `kind` whose pivot is at `position` (3,) metres, rounded as single-precision text is."""
-    text = kind
-    for value in position:
-        number = abs(Decimal(f"{np.float32(value):.7g}")).quantize(Decimal("0.01"), ROUND_HALF_UP)
-        text += f"|{'+' if value >= 0 else '-' if number else ''}{number:05.2f}"
-    return text
