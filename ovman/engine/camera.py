@@ -14,6 +14,7 @@ import numpy as np
 
 from ovman.engine import lights, optics, rays, repaint, scene_mesh
 from ovman.engine.decor import Decor
+from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.painter import Looks, Painter
 
 FIXED_KEPT = 4
@@ -35,6 +36,12 @@ class View:
     near_m: float = 0.1
     far_m: float = 20.0
     orthographic_size: float | None = None
+    roll_deg: float = 0.0
+    """about the view direction, applied before the other two; positive tilts the picture's right upwards"""
+    sky: tuple[int, int, int] | None = None
+    """sRGB, 0 to 255, where nothing is; None for the sky of all scenes"""
+    onlooker: bool = False
+    """Whether it is no eye of the agent: it sees the agent's body, and through the room's shell from behind"""
 
     def __post_init__(self) -> None:
         if not 0 < self.fov_deg < 180:
@@ -44,11 +51,7 @@ class View:
 
     def axes(self) -> np.ndarray:
         """Rows right, up, forward: unit vectors (3, 3) in the world frame."""
-        (sa, sp), (ca, cp) = (
-            np.sin(np.radians([self.yaw_deg, self.horizon_deg])),
-            np.cos(np.radians([self.yaw_deg, self.horizon_deg])),
-        )
-        return np.array([[ca, 0, -sa], [sa * sp, cp, ca * sp], [sa * cp, -sp, ca * cp]])
+        return rotation_matrix(np.array([self.horizon_deg, self.yaw_deg, self.roll_deg])).T
 
 
 @dataclass(frozen=True)
@@ -162,7 +165,7 @@ class Renderer:
         self._follow()
         shape = (view.height, view.width)
         painter = Painter(view, self._mesh, self._shared.painted(self.decor), self._caster)
-        hits = painter.cast(*_centres(view.width, view.height))
+        hits = painter.see(*_centres(view.width, view.height))
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
         optics.identify(
             hits.prim, hits.distance, self._mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar

@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
     from ovman.engine.camera import Renderer, View
     from ovman.engine.floorplan import FloorPlan
+    from ovman.engine.map_view import MapView
     from ovman.engine.metadata import SceneMetadata
+    from ovman.engine.third_party import ThirdPartyCamera
     from ovman.engine.world import World
 
 ACTION_S = 0.1
@@ -48,6 +50,8 @@ class Engine:
         self.width, self.height, self._draws = width, height, draws
         self.settings = Settings()
         self.scene_name = ""
+        self.cameras: tuple[ThirdPartyCamera, ...] = ()
+        self.map_view: MapView | None = None
         self.auto_simulation = True
         self.seed = 0
         self.draws = 0
@@ -86,6 +90,8 @@ class Engine:
         self._resets += 1
         self._world, self._metadata, self._renderer = world, SceneMetadata(world), None
         self.scene_name = scene_name
+        self.cameras = ()
+        self.map_view = None
         self.settings = Settings()
         self.auto_simulation = True
         self.time_s = 0.0
@@ -113,6 +119,8 @@ class Engine:
         from ovman.engine.camera import View
 
         agent, s = self.world.agent, self.settings
+        if self.map_view is not None:
+            return self.map_view.view(self.width, self.height, s.near_m, s.far_m)
         return View(
             agent.camera,
             agent.yaw_deg,
@@ -203,17 +211,20 @@ class Engine:
         if world is None or not world.at_rest:
             return None
         pose = (*world.agent.position.tolist(), world.agent.yaw_deg, world.agent.horizon_deg, world.agent.standing)
-        return (self._resets, world.version, pose, self.settings, self.width, self.height)
+        return (self._resets, world.version, pose, self.settings, self.width, self.height, self.cameras, self.map_view)
 
     def _draw(self, wanted: Images) -> tuple[list[tuple[Field, memoryview]], list[dict[str, Any]] | None]:
         from ovman.engine.camera import Renderer
-        from ovman.engine.images import colour_table, encoded
+        from ovman.engine.images import AGENT, THIRD_PARTY, colour_table, encoded
 
         if self._renderer is None:
             self._renderer = Renderer(self.world)
         self._renderer.decor = self.settings.decor
-        view = self.view()
         ids = wanted.instances or wanted.classes
-        frame = self._renderer.frame(view, rgb=wanted.colour, depth=wanted.depth, ids=ids, normals=wanted.normals)
         names = self._renderer.names
-        return encoded(frame, names, view, wanted), colour_table(names) if ids else None
+        images = []
+        third_party = [(camera.view(self.width, self.height), THIRD_PARTY) for camera in self.cameras]
+        for view, fields in [(self.view(), AGENT), *third_party]:
+            frame = self._renderer.frame(view, rgb=wanted.colour, depth=wanted.depth, ids=ids, normals=wanted.normals)
+            images += encoded(frame, names, view, wanted, fields)
+        return images, colour_table(names) if ids else None

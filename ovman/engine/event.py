@@ -87,6 +87,8 @@ def agent(
         }
     else:
         state = scene.state(engine.settings, engine.width / engine.height)
+        if engine.map_view is not None:
+            state["cameraPosition"] = vector(*engine.map_view.position)
     return {
         **state,
         **_result(request, outcome),
@@ -98,8 +100,8 @@ def agent(
         "colorBounds": None,
         "depthFormat": "Meters",
         "fov": engine.settings.field_of_view_deg,
-        "cameraOrthSize": -1.0,
-        "thirdPartyCameras": [],
+        "cameraOrthSize": -1.0 if engine.map_view is None else engine.map_view.half_m,
+        "thirdPartyCameras": [camera.metadata(number) for number, camera in enumerate(engine.cameras)],
         "heldObjectPose": {"position": nowhere, "rotation": nowhere, "localPosition": nowhere, "localRotation": nowhere},
         "arm": None,
         "collided": False,

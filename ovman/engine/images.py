@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Sequence
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,25 @@ from ovman.engine.wire import Field
 if TYPE_CHECKING:
     from ovman.engine.camera import Frame, View
 
+
+class Fields(NamedTuple):
+    """Where a camera's images go on the wire."""
+
+    colour: Field
+    depth: Field
+    normals: Field
+    instances: Field
+    classes: Field
+
+
+AGENT = Fields(Field.RGB, Field.DEPTH, Field.NORMALS, Field.IDS, Field.CLASSES)
+THIRD_PARTY = Fields(
+    Field.THIRD_PARTY_RGB,
+    Field.THIRD_PARTY_DEPTH,
+    Field.THIRD_PARTY_NORMALS,
+    Field.THIRD_PARTY_IDS,
+    Field.THIRD_PARTY_CLASSES,
+)
 OPAQUE = 0xFF000000
 BACKGROUND = np.uint32(OPAQUE)
 """What belongs to no named thing; no name has this colour."""
@@ -47,27 +66,25 @@ def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
     return np.array([*packed, BACKGROUND], dtype="<u4")
 
 
-def encoded(frame: Frame, names: Sequence[str], view: View, wanted: Images) -> list[tuple[Field, memoryview]]:
+def encoded(
+    frame: Frame, names: Sequence[str], view: View, wanted: Images, fields: Fields = AGENT
+) -> list[tuple[Field, memoryview]]:
     """The images of `frame` that are `wanted`, ready for the wire. `names` are those that its ids index."""
     images: list[tuple[Field, np.ndarray]] = []
     if wanted.colour:
-        images.append((Field.RGB, frame.rgb))
+        images.append((fields.colour, frame.rgb))
     if wanted.depth:
-        images.append((Field.DEPTH, frame.depth))
+        images.append((fields.depth, frame.depth))
     if wanted.normals:
-        images.append((Field.NORMALS, _normals(frame.normals, view)))
+        images.append((fields.normals, _normals(frame.normals, view)))
     if wanted.classes:
-        images.append((Field.CLASSES, _palette(tuple(names), True)[frame.ids]))
+        images.append((fields.classes, _palette(tuple(names), True)[frame.ids]))
     if wanted.instances:
-        images.append((Field.IDS, _palette(tuple(names), False)[frame.ids]))
+        images.append((fields.instances, _palette(tuple(names), False)[frame.ids]))
     return [(field, memoryview(np.ascontiguousarray(image[::-1]))) for field, image in images]
 
 
 def _normals(world: np.ndarray, view: View) -> np.ndarray:
     """Normals (H, W, 3) in the world frame as (H, W, 3) uint8 in the camera's: x right, y up, z towards the camera."""
-    yaw, pitch = np.radians([view.yaw_deg, view.horizon_deg])
-    right = [np.cos(yaw), 0.0, -np.sin(yaw)]
-    forward = [np.sin(yaw) * np.cos(pitch), -np.sin(pitch), np.cos(yaw) * np.cos(pitch)]
-    up = [np.sin(yaw) * np.sin(pitch), np.cos(pitch), np.cos(yaw) * np.sin(pitch)]
-    axes = np.array([right, up, np.negative(forward)], dtype=np.float32)
+    axes = (view.axes() * [[1.0], [1.0], [-1.0]]).astype(np.float32)
     return np.round((world @ axes.T + 1.0) * 127.5).astype(np.uint8)

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from ovman.engine import dispatch
 from ovman.engine.actions import TABLE
 from ovman.engine.actions.registry import Action, Failed, Thrown, action
-from ovman.engine.actions.values import Inconvertible, Malformed, ObjectPose, Vector3, converted
+from ovman.engine.actions.values import Inconvertible, Malformed, ObjectPose, PartialVector3, Vector3, converted
 from ovman.engine.floorplan import load
 from ovman.engine.world import Refused
 
@@ -151,7 +151,7 @@ def test_refusals_codes_and_exceptions(probe):
 
 
 def test_every_action_has_a_signature_that_arguments_can_be_converted_to():
-    kinds = {float, int, bool, str, Vector3, ObjectPose}
+    kinds = {float, int, bool, str, Vector3, PartialVector3, ObjectPose}
     for name, ways in TABLE.items():
         for way in ways:
             assert isinstance(way, Action) and way.name == name
@@ -172,7 +172,9 @@ json_values = st.recursive(
 @settings(max_examples=200, derandomize=True, deadline=None)
 @given(
     value=json_values,
-    kind=st.sampled_from([float, int, bool, str, Vector3, ObjectPose, list[float], list[Vector3], list[ObjectPose]]),
+    kind=st.sampled_from(
+        [float, int, bool, str, Vector3, PartialVector3, ObjectPose, list[float], list[Vector3], list[ObjectPose]]
+    ),
 )
 def test_conversion_gives_its_kind_or_says_that_it_cannot(value, kind):
     try:
@@ -204,6 +206,7 @@ def by_kind(parameter):
         bool: st.booleans(),
         str: st.sampled_from(THINGS).map(lambda o: o.object_id),
         Vector3: vectors,
+        PartialVector3: vectors,
         list[Vector3]: st.lists(vectors, max_size=3),
         list[str]: st.lists(st.sampled_from(THINGS).map(lambda o: o.object_id), max_size=3),
         list[ObjectPose]: st.lists(pose, max_size=3),

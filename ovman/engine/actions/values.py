@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
@@ -47,6 +48,20 @@ class Vector3:
 
 
 @dataclass(frozen=True)
+class PartialVector3:
+    """A vector of which some components are not given."""
+
+    x: float | None = None
+    y: float | None = None
+    z: float | None = None
+
+    def over(self, base: Sequence[float]) -> np.ndarray:
+        """`base` (3,) with the given components in its place."""
+        given = (self.x, self.y, self.z)
+        return np.array([old if new is None else new for old, new in zip(base, given, strict=True)], dtype=float)
+
+
+@dataclass(frozen=True)
 class ObjectPose:
     """Where SetObjectPoses puts an object."""
 
@@ -55,9 +70,9 @@ class ObjectPose:
     rotation: Vector3
 
 
-NAMES = {float: "float", int: "int", bool: "Boolean", str: "String", Vector3: "Vector3"}
+NAMES = {float: "float", int: "int", bool: "Boolean", str: "String", Vector3: "Vector3", PartialVector3: "OptionalVector3"}
 """Types as messages call them."""
-CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3"}
+CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3", PartialVector3: "OptionalVector3"}
 """Types as signatures in messages call them."""
 
 
@@ -134,6 +149,14 @@ def _vector(value: Any) -> Vector3:
     return vector
 
 
+def _partial_vector(value: Any) -> PartialVector3:
+    if not isinstance(value, dict):
+        raise Malformed(f"Error converting value {shown(value)} to type 'AgentManager+OptionalVector3'.")
+    given = {axis: value[axis] for axis in "xyz" if value.get(axis) is not None}
+    whole = _vector(given)
+    return PartialVector3(**{axis: getattr(whole, axis) for axis in given})
+
+
 def _object_pose(value: Any) -> ObjectPose:
     if not isinstance(value, dict):
         raise Malformed(f"Error converting value {shown(value)} to type 'ObjectPose'.")
@@ -147,4 +170,12 @@ def _object_pose(value: Any) -> ObjectPose:
     return ObjectPose(name, _vector(value["position"]), _vector(value["rotation"]))
 
 
-_PLAIN = {float: _number, int: _integer, bool: _truth, str: _text, Vector3: _vector, ObjectPose: _object_pose}
+_PLAIN = {
+    float: _number,
+    int: _integer,
+    bool: _truth,
+    str: _text,
+    Vector3: _vector,
+    PartialVector3: _partial_vector,
+    ObjectPose: _object_pose,
+}
