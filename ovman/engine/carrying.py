@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from ovman.engine.body import Body
+from ovman.engine.body import Body, Pose
 from ovman.engine.floorplan import Box, FloorPlan
 
 INSIDE = 0.5
@@ -15,6 +15,8 @@ RESTS_M = 0.05
 """What lies this close to a surface, above or below, rests on it: recorded boxes are not exact."""
 STANDS_M = 0.01
 """What is this close to the floor stands on it."""
+PARTS = frozenset(["Cabinet", "Drawer", "Shelf"])
+"""Fixed types that movable furniture is made of."""
 
 
 def carriers(plan: FloorPlan) -> dict[str, str]:
@@ -22,7 +24,7 @@ def carriers(plan: FloorPlan) -> dict[str, str]:
     movable = [o for o in plan.objects if o.moveable and o.record["receptacle"]]
     out = {}
     for part in plan.objects:
-        if part.dynamic or part.type == "Floor" or not movable:
+        if part.type not in PARTS or part.dynamic or not movable:
             continue
         share = np.array([_share_inside(part.box, m.box) for m in movable])
         best = int(share.argmax())
@@ -36,6 +38,15 @@ def _share_inside(inner: Box, outer: Box) -> float:
     low, high = corners.min(axis=0), corners.max(axis=0)
     common = np.minimum(high, outer.half) - np.maximum(low, -outer.half)
     return float(np.prod(np.maximum(common, 0.0)) / max(np.prod(high - low), 1e-12))
+
+
+def move(body: Body, parts: Iterable[Body], pose: Pose) -> None:
+    """Put a body and its parts at `pose`, rigidly."""
+    turn = pose.rotation @ body.obj.rotation.T
+    body.pose = pose
+    for part in parts:
+        offset = part.obj.position - body.obj.position
+        part.pose = Pose(pose.position + turn @ offset, turn @ part.obj.rotation)
 
 
 def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> set[str]:

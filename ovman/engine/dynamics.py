@@ -67,9 +67,9 @@ class Dynamics:
         return [b for b in self._bodies.values() if b.carrier == object_id]
 
     def surfaces(self, body: Body) -> list[Box]:
-        """Boxes around the pieces of a body and of its parts where they are now; of its carrier if it is a part itself."""
-        whole = body if body.carrier is None else self._bodies[body.carrier]
-        return within(whole.box, self._pieces.get(whole.object_id, ()))
+        """Boxes around the pieces of a body, and of its parts, where they are now."""
+        pieces = self._pieces.get(body.object_id)
+        return within(body.box, self._setting.pieces[body.obj.object_id] if pieces is None else pieces)
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
@@ -79,17 +79,21 @@ class Dynamics:
             if body.carrier is None and body.obj.type != "Floor":
                 own = list(made[body.obj.object_id])
                 for part in self.parts(name):
+                    if part.removed or (body.present and not part.active):
+                        continue
                     own += transferred(made[part.obj.object_id], part.obj.box, body.obj.box)
                 out[name] = tuple(own)
         return out
 
     def bodies_changed(self) -> None:
-        """Call when bodies got other names or new ones came."""
+        """Call when bodies got other names or other parts, or when new ones came."""
         self.__dict__.pop("_pieces", None)
         self._model = None
-        self.awake.clear()
-        self._fresh.clear()
-        self._pardons.clear()
+
+    def speed(self, name: str) -> float:
+        """v**2 + w**2 of a body, m/s and rad/s; 0 if it sleeps."""
+        velocity = self._bodies[name].velocity if name in self.awake else np.zeros(6)
+        return float(velocity @ velocity)
 
     def wake(self, names: Iterable[str]) -> None:
         """Let bodies fall. What they overlap now does not touch them until they sleep."""

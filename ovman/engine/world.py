@@ -32,8 +32,16 @@ SETTLE_S = 1.0
 """How long a placed object is watched coming to rest."""
 
 
+RESTLESS = 0.01
+"""v**2 + w**2 (m/s and rad/s) above which a placed object has not come to rest."""
+
+
 class Refused(Exception):
     """An action did not succeed; the message is AI2-THOR's."""
+
+
+class Unsettled(Refused):
+    """A placed object is in its place but has not come to rest there."""
 
 
 class World:
@@ -110,31 +118,39 @@ class World:
     # Changes
 
     def place(
-        self, object_id: str, position: Sequence[float], rotation: np.ndarray | None = None, kinematic: bool = False
+        self,
+        object_id: str,
+        position: Sequence[float],
+        rotation: np.ndarray | None = None,
+        kinematic: bool = False,
+        settle: bool = True,
     ) -> np.ndarray:
         """PlaceObjectAtPoint: on the first surface below `position` (3,), turned by `rotation` (3, 3) or as it is.
 
-        It settles for up to a second unless `kinematic`. Returns the position of its pivot then, (3,) metres.
+        It settles for up to a second unless `kinematic` or not to `settle`. Returns the position of its pivot then, (3,) metres.
+        Refused, with everything as it was, if it would overlap anything; refused as well, where it has got to, if it has not
+        come to rest or has left the scene.
         """
         body = self._known(object_id)
         point = np.array(position, dtype=float)
         low, high = self.bounds()
-        if not ((point >= low) & (point <= high)).all():
-            raise Refused(f"Position coordinate ({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f}) is not within scene bounds")
+        if not _inside(point, low, high):
+            middle, extents = (low + high) / 2, (high - low) / 2
+            bounds = f"Center: {_text(middle)}, Extents: {_text(extents)}"
+            raise Refused(f"Position coordinate ({_text(point)}) is not within scene bounds ({bounds})")
         load = self._load(body)
-        model = self._dynamics.probe(object_id, load)
-        surface = model.below(point, DROP_M, but=object_id)
-        if surface is None:
-            raise Refused(f"No surface within {DROP_M:.0f} m below ({point[0]:.2f}, {point[1]:.2f}, {point[2]:.2f})")
+        surface = self._dynamics.probe(object_id, load).below(point, DROP_M, but=object_id)
         pose = Pose(point, body.pose.rotation if rotation is None else rotation)
-        lift = surface[0] + GAP_M - body.box_at(pose).bounds()[0][1]
+        lift = (point[1] if surface is None else surface[0]) + GAP_M - body.box_at(pose).bounds()[0][1]
         pose = Pose(point + [0.0, lift, 0.0], pose.rotation)
         hit = self._overlap(body, pose, load)
         if hit is not None:
             raise Refused(f"Spawn area not clear ({hit}) is in the way), can't place object at that point")
         self._put(body, pose, kinematic, load)
-        if not kinematic:
+        if settle and object_id in self._dynamics.awake:
             self._advance(SETTLE_S, object_id)
+            if self._dynamics.speed(object_id) > RESTLESS or not _inside(body.box.centre, low, high):
+                raise Unsettled("object couldn't come to rest")
         return body.pose.position
 
     def teleport(
@@ -165,8 +181,8 @@ class World:
         listed, copies, unknown = arranged(here, poses, lambda body: self._dynamics.parts(body.object_id))
         for body in listed:
             body.kinematic = stationary
-        self._rename([*self.bodies.values(), *copies])
         self._collect()
+        self._rename([*self.bodies.values(), *copies])
         if not stationary:
             self._dynamics.wake(b.object_id for b in listed)
         self.version += 1
@@ -206,11 +222,13 @@ class World:
         body = self.bodies.get(object_id)
         if body is None or body.removed:
             raise Refused(f"Cannot find object with id {object_id}.")
+        if body.carrier is not None or body.obj.type == "Floor":
+            raise Refused(f"{object_id} cannot be moved: it is a part of {body.carrier or 'the room'}.")
         return body
 
     def _load(self, body: Body) -> list[str]:
         """What a body carries, and what that carries in turn."""
-        if not body.present or body.carrier is not None:
+        if not body.present:
             return []
         found: list[str] = []
         queue = [body]
@@ -275,6 +293,8 @@ class World:
             else:
                 self._dynamics.still(body.object_id)
                 self._let_go(load)
+        if any(body.carrier is not None for body in bodies):
+            self._dynamics.bodies_changed()
         self.version += 1
 
     def _collect(self) -> None:
@@ -298,8 +318,19 @@ class World:
 
     def _rename(self, bodies: Sequence[Body]) -> None:
         """Make `bodies` the world's, by the objectIds of their positions."""
+        for object_id in list(self._dynamics.awake):
+            self._dynamics.still(object_id)
         found = named(bodies)
         self.bodies.clear()
         self.bodies.update(found)
         self._loose.clear()
         self._dynamics.bodies_changed()
+
+
+def _inside(point: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
+    return bool(((point >= low) & (point <= high)).all())
+
+
+def _text(vector: np.ndarray) -> str:
+    """As Unity writes it."""
+    return f"({vector[0]:.1f}, {vector[1]:.1f}, {vector[2]:.1f})"

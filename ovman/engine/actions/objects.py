@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from ovman.engine.actions.registry import action
+from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import ObjectPose, Vector3
 from ovman.engine.engine import Engine
 from ovman.engine.floorplan import rotation_matrix
-from ovman.engine.world import Refused
+from ovman.engine.world import Refused, Unsettled
 
 
 def _turned(rotation: Vector3 | None) -> np.ndarray | None:
@@ -21,17 +21,20 @@ def _turned(rotation: Vector3 | None) -> np.ndarray | None:
 def place_object_at_point(
     engine: Engine, objectId: str, position: Vector3, rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
-    return Vector3.of(engine.world.place(objectId, position.array, _turned(rotation), forceKinematic)).to_json()
+    rested = engine.world.place(objectId, position.array, _turned(rotation), forceKinematic, settle=engine.auto_simulation)
+    return Vector3.of(rested).to_json()
 
 
 @action("PlaceObjectAtPoint")
 def place_object_at_first_free_point(
     engine: Engine, objectId: str, positions: list[Vector3], rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
-    refusal = Refused("PlaceObjectAtPoint needs at least one position.")
+    refusal = Refused("")
     for position in positions:
         try:
             return place_object_at_point(engine, objectId, position, rotation, forceKinematic)
+        except Unsettled:
+            raise
         except Refused as error:
             refusal = error
     raise refusal
@@ -45,42 +48,75 @@ def teleport_object(
     rotation: Vector3 | None = None,
     forceAction: bool = False,
     forceKinematic: bool = False,
+    allowTeleportOutOfHand: bool = False,
+    makeUnbreakable: bool = False,
 ) -> None:
+    """Nothing is held or breaks."""
     engine.world.teleport(objectId, position.array, _turned(rotation), forceAction, forceKinematic)
 
 
+@action("TeleportObject")
+def teleport_object_to_coordinates(
+    engine: Engine,
+    objectId: str,
+    x: float,
+    y: float,
+    z: float,
+    rotation: Vector3 | None = None,
+    forceAction: bool = False,
+    forceKinematic: bool = False,
+    allowTeleportOutOfHand: bool = False,
+    makeUnbreakable: bool = False,
+) -> None:
+    teleport_object(engine, objectId, Vector3(x, y, z), rotation, forceAction, forceKinematic)
+
+
+@action("TeleportObject")
+def teleport_object_to_first_free_point(
+    engine: Engine,
+    objectId: str,
+    positions: list[Vector3],
+    rotation: Vector3 | None = None,
+    forceAction: bool = False,
+    forceKinematic: bool = False,
+    allowTeleportOutOfHand: bool = False,
+    makeUnbreakable: bool = False,
+) -> None:
+    refusal = Refused("")
+    for position in positions:
+        try:
+            return teleport_object(engine, objectId, position, rotation, forceAction, forceKinematic)
+        except Refused as error:
+            refusal = error
+    raise refusal
+
+
 @action("SetObjectPoses")
-def set_object_poses(engine: Engine, objectPoses: list[ObjectPose], placeStationary: bool = True, **rest: Any) -> None:
+def set_object_poses(
+    engine: Engine, objectPoses: list[ObjectPose] | None = None, placeStationary: bool = True, **rest: Any
+) -> str:
+    if objectPoses is None:
+        raise Refused(
+            "objectPoses was not initialized correctly. Please make sure each element in the objectPoses list is initialized."
+        )
+    if not objectPoses:
+        raise Thrown("IndexOutOfRangeException", "Index was outside the bounds of the array.")
     poses = [
         {"objectName": p.objectName, "position": p.position.array, "rotation": rotation_matrix(p.rotation.array)}
         for p in objectPoses
     ]
-    # AI2-THOR collects the scene's objects anew: it no longer lists what is inactive then, and finds what it had not listed.
-    bodies = engine.world.bodies
-    for body in bodies.values():
-        body.removed &= body.active
-    try:
-        engine.world.set_poses(poses, placeStationary)
-    finally:
-        for body in bodies.values():
-            body.removed |= not body.active
+    engine.world.set_poses(poses, placeStationary)
+    return ""
 
 
 @action("DisableObject")
 def disable_object(engine: Engine, objectId: str) -> None:
-    _set_active(engine, objectId, False)
+    engine.world.set_active(objectId, False)
 
 
 @action("EnableObject")
 def enable_object(engine: Engine, objectId: str) -> None:
-    _set_active(engine, objectId, True)
-
-
-def _set_active(engine: Engine, object_id: str, active: bool) -> None:
-    body = engine.world.bodies.get(object_id)
-    if body is None or body.removed:
-        raise Refused("")
-    engine.world.set_active(object_id, active)
+    engine.world.set_active(objectId, True)
 
 
 @action("RemoveFromScene")
@@ -90,5 +126,11 @@ def remove_from_scene(engine: Engine, objectId: str) -> None:
 
 @action("RemoveFromScene")
 def remove_all_from_scene(engine: Engine, objectIds: list[str]) -> None:
-    for object_id in objectIds:
-        engine.world.remove(object_id)
+    if not objectIds:
+        raise Refused("objectIds must not be empty!")
+    engine.world.remove(*objectIds)
+
+
+@action("RemoveObjsFromScene")
+def remove_objects_from_scene(engine: Engine, objectIds: list[str]) -> None:
+    remove_all_from_scene(engine, objectIds)
