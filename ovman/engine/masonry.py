@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ovman.engine.materials import Material, linear
+from ovman.engine import finishes
+from ovman.engine.finishes import Material, Tone
 from ovman.engine.room import Room, structure_name
 from ovman.engine.shapes.part import Part
 from ovman.engine.shapes.style import Style
@@ -58,7 +59,7 @@ def structures(room: Room) -> tuple[Structure, ...]:
     out: list[Structure] = []
     accent = style.choice("accent wall", (None, None, (0, -1), (0, 1), (1, -1), (1, 1)))
     for face in faces:
-        paint = _paint(style, "accent" if (face.axis, face.outwards) == accent else "wall")
+        paint = _paint(style, "accent" if (face.axis, face.outwards) == accent else "wall", room.plan.kind)
         parts = _wall_parts(room, face, _openings(room, face))
         if parts:
             out.append((_unique("wall", parts, out), parts, paint))
@@ -67,7 +68,7 @@ def structures(room: Room) -> tuple[Structure, ...]:
     least = np.array([x_0 - THICK_M, room.ceiling_y, z_0 - THICK_M])
     most = np.array([x_1 + THICK_M, room.ceiling_y + THICK_M, z_1 + THICK_M])
     ceiling = (Part("box", (least + most) / 2, most - least),)
-    out.append((_unique("ceiling", ceiling, out), ceiling, _paint(style, "ceiling")))
+    out.append((_unique("ceiling", ceiling, out), ceiling, _paint(style, "ceiling", room.plan.kind)))
     return tuple(out)
 
 
@@ -170,7 +171,7 @@ def _doors(room: Room, faces: Sequence[Face], style: Style, others: Sequence[Str
                 if any(_crosses(other, face, begin, end) for other in faces if other is not face):
                     continue
                 parts = _door_parts(room, face, begin, end, style)
-                return [(_unique("door", parts, others), parts, _paint(style, "door"))]
+                return [(_unique("door", parts, others), parts, _paint(style, "door", room.plan.kind))]
     return []
 
 
@@ -204,27 +205,46 @@ def _door_parts(room: Room, face: Face, begin: float, end: float, style: Style) 
     return tuple(parts)
 
 
-def _paint(style: Style, what: str) -> Mapping[str, Material]:
-    """Finishes of a room's structures, by the scene's name."""
-    hue = style.fraction(f"{what} hue")
-    finishes = {
-        "wall": (0.05, 0.4, 0.62, 0.86),
-        "accent": (0.15, 0.5, 0.35, 0.7),
-        "ceiling": (0.0, 0.15, 0.86, 0.95),
-        "door": (0.05, 0.45, 0.3, 0.85),
+WALLS: tuple[Tone, ...] = (
+    (0.10, 0.14, 0.88),
+    (0.12, 0.22, 0.82),
+    (0.09, 0.12, 0.76),
+    (0.60, 0.05, 0.80),
+    (0.60, 0.06, 0.68),
+    (0.28, 0.12, 0.72),
+    (0.54, 0.16, 0.78),
+    (0.04, 0.22, 0.82),
+    (0.13, 0.34, 0.80),
+    (0.08, 0.16, 0.64),
+)
+"""White, cream, greige, greys, sage, pale blue, blush, butter, taupe."""
+FEATURES: tuple[Tone, ...] = (
+    (0.61, 0.30, 0.34),
+    (0.38, 0.22, 0.34),
+    (0.04, 0.36, 0.52),
+    (0.60, 0.06, 0.32),
+    (0.11, 0.40, 0.58),
+    (0.49, 0.26, 0.42),
+    (0.98, 0.24, 0.42),
+)
+"""What one wall may be painted to differ from the others: navy, forest, terracotta, charcoal, ochre, teal, plum."""
+TILED = frozenset({"kitchen", "bathroom"})
+
+
+def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
+    """Finishes of a room's structures, by the scene's name. `kind`: of room."""
+    draw = {
+        "wall": finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03),
+        "accent": finishes.of(*FEATURES, gloss=(0.03, 0.08), slack=0.05),
+        "ceiling": finishes.of((0.1, 0.08, 0.92), (0.6, 0.03, 0.92), gloss=(0.03, 0.05), slack=0.02),
+        "door": finishes.either(finishes.white_paint, finishes.white_paint, finishes.wood, finishes.wood, finishes.painted),
     }[what]
-    saturation = style.uniform(f"{what} saturation", *finishes[:2])
-    lightness = style.uniform(f"{what} lightness", *finishes[2:])
-    texture, scale = "plain", 0.3
+    main = draw(Style(f"{style.key}|{what}"))
     if what in ("wall", "accent"):
-        texture = style.choice(f"{what} texture", ("plain", "plain", "plain", "plain", "plain", "stripes", "weave", "tiles"))
-        scale = style.uniform(f"{what} scale", 0.12, 0.3)
-    elif what == "door":
-        texture = style.choice("door texture", ("plain", "wood"))
-    seed = style.integer(f"{what} seed") % 2**31
-    main = Material(linear(hue, saturation, lightness), texture, scale, seed, 0.05)
-    second = Material(linear(hue, saturation, lightness * 0.94), texture, scale, seed, 0.05)
-    trim_lightness = style.uniform("trim lightness", 0.7, 0.95)
-    trim = Material(linear(style.fraction("trim hue"), 0.08, trim_lightness), gloss=0.15)
-    metal = Material(linear(0.1, 0.1, style.uniform("handle lightness", 0.4, 0.75)), "metal_brushed", gloss=0.6)
-    return {"main": main, "second": second, "trim": trim, "metal": metal}
+        plain = ("plain",) * (2 if kind in TILED else 7)
+        texture = style.choice(f"{what} texture", (*plain, "tiles", "tiles") if kind in TILED else (*plain, "stripes", "weave"))
+        main = replace(main, texture=texture, scale_m=style.uniform(f"{what} scale", 0.1, 0.24))
+    main = replace(main, seed=style.integer(f"{what} seed") % 2**31)
+    second = replace(main, colour=main.colour * 0.9)
+    trim = finishes.either(*(finishes.white_paint,) * 4, finishes.wood)(Style(f"{style.key}|trim"))
+    return {"main": main, "second": second, "trim": trim, "metal": finishes.metal(Style(f"{style.key}|handle"))}

@@ -143,7 +143,8 @@ class Room:
         from ovman.engine.materials import palette
         from ovman.engine.shapes import stoves
 
-        return (*structures(self), *((name, parts, palette(burner, self.plan)) for name, burner, parts in stoves(self.plan)))
+        made = ((name, parts, palette(burner, self.plan, "Stove")) for name, burner, parts in stoves(self.plan))
+        return (*structures(self), *made)
 
 
 def structure_name(kind: str, centre: np.ndarray) -> str:

@@ -28,10 +28,9 @@ KINDS = (
     "pages",
     "cardboard",
 )
-KINDS += ("checker", "stripes", "screen")
-PLAIN, WOOD, FABRIC, WEAVE, TILES, MARBLE, METAL, PRINT, PICTURE, LEAVES, PAGES, CARDBOARD, CHECKER, STRIPES, SCREEN = range(
-    len(KINDS)
-)
+KINDS += ("checker", "stripes", "screen", "outdoors", "text", "label", "speckle")
+PLAIN, WOOD, FABRIC, WEAVE, TILES, MARBLE, METAL, PRINT, PICTURE, LEAVES, PAGES, CARDBOARD = range(12)
+CHECKER, STRIPES, SCREEN, OUTDOORS, TEXT, LABEL, SPECKLE = range(12, len(KINDS))
 TILE = 256
 """Width of the noise tables; a power of two."""
 CLOUDS, GRAIN, VEINS, THREAD = range(4)
@@ -97,26 +96,99 @@ def _second(r, g, b, seed):
 
 
 @njit(cache=True, error_model="numpy")
-def _picture(s, t, r, g, b, seed):
-    """An abstract painting on the unit square: ground, sky, a sun and some strokes; t upwards."""
+def _landscape(s, t, r, g, b, seed):
+    """Two ridges or a shore under a sky with a sun; s to the right, t upwards, both 0 to 1."""
     one = np.float32(1)
     r2, g2, b2 = _second(r, g, b, seed)
+    line = np.float32(0.25) + np.float32(0.25) * _hash(seed, 12, 0)
+    wave = np.float32(6.3) * (s * (one + np.float32(2) * _hash(seed, 13, 0)) + _hash(seed, 14, 0))
+    near = line + np.float32(0.06) * np.sin(wave)
+    far = line + np.float32(0.14) + np.float32(0.12) * abs(np.sin(wave * np.float32(0.7) + np.float32(2)))
+    if t < near:
+        k = np.float32(0.55) + np.float32(0.45) * t / near
+        return r2 * k, g2 * k, b2 * k
+    if t < far:
+        k = np.float32(0.5)
+        return (r + r2) * k * k, (g + g2) * k * k + np.float32(0.02), (b + b2) * k * k + np.float32(0.04)
+    cx, cy = np.float32(0.2) + np.float32(0.6) * _hash(seed, 15, 0), np.float32(0.8)
+    if (s - cx) * (s - cx) + (t - cy) * (t - cy) < np.float32(0.008):
+        return np.float32(0.9), np.float32(0.6), np.float32(0.3)
+    k = (t - far) / (one - far)
+    warm = _hash(seed, 16, 0)
+    return (
+        np.float32(0.75) - np.float32(0.45) * k * (one - warm * np.float32(0.6)),
+        np.float32(0.68) - np.float32(0.25) * k,
+        np.float32(0.6) - np.float32(0.05) * k + np.float32(0.1) * (one - warm),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _portrait(s, t, r, g, b, seed):
+    """Head and shoulders before a plain ground."""
+    r2, g2, b2 = _second(r, g, b, seed)
+    x = (s - np.float32(0.5)) * np.float32(2)
+    lean = np.float32(0.1) * (_hash(seed, 17, 0) - np.float32(0.5))
+    tone = np.float32(0.35) + np.float32(0.65) * _hash(seed, 18, 0)
+    hair = np.float32(0.02) + np.float32(0.22) * _hash(seed, 19, 0) * _hash(seed, 19, 1)
+    dx, dy = (x - lean) / np.float32(0.34), (t - np.float32(0.6)) / np.float32(0.21)
+    face = dx * dx + dy * dy
+    if face < np.float32(1):
+        eyes = abs(abs(x - lean) - np.float32(0.13)) < np.float32(0.045) and abs(t - np.float32(0.63)) < np.float32(0.018)
+        mouth = abs(x - lean) < np.float32(0.1) and abs(t - np.float32(0.49)) < np.float32(0.01)
+        if dy > np.float32(0.45) - np.float32(0.3) * abs(dx):
+            return hair, hair * np.float32(0.6), hair * np.float32(0.35)
+        if eyes or mouth:
+            return np.float32(0.1), np.float32(0.04), np.float32(0.03)
+        return np.float32(0.72) * tone, np.float32(0.45) * tone, np.float32(0.32) * tone
+    wide = np.float32(0.42) + np.float32(0.1) * _hash(seed, 19, 2)
+    dx, dy = (x - lean) / wide, (t - np.float32(0.58)) / np.float32(0.3)
+    if dx * dx + dy * dy < np.float32(1):
+        return hair, hair * np.float32(0.6), hair * np.float32(0.35)
+    dx, dy = x / np.float32(0.85), (t - np.float32(0.02)) / np.float32(0.38)
+    if dx * dx + dy * dy < np.float32(1) or (abs(x - lean) < np.float32(0.13) and t < np.float32(0.5)):
+        return r, g, b
+    return r2, g2, b2
+
+
+@njit(cache=True, error_model="numpy")
+def _still_life(s, t, r, g, b, seed):
+    """A vase of flowers on a table."""
+    r2, g2, b2 = _second(r, g, b, seed)
+    for i in range(7):
+        x = np.float32(0.5) + np.float32(0.5) * (_hash(seed, 40 + i, 1) - np.float32(0.5))
+        y = np.float32(0.62) + np.float32(0.24) * _hash(seed, 40 + i, 2)
+        size = np.float32(0.05) + np.float32(0.05) * _hash(seed, 40 + i, 3)
+        far = (s - x) * (s - x) + (t - y) * (t - y)
+        if far < np.float32(0.1) * size * size:
+            return np.float32(0.8), np.float32(0.6), np.float32(0.1)
+        if far < size * size:
+            if i & 1:
+                return np.float32(0.75), np.float32(0.18), np.float32(0.2)
+            return np.float32(0.85), np.float32(0.75), np.float32(0.7)
+    x = abs(s - np.float32(0.5))
+    if t > np.float32(0.42) and t < np.float32(0.66) and x < np.float32(0.3) * (t - np.float32(0.3)):
+        return np.float32(0.06), np.float32(0.2), np.float32(0.07)
+    if t > np.float32(0.14) and t < np.float32(0.46):
+        belly = np.float32(0.15) - np.float32(1.6) * (t - np.float32(0.28)) * (t - np.float32(0.28))
+        if x < belly:
+            return r, g, b
+    if t < np.float32(0.24):
+        return r2 * np.float32(0.5), g2 * np.float32(0.5), b2 * np.float32(0.5)
+    return r2, g2, b2
+
+
+@njit(cache=True, error_model="numpy")
+def _picture(s, t, r, g, b, seed):
+    """What hangs in frames, on the unit square: a landscape, a portrait, flowers or shapes; t upwards."""
+    one = np.float32(1)
     style = _hash(seed, 11, 0)
-    if style < 0.45:
-        line = np.float32(0.3) + np.float32(0.35) * _hash(seed, 12, 0)
-        line += np.float32(0.05) * np.sin(np.float32(6.3) * (s * (one + np.float32(2) * _hash(seed, 13, 0)) + _hash(seed, 14, 0)))
-        cx, cy = np.float32(0.2) + np.float32(0.6) * _hash(seed, 15, 0), line + np.float32(0.2)
-        if t < line:
-            k = np.float32(0.6) + np.float32(0.4) * t / line
-            return r2 * k, g2 * k, b2 * k
-        if (s - cx) * (s - cx) + (t - cy) * (t - cy) < np.float32(0.012):
-            return np.float32(0.85), np.float32(0.6), np.float32(0.35)
-        k = (t - line) / (one - line)
-        return (
-            r + (np.float32(0.8) - r) * (one - k),
-            g + (np.float32(0.75) - g) * (one - k),
-            b + (np.float32(0.7) - b) * (one - k),
-        )
+    if style < 0.4:
+        return _landscape(s, t, r, g, b, seed)
+    if style < 0.55:
+        return _portrait(s, t, r, g, b, seed)
+    if style < 0.7:
+        return _still_life(s, t, r, g, b, seed)
+    r2, g2, b2 = _second(r, g, b, seed)
     out_r, out_g, out_b = np.float32(0.72), np.float32(0.68), np.float32(0.6)
     for i in range(6):
         x, y = _hash(seed, 20 + i, 1), _hash(seed, 20 + i, 2)
@@ -126,7 +198,7 @@ def _picture(s, t, r, g, b, seed):
         )
         k = np.float32(0.35) + np.float32(0.9) * _hash(seed, 20 + i, 5)
         inside = abs(s - x) < w and abs(t - y) < h
-        if style > 0.75:
+        if style > 0.86:
             inside = (s - x) * (s - x) + (t - y) * (t - y) < w * w
         if inside:
             if i & 1:
@@ -134,6 +206,111 @@ def _picture(s, t, r, g, b, seed):
             else:
                 out_r, out_g, out_b = r2 * k, g2 * k, b2 * k
     return min(out_r, one), min(out_g, one), min(out_b, one)
+
+
+@njit(cache=True, error_model="numpy")
+def _outdoors(s, t, u, v, r, g, b, seed, table):
+    """What is seen through a window: clouds, far hills, trees, a lawn; s, t 0 to 1, t upwards; u, v metres."""
+    one = np.float32(1)
+    shift = np.float32(100) * _hash(seed, 50, 0)
+    line = np.float32(0.24) + np.float32(0.16) * _hash(seed, 51, 0)
+    bumps = _look(table, CLOUDS, u * np.float32(90) + shift, shift)
+    trees = line + np.float32(0.1) + np.float32(0.12) * bumps
+    hills = line + np.float32(0.14) + np.float32(0.06) * np.sin(u * np.float32(2.5) + shift)
+    if t < line - np.float32(0.08):
+        k = np.float32(0.8) + np.float32(0.12) * _look(table, CLOUDS, u * np.float32(60), v * np.float32(240) + shift)
+        return np.float32(0.26) * k, np.float32(0.42) * k, np.float32(0.13) * k
+    if t < trees:
+        k = np.float32(0.75) + np.float32(0.45) * _look(table, CLOUDS, u * np.float32(420) + shift, v * np.float32(420))
+        k *= np.float32(0.55) + np.float32(0.7) * (t - line + np.float32(0.1))
+        return np.float32(0.16) * k, np.float32(0.30) * k, np.float32(0.09) * k
+    if t < hills:
+        return np.float32(0.30), np.float32(0.42), np.float32(0.42)
+    haze = one - (t - hills) / (one - hills)
+    haze = np.float32(0.7) * haze * haze
+    cloud = _look(table, CLOUDS, u * np.float32(22) + shift, v * np.float32(50) + shift) * np.float32(1.4)
+    haze = min(max(haze + max(cloud, np.float32(0)), np.float32(0)), np.float32(0.95))
+    return r + (np.float32(0.95) - r) * haze, g + (np.float32(0.96) - g) * haze, b + (np.float32(0.98) - b) * haze
+
+
+@njit(cache=True, error_model="numpy")
+def _ink(u, v, line, footprint, seed):
+    """How much ink there is at a point of lines of words, 0 to 1. `line`: from line to line, metres."""
+    row = np.floor(v / line)
+    y = v / line - row
+    word = np.float32(3.2) * line
+    x = u / word + np.float32(7) * _hash(np.int64(row), seed, 61)
+    k = np.floor(x)
+    gap = np.float32(0.12) + np.float32(0.3) * _hash(np.int64(row), np.int64(k), seed)
+    fine = np.float32(0.72) * _fade(footprint, line) if (y > 0.3 and y < 0.8 and x - k > gap) else np.float32(0)
+    return fine + np.float32(0.28) * (np.float32(1) - _fade(footprint, line))
+
+
+@njit(cache=True, error_model="numpy")
+def _text(u, v, hu, hv, r, g, b, scale, footprint, seed):
+    """A printed page: a headline, columns of words, a picture among them."""
+    if hu < np.float32(0.03) or hv < np.float32(0.03):
+        return r, g, b
+    s, t = u / (hu + hu) + np.float32(0.5), v / (hv + hv) + np.float32(0.5)
+    if s < 0.05 or s > 0.95 or t < 0.04 or t > 0.96:
+        return r, g, b
+    ink = np.float32(0)
+    if t < 0.2:
+        ink = _ink(u, v, np.float32(0.14) * hv, footprint, seed)
+    else:
+        columns = max(np.floor(hu / np.float32(0.045)), np.float32(2))
+        place = s * columns - np.floor(s * columns)
+        if _hash(np.int64(np.floor(s * columns)), seed, 62) > 0.6 and t > 0.3 and t < 0.55:
+            k = np.float32(0.2) + np.float32(0.5) * abs(t - np.float32(0.42)) * np.float32(4)
+            return r * k, g * k, b * k
+        if place > 0.06 and place < 0.94:
+            ink = _ink(u, v, scale, footprint, seed)
+    k = np.float32(1) - np.float32(0.85) * ink
+    return r * k, g * k, b * k
+
+
+@njit(cache=True, error_model="numpy")
+def _label(s, t, u, v, hv, r, g, b, footprint, seed):
+    """A product's print: a coloured band, an emblem, lines of words."""
+    r2, g2, b2 = _second(r, g, b, seed)
+    hue = _hash(seed, 70, 0)
+    r3, g3, b3 = np.float32(0.6) * hue, np.float32(0.5) * _hash(seed, 70, 1), np.float32(0.6) * (np.float32(1) - hue)
+    if t > 0.72 and t < 0.93:
+        if abs(s - np.float32(0.5)) < 0.34 and abs(t - np.float32(0.82)) < 0.06:
+            k = _ink(u, v, np.float32(0.24) * hv, footprint, seed)
+            return r3 + (np.float32(0.85) - r3) * k, g3 + (np.float32(0.85) - g3) * k, b3 + (np.float32(0.8) - b3) * k
+        return r3, g3, b3
+    x, y = s - np.float32(0.5), (t - np.float32(0.5)) * np.float32(1.3)
+    round_one = _hash(seed, 71, 0) < 0.5
+    if (round_one and x * x + y * y < np.float32(0.03)) or (not round_one and abs(x) + abs(y) < np.float32(0.22)):
+        return r2, g2, b2
+    if t > 0.08 and t < 0.28 and abs(x) < 0.38:
+        k = np.float32(1) - np.float32(0.8) * _ink(u, v, np.float32(0.11) * hv, footprint, seed)
+        return r * k, g * k, b * k
+    return r, g, b
+
+
+@njit(cache=True, error_model="numpy")
+def _screen(s, t, u, v, hv, r, g, b, footprint, seed):
+    """A lit screen: a film, or windows with text on a desktop."""
+    if _hash(seed, 80, 0) < 0.45:
+        return _landscape(s, t, r, g, b, seed)
+    k = np.float32(0.5) + np.float32(0.5) * t
+    r, g, b = r * k, g * k, b * k
+    if t < 0.06:
+        k = np.float32(0.12) if np.int64(np.floor(s * np.float32(16))) % 3 else np.float32(0.5)
+        return k * np.float32(0.8), k * np.float32(0.9), k
+    for i in range(2):
+        x0, y0 = np.float32(0.06) + np.float32(0.34) * i, np.float32(0.12) + np.float32(0.12) * _hash(seed, 81 + i, 1)
+        wide, high = np.float32(0.34) + np.float32(0.2) * _hash(seed, 81 + i, 2), np.float32(0.6)
+        if s > x0 and s < x0 + wide and t > y0 and t < y0 + high:
+            if t > y0 + high - np.float32(0.07):
+                return np.float32(0.12), np.float32(0.2), np.float32(0.42)
+            if s < x0 + np.float32(0.03) or s > x0 + wide - np.float32(0.03) or t < y0 + np.float32(0.04):
+                return np.float32(0.85), np.float32(0.86), np.float32(0.87)
+            k = np.float32(0.86) * (np.float32(1) - np.float32(0.8) * _ink(u, v, np.float32(0.1) * hv, footprint, seed + i))
+            return k, k, k
+    return r, g, b
 
 
 @njit(cache=True, error_model="numpy")
@@ -283,19 +460,23 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
     if kind == SCREEN:
         s, t = u / (hu + hu) + half, v / (hv + hv) + half
         if emission > np.float32(0.05):
-            k = np.float32(0.5) + np.float32(0.5) * t
-            r, g, b = r * k, g * k, b * k
-            for i in range(3):
-                x, y = _hash(seed, 30 + i, 1), _hash(seed, 30 + i, 2)
-                if abs(s - x) < np.float32(0.18) and abs(t - y) < np.float32(0.16):
-                    k = half + _hash(seed, 30 + i, 3)
-                    r, g, b = (
-                        min(r * k + np.float32(0.1), one),
-                        min(g * k + np.float32(0.1), one),
-                        min(b * k + np.float32(0.1), one),
-                    )
-            return r, g, b
+            return _screen(s, t, u, v, hv, r, g, b, footprint, seed)
         k = one + (half if s + half * t > np.float32(0.9) else np.float32(0))
+        return r * k, g * k, b * k
+    if kind == OUTDOORS:
+        return _outdoors(u / (hu + hu) + half, v / (hv + hv) + half, u, v, r, g, b, seed, table)
+    if kind == TEXT:
+        return _text(u, v, hu, hv, r, g, b, scale, footprint, seed)
+    if kind == LABEL:
+        return _label(u / (hu + hu) + half, v / (hv + hv) + half, u, v, hv, r, g, b, footprint, seed)
+    if kind == SPECKLE:
+        grain = np.float32(6.4) / scale
+        k = _look(table, THREAD, u * grain + np.float32(100) * ou, v * grain + np.float32(100) * ov) * _fade(footprint, scale)
+        k = (
+            one
+            + np.float32(0.3) * k
+            + np.float32(0.08) * _look(table, CLOUDS, (u + ou) * np.float32(80), (v + ov) * np.float32(80))
+        )
         return r * k, g * k, b * k
     return r, g, b
 
