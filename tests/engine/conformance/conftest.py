@@ -1,0 +1,177 @@
+"""Conformance to AI2-THOR 5.0.0, driven through the unmodified Controller.
+
+A test names the lines of the contract that it stands for with `@pytest.mark.contract("4 MoveAhead")`: section, then item or action.
+The variable CONFORMANCE_SEED draws other scenes, poses and objects.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import random
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+SCENES = (
+    "FloorPlan3",
+    "FloorPlan12",
+    "FloorPlan28",
+    "FloorPlan203",
+    "FloorPlan212",
+    "FloorPlan302",
+    "FloorPlan320",
+    "FloorPlan403",
+    "FloorPlan418",
+)
+"""Drawn from: all four kinds of room, none of the scenes that the benchmark is made of."""
+WIDTH, HEIGHT = 200, 150
+BASE = {
+    "gridSize": 0.25,
+    "snapToGrid": True,
+    "rotateStepDegrees": 90,
+    "fieldOfView": 90,
+    "visibilityDistance": 1.5,
+    "renderDepthImage": True,
+    "renderInstanceSegmentation": True,
+    "agentMode": "default",
+}
+SEED = int(os.environ.get("CONFORMANCE_SEED", "0"))
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "contract(line, ...): lines of the engine's contract that a test stands for")
+    config.addinivalue_line("markers", "scenes(count): number of scenes that a test runs on, two if not given")
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    if "scene" in metafunc.fixturenames:
+        marker = metafunc.definition.get_closest_marker("scenes")
+        count = marker.args[0] if marker else 2
+        metafunc.parametrize("scene", random.Random(f"{SEED} {metafunc.function.__name__}").sample(SCENES, count))
+
+
+class Thor:
+    """A Controller on one scene, and what tests ask of its last event."""
+
+    def __init__(self, controller: Any, scene: str, seed: str) -> None:
+        self.controller = controller
+        self.scene = scene
+        self.random = random.Random(seed)
+
+    def reset(self, scene: str | None = None, **initialize: Any) -> Any:
+        """The untouched scene, initialised with what the tests share and with `initialize`."""
+        self.controller.initialization_parameters = {**BASE, "renderImage": False, **initialize}
+        return self.controller.reset(scene or self.scene, width=WIDTH, height=HEIGHT)
+
+    def step(self, action: str, **arguments: Any) -> Any:
+        """The event of an action, without images."""
+        return self.controller.step(action=action, renderImage=False, **arguments)
+
+    def ok(self, action: str, **arguments: Any) -> Any:
+        """The event of an action that must succeed."""
+        event = self.step(action, **arguments)
+        assert event, event.metadata["errorMessage"]
+        assert event.metadata["errorMessage"] == "" and not event.metadata["errorCode"]
+        return event
+
+    def refused(self, action: str, message: str = "", **arguments: Any) -> Any:
+        """The event of an action that must fail with a message that holds `message`, and change nobody's pose."""
+        before = self.pose
+        event = self.step(action, **arguments)
+        assert not event
+        assert message.lower() in event.metadata["errorMessage"].lower(), event.metadata["errorMessage"]
+        assert self.pose == before
+        return event
+
+    def error(self, action: str, code: str, start: str, **arguments: Any) -> str:
+        """Message of an action that the client answers with ValueError."""
+        with pytest.raises(ValueError) as raised:
+            self.step(action, **arguments)
+        metadata = self.controller.last_event.metadata
+        assert (metadata["lastActionSuccess"], metadata["errorCode"]) == (False, code)
+        assert str(raised.value) == metadata["errorMessage"]
+        assert str(raised.value).startswith(start), str(raised.value)
+        return str(raised.value)
+
+    def look(self, **pose: Any) -> Any:
+        """The event at a pose, with images."""
+        if pose:
+            self.ok("TeleportFull", **pose)
+        event = self.controller.step("Pass")
+        assert event.frame is not None
+        return event
+
+    @property
+    def metadata(self) -> Mapping[str, Any]:
+        return self.controller.last_event.metadata
+
+    @property
+    def agent(self) -> Mapping[str, Any]:
+        return self.metadata["agent"]
+
+    @property
+    def position(self) -> np.ndarray:
+        return xyz(self.agent["position"])
+
+    @property
+    def yaw(self) -> float:
+        return self.agent["rotation"]["y"]
+
+    @property
+    def pose(self) -> tuple[float, ...]:
+        """x, y, z, yaw, horizon, standing."""
+        return (*self.position.tolist(), self.yaw, self.agent["cameraHorizon"], self.agent["isStanding"])
+
+    @property
+    def objects(self) -> dict[str, Mapping[str, Any]]:
+        return {o["objectId"]: o for o in self.metadata["objects"]}
+
+    def reachable(self, **arguments: Any) -> list[dict[str, float]]:
+        return self.ok("GetReachablePositions", **arguments).metadata["actionReturn"]
+
+    def pickupable(self, number: int = 1) -> list[Mapping[str, Any]]:
+        """Objects that can be picked up, drawn at random; they lie in nothing that can be closed."""
+        closed = {o["objectId"] for o in self.metadata["objects"] if o["openable"]}
+        free = [o for o in self.metadata["objects"] if o["pickupable"] and not closed & set(o["parentReceptacles"] or [])]
+        return self.random.sample(free, number)
+
+    def movables(self) -> list[Mapping[str, Any]]:
+        return [o for o in self.metadata["objects"] if o["pickupable"] or o["moveable"]]
+
+    def poses(self) -> list[dict[str, Any]]:
+        """Every movable object where it is, as SetObjectPoses takes it."""
+        return [{"objectName": o["name"], "position": o["position"], "rotation": o["rotation"]} for o in self.movables()]
+
+    def free_cell(self) -> dict[str, float]:
+        """A reachable position, drawn at random."""
+        return self.random.choice(self.reachable())
+
+    def go(self, cell: Mapping[str, float], yaw: float = 0.0, horizon: float = 0.0, standing: bool = True) -> Any:
+        return self.ok("TeleportFull", position=dict(cell), rotation=yaw, horizon=horizon, standing=standing)
+
+
+def xyz(point: Mapping[str, float]) -> np.ndarray:
+    return np.array([point["x"], point["y"], point["z"]])
+
+
+def heading(yaw_deg: float) -> np.ndarray:
+    """Unit vector that the contract gives for a yaw."""
+    return np.array([math.sin(math.radians(yaw_deg)), 0.0, math.cos(math.radians(yaw_deg))])
+
+
+@pytest.fixture(scope="session")
+def process(start: Any) -> Iterator[Any]:
+    """One engine for all tests of this directory."""
+    with start(scene=SCENES[0], width=WIDTH, height=HEIGHT, renderImage=False, **BASE) as controller:
+        yield controller
+
+
+@pytest.fixture
+def thor(process: Any, scene: str, request: pytest.FixtureRequest) -> Thor:
+    """The shared engine on an untouched scene."""
+    made = Thor(process, scene, f"{SEED} {request.node.name}")
+    made.reset()
+    return made
