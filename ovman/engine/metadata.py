@@ -8,6 +8,7 @@ import numpy as np
 
 from ovman.engine.event import vector
 from ovman.engine.floorplan import Box, euler_degrees
+from ovman.engine.footprint import Boxes
 from ovman.engine.settings import Settings
 from ovman.engine.visibility import Eye, Sight
 from ovman.engine.world import Body, World
@@ -32,6 +33,8 @@ class SceneMetadata:
         self._boxes: dict[str, Box] = {}
         self._made_of: dict[str, tuple[Any, ...]] = {}
         self._rearranged = False
+        self._sight: Sight | None = None
+        self._sight_of = -1
 
     def state(self, settings: Settings, aspect: float) -> dict[str, Any]:
         """The part of an event's metadata that tells of the world, its agent and its objects. The lists and dicts are reused:
@@ -48,7 +51,7 @@ class SceneMetadata:
                 "position": vector(*agent.position),
                 "rotation": vector(0.0, agent.yaw_deg, 0.0),
                 "cameraHorizon": float(agent.horizon_deg),
-                "isStanding": bool(agent.standing),
+                "isStanding": bool(agent.standing) if agent.embodiment.crouches else None,
                 "inHighFrictionArea": False,
             },
             "cameraPosition": vector(*agent.camera),
@@ -62,12 +65,19 @@ class SceneMetadata:
             self._refresh()
             self._version = version
             self._seen_from = None
-        eye = Eye(agent.position, agent.camera, agent.yaw_deg, agent.horizon_deg, settings.field_of_view_deg, aspect)
-        seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, settings, aspect)
+        view = (settings.field_of_view_deg, settings.visibility_m, settings.visibility_scheme, aspect)
+        seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment, *view)
         if self._seen_from != seen_from:
-            self._look(eye, settings.visibility_m, settings.shown)
+            self._look(Eye.of(agent, settings.field_of_view_deg, aspect), settings)
             self._seen_from = seen_from
         return self._list
+
+    @property
+    def sight(self) -> Sight:
+        """The agent's sight of the world as it is now."""
+        if self._sight is None or self._sight_of != self._world.version:
+            self._sight, self._sight_of = Sight(self._world), self._world.version
+        return self._sight
 
     def _refresh(self) -> None:
         bodies = [b for b in self._world.bodies.values() if not b.removed]
@@ -81,17 +91,15 @@ class SceneMetadata:
             self._records[body.object_id]["isMoving"] = bool(body.velocity @ body.velocity > MOTION)
         self._list = [self._records[b.object_id] for b in bodies]
         self._positions = np.array([b.pose.position for b in bodies]).reshape(-1, 3)
-        boxes = [self._boxes[b.object_id] for b in bodies]
-        self._sight = Sight(boxes, [b.active for b in bodies], [b.obj.type != "Floor" for b in bodies])
         self._keep_receptacles(bodies)
 
-    def _look(self, eye: Eye, distance_m: float, shown: frozenset[str] | None) -> None:
-        asked = np.array([shown is None or record["objectId"] in shown for record in self._list], dtype=bool)
-        visible = self._sight.visible(eye, distance_m, asked).tolist()
-        distances = np.linalg.norm(self._positions - eye.agent, axis=1).tolist()
-        for record, distance, seen in zip(self._list, distances, visible, strict=True):
+    def _look(self, eye: Eye, settings: Settings) -> None:
+        visible, interactable = self.sight.visible(eye, settings.visibility_m, settings.visibility_scheme)
+        distances = np.linalg.norm(self._positions - self._world.agent.position, axis=1).tolist()
+        for record, distance in zip(self._list, distances, strict=True):
             record["distance"] = distance
-            record["visible"] = record["isInteractable"] = seen
+            record["visible"] = record["objectId"] in visible
+            record["isInteractable"] = record["objectId"] in interactable
 
     def _keep_receptacles(self, bodies: list[Body]) -> None:
         """Who is on or in what: as recorded between things that are where they were, by their boxes otherwise."""
@@ -111,7 +119,8 @@ class SceneMetadata:
         new = np.array([b.object_id in changed for b in bodies])
         holds = active & np.array([b.obj.record["receptacle"] for b in bodies])
         floor = np.array([b.obj.type == "Floor" for b in bodies])
-        holder, held = np.nonzero(_resting(self._sight, floor, self._world.plan.floor_y) & holds[:, None] & active)
+        boxes = Boxes.of([self._boxes[b.object_id] for b in bodies])
+        holder, held = np.nonzero(_resting(boxes, floor, self._world.plan.floor_y) & holds[:, None] & active)
         for h, o in zip(holder, held, strict=True):
             if h != o and (new[h] or new[o]):
                 children[bodies[h].object_id].append(bodies[o].object_id)
@@ -149,7 +158,7 @@ def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
-def _resting(boxes: Sight, floor: np.ndarray, floor_y: float) -> np.ndarray:
+def _resting(boxes: Boxes, floor: np.ndarray, floor_y: float) -> np.ndarray:
     """(N, N) bool: whether the object of the row would hold that of the column, as a receptacle. `floor` (N,): rows of floors.
 
     What stands on the floor is held by the floor alone, though it may stand within the box of a table.

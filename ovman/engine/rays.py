@@ -1,95 +1,180 @@
 """Rays against a scene, on Embree: what lies where the floor plan has it in one Embree scene, what was displaced in a second.
 
-Embree scenes of the wrapper cannot be changed once made. Moving a thing therefore remakes only the second, small one; and only
-rays that pass the boxes of the displaced things are cast into it.
+Moving a thing remakes only the second, small one; a packet of rays is cast into it at its heels, bounded by what it has hit.
+Kernels call Embree by the address of its function, so numba's cache may keep them.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from embreex.mesh_construction import TriangleMesh
-from embreex.rtcore_scene import EmbreeScene
-from numba import njit
+from weakref import WeakKeyDictionary
 
-from ovman.engine.scene_mesh import SceneMesh
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+from ovman.engine import embree
+from ovman.engine.scene_mesh import PlanMeshes, SceneMesh
 
 FAR = np.float32(1e30)
+LANES = embree.LANES
+SIDE = 4
+"""Pixels along the side of the square that a packet of primary rays covers."""
+_ORIGIN, _NEAR, _WAY, _TIME, _REACH, _MASK, _NUMBER, _FLAGS, _U, _V, _TRIANGLE, _MESH = 0, 3, 4, 7, 8, 9, 10, 11, 15, 16, 17, 18
+"""Rows of an RTCRayHit16."""
+_FIXED, _DISPLACED = 0, 1
+"""Numbers of the meshes of the two Embree scenes."""
 
 
-def committed(mesh: SceneMesh) -> EmbreeScene | None:
-    """An Embree scene of a mesh, ready for rays; None for a mesh without triangles."""
-    if len(mesh.triangles) == 0:
-        return None
-    scene = EmbreeScene()
-    TriangleMesh(
-        scene, np.ascontiguousarray(mesh.vertices, dtype=np.float32), np.ascontiguousarray(mesh.triangles, dtype=np.int32)
-    )
-    nowhere = np.full((1, 3), 1e6, dtype=np.float32)
-    scene.run(nowhere, nowhere)  # the first ray builds the hierarchy
-    return scene
+@intrinsic
+def _query(_typing, function, valid, scene, packet, arguments):
+    """Calls rtcIntersect16 or rtcOccluded16, all by address."""
+
+    def generate(context, builder, _signature, values):
+        byte = ir.IntType(8).as_pointer()
+        kind = ir.FunctionType(ir.VoidType(), [byte] * 4)
+        function = builder.inttoptr(values[0], kind.as_pointer())
+        builder.call(function, [builder.inttoptr(value, byte) for value in values[1:]])
+        return context.get_dummy_value()
+
+    return types.void(*[types.intp] * 5), generate
 
 
 @njit(cache=True, error_model="numpy")
-def _passing(origins, directions, reach, lows, highs):
-    """Indices of the rays that pass any of the boxes [low, high] (K, 3) before `reach`."""
-    found = np.empty(len(origins), np.int64)
-    count = 0
-    for i in range(len(origins)):
-        for k in range(len(lows)):
-            near, far = np.float32(0.0), reach[i]
-            for a in range(3):
-                d, o = directions[i, a], origins[i, a]
-                if abs(d) < np.float32(1e-12):
-                    if o < lows[k, a] or o > highs[k, a]:
-                        far = np.float32(-1.0)
-                    continue
-                t0, t1 = (lows[k, a] - o) / d, (highs[k, a] - o) / d
-                if t0 > t1:
-                    t0, t1 = t1, t0
-                near, far = max(near, t0), min(far, t1)
-            if near <= far:
-                found[count] = i
-                count += 1
-                break
-    return found[:count]
+def _clear(numbers, bits):
+    """What no cast changes of a packet."""
+    for k in range(LANES):
+        numbers[_NEAR, k], numbers[_TIME, k] = np.float32(0), np.float32(0)
+        bits[_MASK, k], bits[_NUMBER, k], bits[_FLAGS, k] = -1, 0, 0
+
+
+@njit(cache=True, error_model="numpy")
+def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
+          width, height, triangle, distance, u, v):  # fmt: skip
+    """What the pixels of a view see, in tiles. See optics.primary for the camera, Caster.closest for the rest."""
+    _clear(numbers, bits)
+    for top in range(0, height, SIDE):
+        for left in range(0, width, SIDE):
+            for k in range(LANES):
+                i, j = left + k % SIDE, top + k // SIDE
+                x = (np.float32(2) * (np.float32(i) + np.float32(0.5)) / np.float32(width) - np.float32(1)) * tan_x
+                y = (np.float32(1) - np.float32(2) * (np.float32(j) + np.float32(0.5)) / np.float32(height)) * tan_y
+                valid[k] = -1 if i < width and j < height else 0
+                for a in range(3):
+                    aside = right[a] * x + up[a] * y
+                    way = forward[a] if flat else aside + forward[a]
+                    numbers[_WAY + a, k] = way
+                    numbers[_ORIGIN + a, k] = eye[a] + near * way + (aside if flat else np.float32(0))
+                numbers[_REACH, k] = FAR
+                bits[_MESH, k] = -1
+            if fixed != 0:
+                _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
+            if displaced != 0:
+                _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
+            for k in range(LANES):
+                if valid[k] != 0:
+                    n = (top + k // SIDE) * width + left + k % SIDE
+                    mesh = bits[_MESH, k]
+                    triangle[n] = -1 if mesh < 0 else bits[_TRIANGLE, k] + (offset if mesh == _DISPLACED else 0)
+                    distance[n], u[n], v[n] = numbers[_REACH, k], numbers[_U, k], numbers[_V, k]
+
+
+@njit(cache=True, error_model="numpy", inline="always")
+def _load(origins, ways, first, valid, numbers):
+    """Rays number first to first + LANES into a packet; those beyond the last do not count."""
+    for k in range(LANES):
+        i = min(first + k, len(origins) - 1)
+        valid[k] = -1 if first + k < len(origins) else 0
+        for a in range(3):
+            numbers[_ORIGIN + a, k], numbers[_WAY + a, k] = origins[i, a], ways[i, a]
+
+
+@njit(cache=True, error_model="numpy")
+def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset, origins, ways, triangle, distance, u, v):
+    """See Caster.closest."""
+    _clear(numbers, bits)
+    for first in range(0, len(origins), LANES):
+        _load(origins, ways, first, valid, numbers)
+        for k in range(LANES):
+            numbers[_REACH, k] = FAR
+            bits[_MESH, k] = -1
+        if fixed != 0:
+            _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
+        if displaced != 0:
+            _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
+        for k in range(min(LANES, len(origins) - first)):
+            n, mesh = first + k, bits[_MESH, k]
+            triangle[n] = -1 if mesh < 0 else bits[_TRIANGLE, k] + (offset if mesh == _DISPLACED else 0)
+            distance[n], u[n], v[n] = numbers[_REACH, k], numbers[_U, k], numbers[_V, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _occluded(function, fixed, displaced, valid, numbers, bits, arguments, origins, ways, reach, blocked):
+    """See Caster.occluded."""
+    _clear(numbers, bits)
+    for first in range(0, len(origins), LANES):
+        _load(origins, ways, first, valid, numbers)
+        for k in range(LANES):
+            numbers[_REACH, k] = reach[min(first + k, len(origins) - 1)]
+        if fixed != 0:
+            _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
+        if displaced != 0:
+            _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
+        for k in range(min(LANES, len(origins) - first)):
+            blocked[first + k] = numbers[_REACH, k] < 0
+
+
+def committed(mesh: SceneMesh, number: int = _FIXED) -> embree.Scene:
+    """An Embree scene of a mesh, ready for rays."""
+    return embree.Scene(mesh.vertices, mesh.triangles, number)
+
+
+_untouched: WeakKeyDictionary[PlanMeshes, embree.Scene] = WeakKeyDictionary()
+
+
+def untouched(meshes: PlanMeshes) -> embree.Scene:
+    """The Embree scene of a floor plan that nothing was moved in: one, for the camera and for the agent's sight."""
+    if meshes not in _untouched:
+        _untouched[meshes] = committed(meshes.untouched)
+    return _untouched[meshes]
 
 
 class Caster:
     """Casts rays into a fixed and a displaced scene. Triangles of the second are numbered after those of the first."""
 
-    def __init__(self, fixed: EmbreeScene | None, offset: int, displaced: SceneMesh) -> None:
+    def __init__(self, fixed: embree.Scene, offset: int, displaced: SceneMesh) -> None:
         """`offset`: number of triangles of the fixed mesh."""
-        self._fixed, self._offset, self._displaced = fixed, offset, committed(displaced)
-        spans = [displaced.vertices[vertices] for vertices, _ in displaced.spans.values()]
-        self._lows = np.array([s.min(axis=0) for s in spans], dtype=np.float32).reshape(-1, 3) - np.float32(1e-4)
-        self._highs = np.array([s.max(axis=0) for s in spans], dtype=np.float32).reshape(-1, 3) + np.float32(1e-4)
+        self._fixed, self._displaced = fixed, committed(displaced, _DISPLACED)
+        self._offset = np.int32(offset)
+        self._packet = embree.Packet.new()
+
+    def _call(self, name: str) -> tuple[object, ...]:
+        packet = self._packet
+        scenes = (self._fixed.handle, self._displaced.handle)
+        return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, packet.arguments
+
+    def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, width, height):
+        """`closest` of the primary rays of a view (optics.primary), one for each pixel, in the order of the rows."""
+        count = width * height
+        triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
+        u, v = np.empty(count, np.float32), np.empty(count, np.float32)
+        _view(
+            *self._call("rtcIntersect16"), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, width, height,
+            triangle, distance, u, v,
+        )  # fmt: skip
+        return triangle, distance, u, v
 
     def closest(self, origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """First hit of each ray (N, 3) float32: triangle (N,) int32 (-1: none), distance in lengths of the direction
         (N,) float32 (at least 1e30 where nothing is hit), and the two barycentric coordinates (N,) float32."""
-        if self._fixed is None:
-            none = np.zeros(len(origins), np.float32)
-            triangle, distance, u, v = np.full(len(origins), -1, np.int32), np.full(len(origins), FAR), none, none.copy()
-        else:
-            hit = self._fixed.run(origins, directions, query="INTERSECT", output=True)
-            triangle, distance, u, v = hit["primID"], hit["tfar"], hit["u"], hit["v"]
-        if self._displaced is not None:
-            rays = _passing(origins, directions, distance, self._lows, self._highs)
-            hit = self._displaced.run(origins[rays], directions[rays], query="INTERSECT", output=True)
-            nearer = hit["tfar"] < distance[rays]
-            at = rays[nearer]
-            triangle[at] = hit["primID"][nearer] + self._offset
-            distance[at], u[at], v[at] = hit["tfar"][nearer], hit["u"][nearer], hit["v"][nearer]
+        count = len(origins)
+        triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
+        u, v = np.empty(count, np.float32), np.empty(count, np.float32)
+        _closest(*self._call("rtcIntersect16"), self._offset, origins, directions, triangle, distance, u, v)
         return triangle, distance, u, v
 
     def occluded(self, origins: np.ndarray, directions: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """Whether anything lies on each ray (N, 3) float32 before `reach` (N,) float32, in lengths of the way: (N,) bool."""
-        if self._fixed is None:
-            blocked = np.zeros(len(origins), bool)
-        else:
-            blocked = self._fixed.run(origins, directions, reach, query="OCCLUDED") >= 0
-        if self._displaced is not None:
-            rays = _passing(origins, directions, reach, self._lows, self._highs)
-            rays = rays[~blocked[rays]]
-            blocked[rays] = self._displaced.run(origins[rays], directions[rays], reach[rays], query="OCCLUDED") >= 0
+        blocked = np.empty(len(origins), bool)
+        _occluded(*self._call("rtcOccluded16"), origins, directions, reach, blocked)
         return blocked

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ovman.engine.embodiment import ActionNoise
+
 from ovman.engine.decor import Decor
 
 
@@ -20,11 +22,15 @@ class Settings:
     """Vertical."""
     visibility_m: float = 1.5
     """How near an object must be to count as visible."""
+    visibility_scheme: str = "Collider"
+    """How nearness is judged: "Collider" or "Distance"."""
     near_m: float = 0.1
     far_m: float = 20.0
     look_up_deg: float = 30.0
     look_down_deg: float = 60.0
     """Largest pitch of the camera above and below the horizon."""
+    noise: ActionNoise | None = None
+    """How the agent's motions err."""
     depth: bool = False
     instances: bool = False
     classes: bool = False

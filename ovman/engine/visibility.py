@@ -1,34 +1,41 @@
-"""Which objects the agent sees: near enough, in the picture, and not hidden behind another object's box.
+"""Which objects the agent sees: near enough, in the picture, and met first by a straight look from the camera.
 
-AI2-THOR casts rays from the camera to points that its artists put on each object; here they go to points spread over the oriented
-box, and the boxes of the other objects stand in their way. Boxes are larger than what they hold, so a box that the target
-reaches into, or that the camera is in, hides nothing.
+AI2-THOR casts rays from the camera to points that its artists put on each object. Here looks go along fixed directions all
+around the camera and to points spread over the surface of every object that is near, against the triangles that pictures show:
+what is visible has pixels, and what has more than a few pixels is visible. The looks of a camera do not depend on which way it
+is turned, so that visibility is a property of a pose, however it was come to. Contract, section 2.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
-from ovman.engine.floorplan import Box
+from ovman.engine.body import Agent
+from ovman.engine.sightlines import TRANSPARENT, Sightlines
 
-CAPSULE_HALF_M = 0.7
-"""Half the length of the axis of the agent's capsule: an object is near if it is within the distance from that axis."""
-SPREAD = np.array([[x, y, z] for x in (-0.8, 0.0, 0.8) for y in (-0.8, 0.0, 0.8) for z in (-0.8, 0.0, 0.8)])
-"""Points of a box that are looked for, in units of its half extents."""
+COLLIDER, DISTANCE = "Collider", "Distance"
+"""AI2-THOR's visibility schemes: a part of the object within a capsule around the agent that reaches up by the visibility
+distance, or a point of it that is seen, within that distance in plan."""
+SPACING = 64
+"""Directions along the edge of each of six faces of a cube: 1.4 degrees apart, not four pixels of AI2-THOR's pictures."""
+NEAR_M = 0.1
+"""Looks begin this far from the camera, as pictures do."""
 
 
 @dataclass(frozen=True)
 class Eye:
     """The camera and the agent that carries it."""
 
-    agent: np.ndarray
-    """(3,) metres, middle of the agent's capsule"""
+    axis: tuple[float, float]
+    """Heights of the ends of the axis of the agent's capsule, metres"""
+    agent_y: float
+    """Height of the agent's position"""
     position: np.ndarray
-    """(3,) metres, of the camera"""
+    """(3,) metres, of the camera, which is above the middle of the agent"""
     yaw_deg: float
     horizon_deg: float
     field_of_view_deg: float
@@ -36,62 +43,109 @@ class Eye:
     aspect: float
     """width by height"""
 
-    def sees(self, points: np.ndarray) -> np.ndarray:
-        """Which of the points (..., 3) lie within the picture: (...) bool."""
-        yaw, pitch = math.radians(self.yaw_deg), math.radians(self.horizon_deg)
-        sy, cy, sp, cp = math.sin(yaw), math.cos(yaw), math.sin(pitch), math.cos(pitch)
-        axes = np.array([[cy, 0.0, -sy], [sy * sp, cp, cy * sp], [sy * cp, -sp, cy * cp]])
-        local = (points - self.position) @ axes.T
-        reach = local[..., 2] * math.tan(math.radians(self.field_of_view_deg) / 2)
-        return (local[..., 2] > 0) & (np.abs(local[..., 1]) <= reach) & (np.abs(local[..., 0]) <= reach * self.aspect)
+    @staticmethod
+    def of(agent: Agent, field_of_view_deg: float, aspect: float) -> Eye:
+        """The eye of `agent` as it stands."""
+        axis, height = agent.embodiment.axis(agent.foot), float(agent.position[1])
+        return Eye(axis, height, agent.camera, agent.yaw_deg, agent.horizon_deg, field_of_view_deg, aspect)
+
+    def frames(self, ways: np.ndarray) -> np.ndarray:
+        """Which directions (K, 3) lead into the picture: (K,) bool."""
+        return in_picture(ways, axes(self.yaw_deg, self.horizon_deg), self.field_of_view_deg, self.aspect)
+
+
+def axes(yaw_deg: float, horizon_deg: float) -> np.ndarray:
+    """Rows right, up, forward of a camera: unit vectors (3, 3)."""
+    yaw, pitch = math.radians(yaw_deg), math.radians(horizon_deg)
+    sy, cy, sp, cp = math.sin(yaw), math.cos(yaw), math.sin(pitch), math.cos(pitch)
+    return np.array([[cy, 0.0, -sy], [sy * sp, cp, cy * sp], [sy * cp, -sp, cy * cp]])
+
+
+def in_picture(ways: np.ndarray, frame: np.ndarray, field_of_view_deg: float, aspect: float) -> np.ndarray:
+    """Which directions (K, 3) lead into the picture of a camera whose axes are the rows of `frame` (3, 3): (K,) bool."""
+    local = ways @ frame.T
+    reach = local[:, 2] * math.tan(math.radians(field_of_view_deg) / 2)
+    return (local[:, 2] > 0) & (np.abs(local[:, 1]) <= reach) & (np.abs(local[:, 0]) <= reach * aspect)
+
+
+@cache
+def directions() -> np.ndarray:
+    """Unit vectors all around, (6 SPACING**2, 3), in squares of neighbours."""
+    edge = np.tan((np.arange(SPACING) + 0.5) / SPACING * math.pi / 2 - math.pi / 4)
+    blocks = np.arange(SPACING).reshape(-1, 4)
+    rows, columns = (np.array([(i, j) for a in blocks for b in blocks for i in a for j in b]).T).tolist()
+    face = np.stack([edge[columns], edge[rows], np.ones(SPACING**2)], axis=1)
+    face /= np.linalg.norm(face, axis=1, keepdims=True)
+    turns = [np.roll(np.eye(3), k, axis=1) * sign for sign in (1.0, -1.0) for k in range(3)]
+    found = np.concatenate([face @ turn for turn in turns])
+    found.setflags(write=False)
+    return found
+
+
+@dataclass(frozen=True)
+class Looks:
+    """K looks from one camera."""
+
+    ways: np.ndarray
+    """(K, 3) unit vectors"""
+    first: np.ndarray
+    """(K,) int, the instance that each meets first; negative: none"""
+    behind: np.ndarray
+    """(K,) int, the first that is not transparent"""
+    plan_m: np.ndarray
+    """(2, K) distance in plan to where each meets `first` and `behind`"""
+    rise_m: np.ndarray
+    """(2, K) how far that is above the camera"""
 
 
 class Sight:
-    """The boxes of N objects in columns (centre (N, 3), half (N, 3), rotation (N, 3, 3)), asked who of them is visible."""
+    """Who is visible in a world as it is at one moment."""
 
-    def __init__(self, boxes: Sequence[Box], there: Sequence[bool], hiding: Sequence[bool]) -> None:
-        """Only objects that are `there` are seen, and those of them that are `hiding` hide others."""
-        self.centre = np.array([b.centre for b in boxes]).reshape(-1, 3)
-        self.half = np.array([b.half for b in boxes]).reshape(-1, 3)
-        self.rotation = np.array([b.rotation for b in boxes]).reshape(-1, 3, 3)
-        self._there = np.array(there, dtype=bool)
-        self._hiding = self._there & np.array(hiding, dtype=bool)
-        self._reach = np.linalg.norm(self.half, axis=1)
+    def __init__(self, world) -> None:
+        self.lines = Sightlines(world)
+        bodies = world.bodies
+        kinds = {name: body.obj.type for name, body in bodies.items()}
+        self._transparent = np.array([kinds.get(name) in TRANSPARENT for name in self.lines.names])
+        self._opaque = np.zeros_like(self._transparent)
 
-    def visible(self, eye: Eye, distance_m: float, asked: np.ndarray | None = None) -> np.ndarray:
-        """(N,) bool: who is visible, of the objects `asked` for (N,) bool or of all."""
-        result = np.zeros(len(self.centre), dtype=bool)
-        far = np.linalg.norm(self.centre[:, [0, 2]] - eye.agent[[0, 2]], axis=1)
-        near = np.flatnonzero(self._there & (True if asked is None else asked) & (far - self._reach <= distance_m))
-        near = near[self._distance(near, eye.agent) <= distance_m]
-        if not len(near):
-            return result
-        points = self.centre[near, None] + np.einsum("nij,nkj->nki", self.rotation[near], SPREAD * self.half[near, None])
-        seen = eye.sees(points)
-        target, point = np.nonzero(seen)
-        if not len(target):
-            return result
-        others = np.flatnonzero(self._hiding & (far - self._reach <= far[near].max() + self._reach[near].max()))
-        free = ~self._hidden(eye.position, points[target, point], near[target], others)
-        result[near[target[free]]] = True
-        return result
+    def visible(self, eye: Eye, distance_m: float, scheme: str = COLLIDER) -> tuple[set[str], set[str]]:
+        """Names of the instances that are visible, and of those of them that are interactable."""
+        near = self.near(eye, distance_m, scheme)
+        targets = self.lines.points[near].reshape(-1, 3)
+        to = targets[np.isfinite(targets[:, 0])] - eye.position
+        to /= np.maximum(np.linalg.norm(to, axis=1, keepdims=True), 1e-9)
+        ways = np.concatenate([directions(), to])
+        looks = self.look(eye.position, ways[eye.frames(ways)])
+        seen = []
+        for k, owner in enumerate((looks.first, looks.behind)):
+            hit = self.within(looks, k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0
+            found = np.unique(owner[hit & (owner >= 0)])
+            seen.append({self.lines.names[i] for i in found[near[found]]})
+        return seen[0] | seen[1], seen[0]
 
-    def _distance(self, which: np.ndarray, agent: np.ndarray) -> np.ndarray:
-        """From the axis of the agent's capsule to the boxes (metres); to the nearest of three points on it."""
-        heights = agent[1] + np.array([-CAPSULE_HALF_M, 0.0, CAPSULE_HALF_M])
-        axis = np.array([[agent[0], y, agent[2]] for y in heights])
-        local = np.einsum("nij,nki->nkj", self.rotation[which], axis[None] - self.centre[which, None])
-        outside = np.maximum(np.abs(local) - self.half[which, None], 0.0)
-        return np.linalg.norm(outside, axis=2).min(axis=1)
+    def near(self, eye: Eye, distance_m: float, scheme: str = COLLIDER) -> np.ndarray:
+        """(N,) bool: instances of which a part is near enough to be visible."""
+        low, high = eye.axis
+        if scheme == DISTANCE:
+            low = -math.inf
+        low, high = max(low, -1e3), high + distance_m
+        return self.lines.distances(float(eye.position[0]), float(eye.position[2]), low, high) <= distance_m
 
-    def _hidden(self, camera: np.ndarray, points: np.ndarray, targets: np.ndarray, others: np.ndarray) -> np.ndarray:
-        """Whether a box of `others` lies between the camera and each point (R, 3) of the object `targets` (R,): (R,) bool."""
-        turn, half = self.rotation[others], self.half[others]
-        start = np.einsum("nij,ni->nj", turn, camera - self.centre[others])
-        end = np.einsum("nij,rni->rnj", turn, points[:, None] - self.centre[others])
-        along = end - start
-        with np.errstate(divide="ignore", invalid="ignore"):
-            one, two = (-half - start) / along, (half - start) / along
-        enter, leave = np.fmin(one, two).max(axis=2), np.fmax(one, two).min(axis=2)
-        crossed = (enter < leave) & (enter > 0) & (leave < 1)
-        return (crossed & (others[None] != targets[:, None])).any(axis=1)
+    def look(self, position: np.ndarray, ways: np.ndarray) -> Looks:
+        """What looks from a camera at `position` (3,) along unit vectors (K, 3) meet."""
+        origins = position + NEAR_M * ways
+        first, distance = self.lines.first(origins, ways, self._opaque)
+        behind, further = first.copy(), distance.copy()
+        glass = np.flatnonzero(np.append(self._transparent, [False, False])[first])
+        if len(glass):
+            start = origins[glass] + ways[glass] * distance[glass][:, None]
+            behind[glass], beyond = self.lines.first(start, ways[glass], self._transparent)
+            further[glass] += beyond
+        away = np.stack([distance, further]).astype(float) + NEAR_M
+        return Looks(ways, first, behind, away * np.hypot(ways[:, 0], ways[:, 2]), away * ways[:, 1])
+
+    @staticmethod
+    def within(looks: Looks, k: int, camera_m: float, distance_m: float) -> np.ndarray:
+        """(K,) bool: looks that meet something (0: first, 1: behind what is transparent) within the distance in plan, and not
+        farther above the agent, whose camera is `camera_m` above its position."""
+        return (looks.plan_m[k] <= distance_m) & (looks.rise_m[k] + camera_m <= distance_m)
