@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ovman.engine import lights, optics, rays, repaint, scene_mesh
 from ovman.engine.decor import Decor
 from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.painter import Looks, Painter
+from ovman.engine.stage import Stage
 
 FIXED_KEPT = 4
 """Embree scenes kept per floor plan: one for each set of displaced objects seen lately."""
@@ -80,6 +81,10 @@ class _Plan:
         vertices = self.meshes.untouched.vertices
         self.low, self.high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
 
+    @cached_property
+    def stage(self) -> Stage:
+        return Stage(self.meshes, self.room)
+
     def painted(self, decor: Decor) -> Looks:
         """Materials under `decor`; the last one asked for is kept."""
         key = (decor.finishes, decor.colours)
@@ -92,10 +97,9 @@ class _Plan:
     def fixed(self, displaced: frozenset[str]):
         """Embree scene of all that the plan has, without `displaced`."""
         if displaced not in self._scenes:
-            mesh = self.meshes.untouched
-            if displaced:
-                mesh = scene_mesh.without(mesh, [self.meshes.index(o) for o in displaced])
-            self._scenes[displaced] = rays.committed(mesh)
+            without = [self.meshes.index(o) for o in displaced]
+            changed = scene_mesh.without(self.meshes.untouched, without) if without else None
+            self._scenes[displaced] = rays.untouched(self.meshes) if changed is None else rays.committed(changed)
             while len(self._scenes) > FIXED_KEPT:
                 self._scenes.popitem(last=False)
         self._scenes.move_to_end(displaced)
@@ -144,6 +148,7 @@ class Renderer:
         now = scene_mesh.changes(self.world)
         moved = self._shared.meshes.posed(now.placements)
         untouched = self._shared.meshes.untouched
+        self._displaced, self._moved = now.displaced, moved
         self._mesh = scene_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
         self._caster = rays.Caster(self._shared.fixed(now.displaced), len(untouched.triangles), moved)
         self._drawn = self.world.version
@@ -158,17 +163,29 @@ class Renderer:
             self._lit = self.world.version, self.decor
         return self._rig
 
+    def _staged(self, view: View, looks: Looks) -> tuple[scene_mesh.SceneMesh, Looks, rays.Caster]:
+        """Mesh, looks and caster for the eye of an onlooker. What the shell shows depends on the view, so it is displaced."""
+        stage, untouched = self._shared.stage, self._shared.meshes.untouched
+        extra = scene_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
+        caster = rays.Caster(self._shared.fixed(self._displaced | stage.names), len(untouched.triangles), extra)
+        return scene_mesh.joined(untouched, extra), stage.looks(looks), caster
+
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
         """One picture of the world as it is now, with what is asked for."""
         if not (rgb or depth or ids or normals):
             return Frame()
         self._follow()
         shape = (view.height, view.width)
-        painter = Painter(view, self._mesh, self._shared.painted(self.decor), self._caster)
+        mesh, looks, caster = self._mesh, self._shared.painted(self.decor), self._caster
+        if view.onlooker:
+            mesh, looks, caster = self._staged(view, looks)
+        painter = Painter(view, mesh, looks, caster)
         hits = painter.see(*_centres(view.width, view.height))
+        if view.onlooker:
+            hits.prim[hits.distance > np.float32(view.far_m - view.near_m)] = -1
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
         optics.identify(
-            hits.prim, hits.distance, self._mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar
+            hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar
         )
         picture = facing = None
         if rgb or normals:
@@ -176,4 +193,6 @@ class Renderer:
             facing = surface.normals.reshape(*shape, 3) if normals else None
             if rgb:
                 picture = painter.picture(hits, surface, self._light(), number, planar).reshape(*shape, 3)
+                if view.sky is not None:
+                    picture[(hits.prim < 0).reshape(shape)] = view.sky
         return Frame(picture, planar.reshape(shape) if depth else None, number.reshape(shape) if ids else None, facing)

@@ -322,6 +322,28 @@ def without(mesh: SceneMesh, instances: Iterable[int]) -> SceneMesh:
     return replace(mesh, vertices=vertices)
 
 
+def subset(mesh: SceneMesh, triangles: np.ndarray) -> SceneMesh:
+    """The `triangles` (N,) of a mesh, given by number in ascending order; names, materials, frames and extents are all kept."""
+    used, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
+    return replace(
+        mesh,
+        vertices=mesh.vertices[used],
+        triangles=corners.reshape(-1, 3).astype(np.int32),
+        normals=mesh.normals[triangles],
+        instance=mesh.instance[triangles],
+        material=mesh.material[triangles],
+        part=mesh.part[triangles],
+        axis=mesh.axis[triangles],
+    )
+
+
+def figure(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material], box: Box, beside: SceneMesh) -> SceneMesh:
+    """A mesh of `parts` in the frame of `box` that is no instance: -1. Its names are those of the mesh `beside` it; its materials,
+    one for each slot in the order of the parts, are numbered after those."""
+    local = _local(parts, palette)
+    return _joined([(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
+
+
 def joined(first: SceneMesh, second: SceneMesh) -> SceneMesh:
     """Both meshes of one plan as one; triangles of `second` come after all of `first`, and its names count."""
     vertex, part = np.int32(len(first.vertices)), np.int32(len(first.frames))
