@@ -5,8 +5,9 @@ World frame as in `floorplan`. What the changes do, and the messages when they a
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +20,9 @@ from ovman.engine.floorplan import Box, FloorPlan
 from ovman.engine.footprint import Boxes
 from ovman.engine.passage import Obstacles, first_hit, heading, reachable
 from ovman.engine.setting import PASSABLE, SKIN_M, Setting
+
+if TYPE_CHECKING:
+    from ovman.engine.physics import Model
 
 __all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
@@ -211,6 +215,43 @@ class World:
             )
         self._come_or_go(bodies, removed=True)
         self._collect()
+
+    @contextmanager
+    def trial(self, object_ids: Sequence[str]) -> Iterator[Model]:
+        """The scene as physics has it, to put bodies anywhere in and ask what they touch. Leaves the world as it is."""
+        try:
+            yield self._dynamics.probe(object_ids[0], object_ids)
+        finally:
+            self._dynamics.bodies_changed()
+
+    def rearrange(self, poses: Mapping[str, Pose], stationary: bool) -> None:
+        """Put bodies at `poses`, by objectId, all at once and unchecked. What they carried and is not among them falls."""
+        loads = {name for object_id in poses for name in self._load(self.bodies[object_id])} - poses.keys()
+        for object_id, pose in poses.items():
+            body = self.bodies[object_id]
+            self._move(body, pose)
+            body.kinematic = stationary
+            self._dynamics.still(object_id)
+        self._let_go(sorted(loads))
+        if not stationary:
+            self._let_go(sorted(poses))
+        self.version += 1
+
+    def duplicate(self, body: Body, number: int) -> Body:
+        """Another object like `body`, where that is: to be rearranged or discarded at once. Named as AI2-THOR's random copies."""
+        twin = Body.of(body.obj)
+        twin.object_id, twin.name, twin.pose = f"{body.object_id}_copy_{number}", f"{body.name}_random_copy_{number}", body.pose
+        while twin.object_id in self.bodies:
+            twin.object_id, twin.name = f"{twin.object_id}_copy", f"{twin.name}_copy"
+        self.bodies[twin.object_id] = twin
+        self._dynamics.bodies_changed()
+        return twin
+
+    def discard(self, bodies: Iterable[Body]) -> None:
+        """Forget duplicates that found no place."""
+        for body in bodies:
+            del self.bodies[body.object_id]
+            self._dynamics.bodies_changed()
 
     def advance(self, seconds: float) -> None:
         """Let physics run. Costs nothing while everything is at rest."""
