@@ -1,10 +1,10 @@
 """What a frame costs, on one core, as ratios to a bare Embree cast of the same rays over the same triangles.
 
-    python bench/frame.py [--scene FloorPlan201] [--repeats 40]
+    python bench/frame.py [--scene FloorPlan201] [--repeats 30]
 
-The measured kinds take turns, so that they share whatever else the machine does; each prints its least and its median time, and
-the ratio of the least and of the medians to those of the bare cast. The last line compares the frame through the real ai2thor
-Controller with the bar.
+The measured kinds take turns, so that they share whatever else the machine does; each prints its least and its median time and
+the ratio of the least to that of the bare cast (measure/bare.py says what that is). MuJoCo draws the same triangles from the same
+place, as it comes and as fast as it goes. The last table holds the figures against their bars.
 """
 
 from __future__ import annotations
@@ -12,54 +12,26 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
-import platform
 import sys
-import time
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 
-import numpy as np
+from measure import bare
+from measure.bars import Bar, show
+from measure.clock import processor, taken
+from measure.rival import Rival, Unavailable
 
-from ovman.engine import floorplan, optics, rays, scene_mesh
+from ovman.engine import floorplan, rays, scene_mesh
 from ovman.engine.camera import Renderer, View
 from ovman.engine.world import World
 
-BAR = 3.5
+SMALL, LARGE = (300, 300), (640, 480)
+BARS = {SMALL: 2.2, LARGE: 3.0}
 """Frame through the Controller over bare cast."""
-
-
-def processor() -> str:
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()
-
-
-def bare_cast(world: World, view: View) -> Callable[[], object]:
-    """The primary rays of a view against one Embree scene of everything that is drawn."""
-    scene = rays.committed(scene_mesh.build(world))
-    rows, columns = np.mgrid[0 : view.height, 0 : view.width].astype(np.float32) + np.float32(0.5)
-    origins, ways = np.empty((rows.size, 3), np.float32), np.empty((rows.size, 3), np.float32)
-    half = np.float32(np.tan(np.radians(view.fov_deg) / 2))
-    optics.primary(
-        *view.axes().astype(np.float32), half * np.float32(view.width / view.height), half, np.asarray(view.position, np.float32),
-        np.float32(view.near_m), False, columns.ravel(), rows.ravel(), view.width, view.height, origins, ways,
-    )  # fmt: skip
-    return lambda: scene.run(origins, ways)
-
-
-def taken(kinds: dict[str, Callable[[], object]], repeats: int) -> dict[str, np.ndarray]:
-    """Wall seconds (repeats,) of each kind."""
-    times: dict[str, list[float]] = {name: [] for name in kinds}
-    for call in kinds.values():
-        call()
-        call()
-    for _ in range(repeats):
-        for name, call in kinds.items():
-            start = time.perf_counter()
-            call()
-            times[name].append(time.perf_counter() - start)
-    return {name: np.array(values) for name, values in times.items()}
+RIVAL_BAR = 2.0
+"""MuJoCo's time over that of the frame inside the process."""
+CAST, PACKETS, FRAME, CONTROLLER = "bare cast", "primary rays in packets", "RGB + depth + ids", "RGB + depth + ids, Controller"
+RIVAL, RIVAL_PLAIN = "MuJoCo, RGB + depth + ids", "MuJoCo, no shadows, 1 sample"
 
 
 def mover(world: World) -> Callable[[], object]:
@@ -75,42 +47,31 @@ def mover(world: World) -> Callable[[], object]:
     return shift
 
 
-def controller_frame(scene: str, view: View):
-    """(call, stop) of a frame through the real Controller with RGB, depth and ids; the agent looks to and fro by half a
-    degree: the engine draws no view twice."""
+@contextmanager
+def controller_frame(scene: str, width: int, height: int) -> Iterator[Callable[[], object]]:
+    """A frame through the real Controller with RGB, depth and ids; the agent looks to and fro by half a degree: the engine draws
+    no view twice."""
     from ai2thor.controller import Controller
 
     import ovman.engine
 
-    os.environ.setdefault("DISPLAY", ":0")
-    os.environ.pop("CUDA_VISIBLE_DEVICES", None)
     controller = Controller(
-        local_executable_path=ovman.engine.executable(), scene=scene, width=view.width, height=view.height,
+        local_executable_path=ovman.engine.executable(), scene=scene, width=width, height=height,
         renderDepthImage=True, renderInstanceSegmentation=True, snapToGrid=False,
     )  # fmt: skip
     turns = itertools.cycle(["RotateRight", "RotateLeft"])
-    return (lambda: controller.step(next(turns), degrees=0.5)), controller.stop
+    try:
+        yield lambda: controller.step(next(turns), degrees=0.5)
+    finally:
+        controller.stop()
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--scene", default="FloorPlan201")
-    parser.add_argument("--repeats", type=int, default=40)
-    parser.add_argument("--size", type=int, default=300)
-    options = parser.parse_args()
-    if hasattr(os, "sched_setaffinity"):
-        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-
-    plan = floorplan.load(options.scene)
-    start = time.perf_counter()
-    world = World(plan)
-    renderer = Renderer(world)
-    view = View(world.agent.camera, world.agent.yaw_deg, width=options.size, height=options.size)
-    renderer.frame(view, rgb=False, ids=True)
-    first = time.perf_counter() - start
-    renderer.frame(view)
-    moved_world = World(plan)
-    moved = Renderer(moved_world)
+def measure(scene: str, size: tuple[int, int], repeats: int) -> list[Bar]:
+    width, height = size
+    plan = floorplan.load(scene)
+    world, moved_world = World(plan), World(plan)
+    renderer, moved = Renderer(world), Renderer(moved_world)
+    view = View(world.agent.camera, world.agent.yaw_deg, width=width, height=height)
     shift = mover(moved_world)
 
     def move_and_see(**what: bool) -> Callable[[], object]:
@@ -121,38 +82,58 @@ def main() -> int:
         return call
 
     kinds: dict[str, Callable[[], object]] = {
-        "bare cast": bare_cast(world, view),
+        CAST: bare.cast(world, view),
+        PACKETS: bare.packets(world, view),
         "ids + depth": lambda: renderer.frame(view, rgb=False, depth=True, ids=True),
-        "RGB + depth + ids": lambda: renderer.frame(view, depth=True, ids=True),
-        "one object moved, ids + depth": move_and_see(rgb=False, depth=True, ids=True),
-        "one object moved, all": move_and_see(depth=True, ids=True),
-        "Embree scene from scratch": lambda: rays.committed(scene_mesh.build(world)),
-        "mesh of one move": lambda: (shift(), moved.names),
+        FRAME: lambda: renderer.frame(view, depth=True, ids=True),
     }
-    stop = None
-    try:
-        kinds["Controller, RGB + depth + ids"], stop = controller_frame(options.scene, view)
-    except (ImportError, AttributeError) as missing:
-        print(f"no frame through the Controller: {missing}", file=sys.stderr)
-    try:
-        times = taken(kinds, options.repeats)
-    finally:
-        if stop is not None:
-            stop()
+    notes = dict.fromkeys(kinds, "")
+    notes[CAST] = "embreex, ray by ray"
+    if size == SMALL:
+        kinds |= {
+            "one object moved, ids + depth": move_and_see(rgb=False, depth=True, ids=True),
+            "one object moved, all": move_and_see(depth=True, ids=True),
+            "Embree scene from scratch": lambda: rays.committed(scene_mesh.build(world)),
+            "mesh of one move": lambda: (shift(), moved.names),
+        }
+    with ExitStack() as stack:
+        kinds[CONTROLLER] = stack.enter_context(controller_frame(scene, width, height))
+        for name, plain in ((RIVAL, False), (RIVAL_PLAIN, True)):
+            try:
+                rival = Rival(scene, width, height, plain)
+            except Unavailable as why:
+                print(f"no frame of MuJoCo to compare with: {why}")
+                break
+            stack.callback(rival.stop)
+            kinds[name], notes[name] = rival.draw, rival.about
+        times = taken(kinds, repeats)
 
-    triangles, size = len(scene_mesh.build(world).triangles), f"{options.size} x {options.size}"
-    print(f"{options.scene}, {size}, {triangles} triangles; {processor()}, one core, {options.repeats} times")
-    print(f"meshes, Embree scene and first ids: {first * 1e3:.0f} ms")
-    print(f"{'':32s}{'least ms':>10s}{'median ms':>11s}{'x bare':>9s}{'x bare (median)':>17s}")
-    bare = times["bare cast"]
+    triangles = len(scene_mesh.build(world).triangles)
+    print(f"\n{scene}, {width} x {height}, {triangles} triangles; {processor()}, one core, {repeats} times")
+    print(f"{'':34s}{'least ms':>10s}{'median ms':>11s}{'x bare':>8s}")
+    least = {name: values.min() * 1e3 for name, values in times.items()}
     for name, values in times.items():
-        ratio, middle = values.min() / bare.min(), np.median(values) / np.median(bare)
-        print(f"{name:32s}{values.min() * 1e3:10.2f}{np.median(values) * 1e3:11.2f}{ratio:9.2f}{middle:17.2f}")
-    through = times.get("Controller, RGB + depth + ids")
-    if through is not None:
-        print(
-            f"Controller: {np.median(through) / np.median(bare):.2f} x bare (least {through.min() / bare.min():.2f}); bar {BAR}"
-        )
+        ratio, middle = least[name] / least[CAST], sorted(values)[len(values) // 2] * 1e3
+        print(f"{name:34s}{least[name]:10.2f}{middle:11.2f}{ratio:8.2f}  {notes.get(name, '')}")
+    share = least[CONTROLLER] - least[FRAME]
+    print(f"shading and film {least[FRAME] - least[PACKETS]:.2f} ms; metadata, pipe and client {share:.2f} ms")
+    found = [Bar(f"{width} x {height} through the Controller, x bare", least[CONTROLLER] / least[CAST], BARS[size], "x")]
+    if size == SMALL:
+        beaten = least[RIVAL] / least[FRAME] if RIVAL in least else None
+        found.append(Bar(f"MuJoCo's time over the engine's, {width} x {height}", beaten, RIVAL_BAR, "x", at_least=True))
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--scene", default="FloorPlan201")
+    parser.add_argument("--repeats", type=int, default=30)
+    options = parser.parse_args()
+    os.environ.setdefault("DISPLAY", ":0")
+    os.environ.pop("CUDA_VISIBLE_DEVICES", None)
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    show([bar for size in BARS for bar in measure(options.scene, size, options.repeats)])
     return 0
 
 

@@ -75,15 +75,29 @@ class Painter:
         self._flat = view.orthographic_size is not None
         self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)
 
-    def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """What is seen at some image points, (N,) float32 pixels."""
+    def _camera(self) -> tuple[object, ...]:
+        """The view as `optics.primary` and `Caster.view` take it, without its width and height."""
+        view = self._view
+        return (
+            *view.axes().astype(np.float32), np.float32(self._tall * view.width / view.height), np.float32(self._tall),
+            np.asarray(view.position, dtype=np.float32), np.float32(view.near_m), self._flat,
+        )  # fmt: skip
+
+    def _points(self, columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Origins and rays (N, 3) float32 of image points (N,) float32 pixels."""
         view = self._view
         origins, ways = np.empty((len(columns), 3), np.float32), np.empty((len(columns), 3), np.float32)
-        optics.primary(
-            *view.axes().astype(np.float32), np.float32(self._tall * view.width / view.height), np.float32(self._tall),
-            np.asarray(view.position, dtype=np.float32), np.float32(view.near_m), self._flat, columns, rows,
-            view.width, view.height, origins, ways,
-        )  # fmt: skip
+        optics.primary(*self._camera(), columns, rows, view.width, view.height, origins, ways)
+        return origins, ways
+
+    def see(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
+        """What the pixels see at their centres, which are given as `cast` takes them, row by row."""
+        met = self._caster.view(*self._camera(), self._view.width, self._view.height)
+        return Hits(columns, rows, *self._points(columns, rows), *met)
+
+    def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
+        """What is seen at some image points, (N,) float32 pixels."""
+        origins, ways = self._points(columns, rows)
         return Hits(columns, rows, origins, ways, *self._caster.closest(origins, ways))
 
     def surface(self, hits: Hits) -> Surface:

@@ -191,8 +191,9 @@ def test_a_displaced_object_is_drawn_as_if_all_were_one_scene():
     whole = rays.committed(mesh)
     ways = rays_of(view).reshape(-1, 3).astype(np.float32)
     starts = (view.position.astype(np.float32) + np.float32(view.near_m) * ways).astype(np.float32)
-    hit = whole.run(starts, ways, query="INTERSECT", output=True)
-    expected = np.where(hit["primID"] >= 0, mesh.instance[hit["primID"]], -1).reshape(frame.ids.shape)
+    nothing = scene_mesh.of_plan(world.plan, world.room).posed([])
+    triangle, _, _, _ = rays.Caster(whole, 0, nothing).closest(starts, ways)
+    expected = np.where(triangle >= 0, mesh.instance[triangle], -1).reshape(frame.ids.shape)
     assert (frame.ids == expected).mean() > 0.998, "apart from faces that lie in one plane"
     assert all((frame.ids == mesh.names.index(n)).any() for n in names)
 
@@ -219,7 +220,7 @@ def test_nothing_is_drawn_that_is_not_asked_for(monkeypatch):
         raise AssertionError("drawn")
 
     with monkeypatch.context() as patch:
-        patch.setattr(rays.Caster, "closest", refuse)
+        patch.setattr(rays.Caster, "view", refuse)
         assert renderer.frame(view, rgb=False) == camera.Frame()
         with pytest.raises(AssertionError, match="drawn"):
             renderer.frame(view, rgb=False, ids=True)
@@ -273,21 +274,61 @@ def test_impossible_views_are_refused(bad):
         View(np.zeros(3), 0, **bad)
 
 
+def soup(rng: np.random.Generator, count: int) -> scene_mesh.SceneMesh:
+    """Triangles anywhere, each an instance of its own."""
+    numbers = np.arange(count, dtype=np.int32)
+    vertices = rng.uniform(-1, 1, (3 * count, 3)).astype(np.float32)
+    corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    flat = np.zeros((count, 3), np.float32)
+    names = tuple(map(str, numbers))
+    return scene_mesh.SceneMesh(
+        vertices, corners, np.zeros((count, 3, 3), np.float32), numbers, numbers, numbers, numbers,
+        np.zeros((count, 3, 4), np.float32), flat, names, (),
+    )  # fmt: skip
+
+
+def met(mesh: scene_mesh.SceneMesh, origins: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """(N, T) distances at which rays meet triangles, infinite where they miss, by solving for each pair."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(float) for k in range(3))
+    matrix = np.stack(np.broadcast_arrays(-ways[:, None].astype(float), (b - a)[None], (c - a)[None]), axis=-1)
+    found = np.linalg.solve(matrix, (origins[:, None] - a)[..., None])[..., 0]
+    distance, u, v = np.moveaxis(found, -1, 0)
+    return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0), distance, np.inf)
+
+
 @FEW
-@given(st.integers(0, 2**32 - 1))
-def test_no_ray_that_hits_a_displaced_thing_is_left_out(seed):
+@given(st.integers(0, 2**32 - 1), st.integers(0, 8), st.integers(0, 4), st.integers(0, 40))
+def test_rays_meet_the_nearest_triangle_of_what_stays_and_what_was_displaced(seed, fixed, displaced, count):
     rng = np.random.default_rng(seed)
-    low = rng.uniform(-1, 0, (3, 3)).astype(np.float32)
-    high = (low + rng.uniform(0.05, 1, (3, 3))).astype(np.float32)
-    origins = rng.uniform(-2, 2, (60, 3)).astype(np.float32)
-    ways = rng.normal(size=(60, 3)).astype(np.float32)
-    ways[:6, seed % 3] = 0
-    reach = rng.uniform(0.1, 5, 60).astype(np.float32)
-    found = set(rays._passing(origins, ways, reach, low, high).tolist())
-    steps = np.linspace(0, 1, 400)[:, None] * reach
-    path = origins + steps[..., None] * ways
-    met = ((path[:, :, None] > low) & (path[:, :, None] < high)).all(axis=3).any(axis=(0, 2))
-    assert set(np.flatnonzero(met).tolist()) <= found
+    stays, moved = soup(rng, fixed), soup(rng, displaced)
+    caster = rays.Caster(rays.committed(stays), fixed, moved)
+    origins = rng.uniform(-2, 2, (count, 3)).astype(np.float32)
+    ways = rng.normal(size=(count, 3)).astype(np.float32)
+    reach = rng.uniform(0.1, 5, count).astype(np.float32)
+    expected = np.concatenate([met(stays, origins, ways), met(moved, origins, ways), np.full((count, 1), np.inf)], axis=1)
+    nearest = expected.min(axis=1)
+    triangle, distance, u, v = caster.closest(origins, ways)
+    assert triangle.dtype == np.int32 and ((triangle >= 0) == (distance < rays.FAR)).all()
+    same = triangle == np.where(np.isfinite(nearest), expected.argmin(axis=1), -1)
+    assert same.sum() >= count - 1, "but for a ray that grazes the rim of a triangle"
+    np.testing.assert_allclose(distance[same & (triangle >= 0)], nearest[same & (triangle >= 0)], rtol=1e-3)
+    blocked = caster.occluded(origins, ways, reach)
+    assert (blocked == (nearest < reach)).sum() >= count - 1
+    assert (blocked >= (distance < reach - 1e-4)).all()
+
+
+def test_the_rays_of_a_view_are_those_through_its_pixels():
+    """Pictures are cast in squares of pixels; those that stick out over the rim see nothing twice and leave nothing out."""
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    for width, height in ((1, 1), (3, 5), (18, 13), (16, 16)):
+        view = view_of(world, 3, width=width, height=height)
+        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+        ways = rays_of(view).reshape(-1, 3).astype(np.float32)
+        starts = (view.position + view.near_m * ways).astype(np.float32)
+        triangle, distance, _, _ = renderer._caster.closest(starts, ways)
+        depth = np.where(triangle >= 0, distance + view.near_m, view.far_m).reshape(height, width)
+        np.testing.assert_allclose(frame.depth, depth, atol=1e-3)
 
 
 def test_textures_move_with_the_object():
