@@ -38,7 +38,7 @@ def perform(engine: Engine, request: Mapping[str, Any]) -> Outcome:
     name = request.get("action")
     arguments = {k: v for k, v in request.items() if k != "action"}
     try:
-        action = _matched(name, arguments)
+        action = _matched(engine, name, arguments)
         return Outcome(action.function(engine, **_bound(action, arguments)))
     except Refused as refusal:
         return Outcome(success=False, message=str(refusal), code=getattr(refusal, "code", None))
@@ -46,8 +46,9 @@ def perform(engine: Engine, request: Mapping[str, Any]) -> Outcome:
         return thrown(error)
 
 
-def _matched(name: Any, arguments: Mapping[str, Any]) -> Action:
-    overloads = TABLE.get(name) if isinstance(name, str) else None
+def _matched(engine: Engine, name: Any, arguments: Mapping[str, Any]) -> Action:
+    overloads = TABLE.get(name, []) if isinstance(name, str) else []
+    overloads = [a for a in overloads if a.mode is None or a.mode == engine.agent_mode]
     if not overloads:
         raise Failed(f"Invalid action: {shown(name)}", "InvalidAction")
     ordered = sorted(overloads, key=lambda a: (sum(p.required for p in a.parameters), len(a.parameters)))
@@ -81,7 +82,9 @@ def _value(action: Action, parameter: Parameter, value: Any) -> Any:
 
 def _superfluous(action: Action, arguments: Mapping[str, Any], unknown: list[str]) -> str:
     plural = "s" if len(unknown) > 1 else ""
-    ways = "\n\t\t".join(f"Void {way.name}({', '.join(map(_signature, way.parameters))})" for way in TABLE[action.name])
+    ways = "\n\t\t".join(
+        f"Void {way.name}({', '.join(map(_signature, way.parameters))})" for way in TABLE[action.name] if way.mode == action.mode
+    )
     return (
         f'\n\tAction: "{action.name}" called with invalid argument{plural}: {_quoted(unknown)}'
         f"\n\tExpected arguments: {', '.join(map(_signature, action.parameters))}"

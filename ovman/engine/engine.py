@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import lru_cache
+from random import Random
 from typing import TYPE_CHECKING, Any
 
 import msgpack
 
 from ovman.engine import event
+from ovman.engine.embodiment import DEFAULT
 from ovman.engine.event import Outcome, thrown
+from ovman.engine.request import Unintelligible, decoded, sequence_id
 from ovman.engine.settings import Images, Settings
 from ovman.engine.wire import Field
 
@@ -54,6 +56,8 @@ class Engine:
         self.map_view: MapView | None = None
         self.auto_simulation = True
         self.seed = 0
+        self.random = Random(0)
+        """What the noise of motions is drawn from; SetRandomSeed starts it anew."""
         self.draws = 0
         self.time_s = 0.0
         self._world: World | None = None
@@ -75,6 +79,11 @@ class Engine:
 
             raise Refused(f"No scene is loaded: {self._absence}")
         return self._world
+
+    @property
+    def agent_mode(self) -> str:
+        """agentMode of the agent, by which actions are chosen; the default one while no scene is loaded."""
+        return DEFAULT.mode if self._world is None else self._world.agent.embodiment.mode
 
     def load(self, scene_name: str) -> None:
         """A fresh world of the scene ("FloorPlan201_physics"), settings as before any Initialize. KeyError if there is none."""
@@ -142,14 +151,11 @@ class Engine:
         """Does what the action in `body` (JSON) asks for and returns the frames of the reply. Never raises: a client whose engine
         falls silent waits for ever."""
         try:
-            request = json.loads(body)
-            problem = "" if isinstance(request, dict) else f"An action is a JSON object, not {request!r:.100}."
-        except ValueError as error:
-            problem = f"An action is a JSON object: {error}."
-        if problem:
+            request = decoded(body)
+        except Unintelligible as error:
             self._sequence = self._sequence + 1 if isinstance(self._sequence, int) else 0
-            return self._message({}, Outcome(success=False, message=problem), Images())
-        self._sequence = request.get("sequenceId", 0)
+            return self._message({}, Outcome(success=False, message=str(error)), Images())
+        self._sequence = sequence_id(request)
         try:
             outcome = self._perform(request)
         except Exception as error:  # a package that an action needs is not installed, or physics gave up

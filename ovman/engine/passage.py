@@ -9,13 +9,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array, vstack
 from scipy.sparse.csgraph import connected_components
 
 from ovman.engine.footprint import Boxes
 
 DEEPER_M = 1e-6
 """How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+PORTION = 8192
+"""Positions that are measured at a time."""
 ON_EDGE = 1e-9
 """A position this far beyond an edge is on it: rounding."""
 
@@ -91,9 +93,9 @@ def reachable(
     number = np.arange(cells.shape[0] * cells.shape[1]).reshape(cells.shape[:2])
     points = (here + step_m * (cells @ axes)).reshape(-1, 2)
     inside = ((points >= low - ON_EDGE) & (points <= high + ON_EDGE)).all(axis=1)
-    clearance = obstacles.distances(points, most + step_m)
-    free = inside & (clearance >= obstacles.reach).all(axis=1)
-    label = _components(obstacles, points, number, clearance, free, step_m)
+    clear, near = _surroundings(obstacles, points, step_m)
+    free = inside & clear
+    label = _components(obstacles, points, number, near, free)
     own = int(number[tuple(-first)])
     seen, queue, entered = {own}, [own], set()
     while queue:
@@ -116,16 +118,26 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
     return [int(number[a, b]) for a, b in around if 0 <= a < number.shape[0] and 0 <= b < number.shape[1]]
 
 
-def _components(
-    obstacles: Obstacles, points: np.ndarray, number: np.ndarray, clearance: np.ndarray, free: np.ndarray, step_m: float
-) -> np.ndarray:
+def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, csr_array]:
+    """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from there or to
+    there may come too close to: (M,) bool and (M, N) bool. Point by point in portions: fine grids have a million of them."""
+    most = float(obstacles.reach.max(initial=0.0)) + step_m
+    clear, near = np.ones(len(points), dtype=bool), []
+    for start in range(0, len(points), PORTION):
+        clearance = obstacles.distances(points[start : start + PORTION], most)
+        clear[start : start + PORTION] = (clearance >= obstacles.reach).all(axis=1)
+        # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
+        near.append(csr_array(clearance < obstacles.reach + step_m / 2))
+    return clear, vstack(near, format="csr")
+
+
+def _components(obstacles: Obstacles, points: np.ndarray, number: np.ndarray, near: csr_array, free: np.ndarray) -> np.ndarray:
     """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
     along_x = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
     along_z = np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1)
     edges = np.concatenate([along_x, along_z])
     edges = edges[free[edges].all(axis=1)]
-    # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
-    edge, box = np.nonzero(clearance[edges[:, 0]] + clearance[edges[:, 1]] < 2 * obstacles.reach + step_m)
+    edge, box = (near[edges[:, 0]] + near[edges[:, 1]]).nonzero()
     if len(edge):
         a, b = points[edges[edge, 0]], points[edges[edge, 1]]
         hit = obstacles.boxes.sweeps(a, b, box, obstacles.low, obstacles.high) < obstacles.reach[box]

@@ -1,229 +1,224 @@
-"""Actions that move the agent and its camera, and what it can reach."""
+"""Actions that move the agent over the floor and turn it.
+
+Sources: contract, sections 2 and 4; AI2-THOR's PhysicsRemoteFPSAgentController (default) and LocobotFPSAgentController (locobot).
+Several arguments of AI2-THOR's are for agents with an arm or in company and change nothing here.
+"""
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from ovman.engine.actions.registry import Failed, Thrown, action, out_of_range
+from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import FARTHEST, Vector3
+from ovman.engine.embodiment import DEFAULT, LOCOBOT
 from ovman.engine.engine import Engine
+from ovman.engine.passage import heading
 from ovman.engine.world import Refused
 
-LOOK_DEG = 30.0
-"""Angle of a LookUp or LookDown that names none."""
-GROUND_M = 0.05
-"""How far from its height above the floor the agent may be put."""
-MANY_STEPS = 10_000.0
-"""Area in square metres within which reachable positions are looked for unless an action says otherwise."""
-EXACT_M = 1e-4
-"""How near a coordinate must be to another to be the same: single precision, which clients may have gone through."""
+NO_STRAFING = "Controller does not support horizontal movement by default. Set AllowHorizontalMovement to true on the Controller."
 
 
-def _direction(yaw_deg: float) -> np.ndarray:
-    """Unit vector along a yaw, exact where it goes along an axis of the world, so that a walk stays on its lattice."""
-    if yaw_deg % 90 == 0:
-        return np.array([(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0)][int(yaw_deg // 90) % 4])
-    return np.array([math.sin(math.radians(yaw_deg)), 0.0, math.cos(math.radians(yaw_deg))])
-
-
-def _move(engine: Engine, heading_deg: float, magnitude: float | None, force: bool) -> None:
+def _go(engine: Engine, towards_deg: float, length_m: float) -> None:
+    """Moves the agent straight along a yaw relative to its own. Refused, the agent where it was, if the way is blocked."""
     world, agent = engine.world, engine.world.agent
-    length = magnitude if magnitude is not None and magnitude > 0 else engine.settings.grid_m
-    step = _direction((agent.yaw_deg + heading_deg) % 360.0) * length
+    along_x, along_z = heading((agent.yaw_deg + towards_deg) % 360.0)
+    step = np.array([along_x, 0.0, along_z]) * length_m
     target = agent.position + step
-    if np.abs(target).max() > FARTHEST:
+    if np.abs(target).max() > FARTHEST or not engine.in_bounds(target):
         raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")
-    if not force:
-        if not engine.in_bounds(target):
-            raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")
-        blocker = world.blocker(agent.position[[0, 2]], target[[0, 2]])
-        if blocker is not None:
-            name = world.bodies[blocker].name if blocker in world.bodies else blocker
-            raise Refused(f"{name} is blocking Agent 0 from moving by {Vector3.of(step).text(4)}.")
+    blocker = world.blocker(agent.position[[0, 2]], target[[0, 2]])
+    if blocker is not None:
+        name = world.bodies[blocker].name if blocker in world.bodies else blocker
+        raise Refused(f"{name} is blocking Agent 0 from moving by {Vector3.of(step).text(4)}.")
     agent.position = engine.snapped(target)
 
 
-@action("MoveAhead")
-def move_ahead(engine: Engine, moveMagnitude: float | None = None, forceAction: bool = False) -> None:
-    _move(engine, 0.0, moveMagnitude, forceAction)
+def _move(engine: Engine, towards_deg: float, moveMagnitude: float | None, objectId: str, maxAgentsDistance: float) -> None:
+    if moveMagnitude is not None and moveMagnitude <= 0:
+        raise Thrown("InvalidOperationException", "moveMagnitude must be > 0")
+    agent = engine.world.agent
+    before = agent.position
+    _go(engine, towards_deg, engine.settings.grid_m if moveMagnitude is None else moveMagnitude)
+    if objectId and maxAgentsDistance > 0 and (refusal := _too_far(engine, objectId, maxAgentsDistance)):
+        agent.position = before
+        raise Refused(refusal)
 
 
-@action("MoveBack")
-def move_back(engine: Engine, moveMagnitude: float | None = None, forceAction: bool = False) -> None:
-    _move(engine, 180.0, moveMagnitude, forceAction)
+def _too_far(engine: Engine, object_id: str, limit_m: float) -> str:
+    body = engine.world.bodies.get(object_id)
+    if body is None:
+        return f"No object with ID {object_id}"
+    low, high = body.box.bounds()
+    here = engine.world.agent.position
+    gap = np.maximum(np.maximum(low - here, here - high), 0.0)[[0, 2]]
+    return f"Agent movement would bring it beyond the max distance of {object_id}" if np.hypot(*gap) > limit_m else ""
 
 
-@action("MoveLeft")
-def move_left(engine: Engine, moveMagnitude: float | None = None, forceAction: bool = False) -> None:
-    _move(engine, 270.0, moveMagnitude, forceAction)
+@action("MoveAhead", mode=DEFAULT.mode)
+def move_ahead(
+    engine: Engine,
+    moveMagnitude: float | None = None,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+    forceAction: bool = False,
+    manualInteract: bool = False,
+    allowAgentsToIntersect: bool = False,
+    speed: float = 1.0,
+    fixedDeltaTime: float | None = None,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+) -> None:
+    _move(engine, 0.0, moveMagnitude, objectId, maxAgentsDistance)
 
 
-@action("MoveRight")
-def move_right(engine: Engine, moveMagnitude: float | None = None, forceAction: bool = False) -> None:
-    _move(engine, 90.0, moveMagnitude, forceAction)
+@action("MoveBack", mode=DEFAULT.mode)
+def move_back(
+    engine: Engine,
+    moveMagnitude: float | None = None,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+    forceAction: bool = False,
+    manualInteract: bool = False,
+    allowAgentsToIntersect: bool = False,
+    speed: float = 1.0,
+    fixedDeltaTime: float | None = None,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+) -> None:
+    _move(engine, 180.0, moveMagnitude, objectId, maxAgentsDistance)
 
 
-def _turn(engine: Engine, degrees: float | None, sign: int) -> None:
+@action("MoveLeft", mode=DEFAULT.mode)
+def move_left(
+    engine: Engine,
+    moveMagnitude: float | None = None,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+    forceAction: bool = False,
+    manualInteract: bool = False,
+    allowAgentsToIntersect: bool = False,
+    speed: float = 1.0,
+    fixedDeltaTime: float | None = None,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+) -> None:
+    _move(engine, 270.0, moveMagnitude, objectId, maxAgentsDistance)
+
+
+@action("MoveRight", mode=DEFAULT.mode)
+def move_right(
+    engine: Engine,
+    moveMagnitude: float | None = None,
+    objectId: str = "",
+    maxAgentsDistance: float = -1.0,
+    forceAction: bool = False,
+    manualInteract: bool = False,
+    allowAgentsToIntersect: bool = False,
+    speed: float = 1.0,
+    fixedDeltaTime: float | None = None,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+) -> None:
+    _move(engine, 90.0, moveMagnitude, objectId, maxAgentsDistance)
+
+
+def _turn(engine: Engine, degrees: float) -> None:
+    agent = engine.world.agent
+    agent.yaw_deg = full_circle(agent.yaw_deg + degrees)
+
+
+def full_circle(degrees: float) -> float:
+    """The angle in [0, 360), free of the last bits that sums of decimal fractions leave."""
+    return round(degrees % 360.0, 9) % 360.0
+
+
+def _rotate(engine: Engine, degrees: float | None, sign: int) -> None:
     if degrees == 0:
         raise Thrown(
             "InvalidOperationException",
             "Cannot rotate by 0 degrees as this previously defaulted to rotating by a diferent amount.",
         )
-    agent = engine.world.agent
-    agent.yaw_deg = _full_circle(agent.yaw_deg + sign * (engine.settings.turn_deg if degrees is None else degrees))
+    _turn(engine, sign * (engine.settings.turn_deg if degrees is None else degrees))
 
 
-def _full_circle(degrees: float) -> float:
-    """The angle in [0, 360), free of the last bits that sums of decimal fractions leave."""
-    return round(degrees % 360.0, 9) % 360.0
-
-
-@action("RotateRight")
-def rotate_right(engine: Engine, degrees: float | None = None, forceAction: bool = False) -> None:
-    _turn(engine, degrees, 1)
-
-
-@action("RotateLeft")
-def rotate_left(engine: Engine, degrees: float | None = None, forceAction: bool = False) -> None:
-    _turn(engine, degrees, -1)
-
-
-def _look(engine: Engine, name: str, degrees: float, sign: int) -> None:
-    settings, agent = engine.settings, engine.world.agent
-    if degrees < 0:
-        raise Refused(f"{name} action requires positive degree value. Invalid value used: {degrees:g}")
-    if abs(degrees * 10 - round(degrees * 10)) > EXACT_M:
-        raise Refused(f"{name} action requires degree value to be a multiple of 0.1f")
-    horizon = round(agent.horizon_deg + sign * (degrees or LOOK_DEG), 1)
-    if sign > 0 and horizon > settings.look_down_deg:
-        message = f"can't look down beyond {settings.look_down_deg:g} degrees below the forward horizon"
-        raise Failed(message, "LookDownCantExceedMin")
-    if sign < 0 and horizon < -settings.look_up_deg:
-        message = f"can't look up beyond {settings.look_up_deg:g} degrees above the forward horizon"
-        raise Failed(message, "LookUpCantExceedMax")
-    agent.horizon_deg = horizon + 0.0
-
-
-@action("LookDown")
-def look_down(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, "LookDown", degrees, 1)
-
-
-@action("LookUp")
-def look_up(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, "LookUp", degrees, -1)
-
-
-def _teleport(
-    engine: Engine, position: Vector3 | None, rotation: Vector3 | None, horizon: float | None, standing: bool | None, force: bool
-) -> None:
-    """What is None stays as it is. On failure nothing changes."""
-    world, agent, settings = engine.world, engine.world.agent, engine.settings
-    if rotation is not None and (abs(rotation.x) > EXACT_M or abs(rotation.z) > EXACT_M):
-        raise out_of_range(
-            "No agents currently can change in pitch or roll. So, you must set rotation(x=0, y=yaw, z=0)."
-            f" You gave {rotation.text(6)}."
-        )
-    low, high = -settings.look_up_deg, settings.look_down_deg
-    if not force and horizon is not None and not low <= horizon <= high:
-        raise out_of_range(f"Each horizon must be in [{low:g}:{high:g}]. You gave {horizon:g}.")
-    target = agent.position
-    if position is not None:
-        target = position.array
-        if not force:
-            target = _on_ground(engine, position)
-    if not force:
-        blocker = world.blocker(target[[0, 2]], target[[0, 2]])
-        if blocker is not None and not np.array_equal(target, agent.position):
-            raise Thrown("InvalidOperationException", f"Collided with: {blocker}.")
-    agent.position = target
-    if rotation is not None:
-        agent.yaw_deg = _full_circle(rotation.y)
-    if horizon is not None:
-        agent.horizon_deg = horizon + 0.0
-    if standing is not None:
-        agent.standing = standing
-
-
-def _on_ground(engine: Engine, position: Vector3) -> np.ndarray:
-    target = position.array
-    if not engine.in_bounds(target):
-        raise out_of_range(f"Teleport position {position.text(6)} out of scene bounds! Ignore this by setting forceAction=true.")
-    if engine.settings.snap_to_grid and np.abs(engine.snapped(target) - target).max() > EXACT_M:
-        raise out_of_range(f"Teleport position {position.text(6)} is not on the grid of size {engine.settings.grid_m:g}.")
-    ground = float(engine.world.plan.start[1])
-    if abs(target[1] - ground) > GROUND_M:
-        raise Thrown(
-            "InvalidOperationException",
-            "After teleporting and adjusting agent position to floor, there was too large a change"
-            f"({abs(target[1] - ground):g} > {GROUND_M:g}) in the y component."
-            " Consider using `forceAction=true` if you'd like to teleport anyway.",
-        )
-    target[1] = ground
-    return target
-
-
-@action("Teleport")
-def teleport(
+@action("RotateRight", mode=DEFAULT.mode)
+def rotate_right(
     engine: Engine,
-    position: Vector3 | None = None,
-    rotation: Vector3 | None = None,
-    horizon: float | None = None,
-    standing: bool | None = None,
+    degrees: float | None = None,
+    manualInteract: bool = False,
     forceAction: bool = False,
+    speed: float = 1.0,
+    waitForFixedUpdate: bool = False,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+    fixedDeltaTime: float = 0.02,
 ) -> None:
-    _teleport(engine, position, rotation, horizon, standing, forceAction)
+    _rotate(engine, degrees, 1)
 
 
-@action("Teleport")
-def teleport_by_coordinates(
+@action("RotateLeft", mode=DEFAULT.mode)
+def rotate_left(
     engine: Engine,
-    x: float,
-    y: float,
-    z: float,
-    rotation: Vector3 | None = None,
-    horizon: float | None = None,
-    standing: bool | None = None,
+    degrees: float | None = None,
+    manualInteract: bool = False,
     forceAction: bool = False,
+    speed: float = 1.0,
+    waitForFixedUpdate: bool = False,
+    returnToStart: bool = True,
+    disableRendering: bool = True,
+    fixedDeltaTime: float = 0.02,
 ) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+    _rotate(engine, degrees, -1)
 
 
-@action("TeleportFull")
-def teleport_full(
-    engine: Engine, position: Vector3, rotation: Vector3, horizon: float, standing: bool, forceAction: bool = False
-) -> None:
-    _teleport(engine, position, rotation, horizon, standing, forceAction)
+# The locobot
 
 
-@action("TeleportFull")
-def teleport_full_by_coordinates(
-    engine: Engine,
-    x: float,
-    y: float,
-    z: float,
-    rotation: Vector3,
-    horizon: float,
-    standing: bool,
-    forceAction: bool = False,
-) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+def _drive(engine: Engine, towards_deg: float, moveMagnitude: float | None, noise_m: float) -> None:
+    """A wheeled robot swerves a little and does not stop exactly where it should."""
+    if moveMagnitude is not None and moveMagnitude <= 0:
+        raise Thrown("InvalidOperationException", "moveMagnitude must be null or >= 0.")
+    length_m = (engine.settings.grid_m if moveMagnitude is None else moveMagnitude) + noise_m
+    noise = engine.settings.noise
+    if noise is not None:
+        _turn(engine, engine.random.gauss(*noise.swerve))
+        length_m += engine.random.gauss(*noise.move)
+    _go(engine, towards_deg, length_m)
 
 
-@action("GetReachablePositions")
-def reachable_positions(
-    engine: Engine, gridSize: float | None = None, maxStepCount: int | None = None, directionsRelativeAgent: bool = False
-) -> list[dict[str, float]]:
-    step = engine.settings.grid_m if gridSize is None else gridSize
-    if step <= 0:
-        raise Refused("grid size must be in the range (0,5]")
-    yaw = engine.world.agent.yaw_deg
-    if directionsRelativeAgent and yaw % 90 != 0:
-        raise Refused(f"directionsRelativeAgent needs an agent that looks along an axis of the world, not {yaw:g} degrees.")
-    found = engine.world.reachable(step)
-    if len(found) > math.floor((MANY_STEPS if maxStepCount is None else maxStepCount) / (step * step)):
-        raise Refused("Too many steps taken in GetReachablePositions.")
-    return [Vector3.of(p).to_json() for p in found]
+@action("MoveAhead", mode=LOCOBOT.mode)
+def drive_ahead(engine: Engine, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    _drive(engine, 0.0, moveMagnitude, noise)
+
+
+@action("MoveBack", mode=LOCOBOT.mode)
+def drive_back(engine: Engine, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    _drive(engine, 180.0, moveMagnitude, noise)
+
+
+@action("MoveLeft", mode=LOCOBOT.mode)
+def drive_left(engine: Engine, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    raise Thrown("InvalidOperationException", NO_STRAFING)
+
+
+@action("MoveRight", mode=LOCOBOT.mode)
+def drive_right(engine: Engine, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    raise Thrown("InvalidOperationException", NO_STRAFING)
+
+
+def _swivel(engine: Engine, degrees: float, sign: int) -> None:
+    noise = engine.settings.noise
+    error_deg = 0.0 if noise is None else engine.random.gauss(*noise.turn)
+    _turn(engine, sign * (degrees or engine.settings.turn_deg) + error_deg)
+
+
+@action("RotateRight", mode=LOCOBOT.mode)
+def swivel_right(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
+    _swivel(engine, degrees, 1)
+
+
+@action("RotateLeft", mode=LOCOBOT.mode)
+def swivel_left(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
+    _swivel(engine, degrees, -1)

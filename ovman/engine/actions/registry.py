@@ -34,6 +34,8 @@ class Action:
     function: Callable[..., Any]
     parameters: tuple[Parameter, ...]
     takes_anything: bool
+    mode: str | None = None
+    """agentMode of the agents that have it; None for all"""
 
     def bears(self, argument: str) -> bool:
         return any(p.name == argument for p in self.parameters)
@@ -64,17 +66,17 @@ def out_of_range(message: str) -> Thrown:
 TABLE: dict[str, list[Action]] = {}
 
 
-def action(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Registers the function below under AI2-THOR's `name` of an action."""
+def action(name: str, mode: str | None = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Registers the function below under AI2-THOR's `name` of an action, for all agents or for those of one agentMode."""
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
-        TABLE.setdefault(name, []).append(_described(name, function))
+        TABLE.setdefault(name, []).append(_described(name, function, mode))
         return function
 
     return register
 
 
-def _described(name: str, function: Callable[..., Any]) -> Action:
+def _described(name: str, function: Callable[..., Any], mode: str | None) -> Action:
     hints = get_type_hints(function)
     parameters, takes_anything = [], False
     for parameter in list(inspect.signature(function).parameters.values())[1:]:
@@ -90,4 +92,4 @@ def _described(name: str, function: Callable[..., Any]) -> Action:
                 parameter.name, options[0] if nullable else kind, nullable, required, None if required else parameter.default
             )
         )
-    return Action(name, function, tuple(parameters), takes_anything)
+    return Action(name, function, tuple(parameters), takes_anything, mode)
