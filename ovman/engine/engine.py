@@ -178,7 +178,8 @@ class Engine:
         return outcome
 
     def _wanted(self, request: Mapping[str, Any]) -> Images:
-        """Reset is answered without images: the client sends Initialize before anybody sees its event."""
+        """Reset is answered without images: the client sends Initialize before anybody sees its event. Classes never come without
+        instances, because the client makes its masks of classes from those."""
         if not self._draws or self._world is None or request.get("action") == "Reset" or request.get("renderImage") is False:
             return Images()
         s = self.settings
@@ -186,11 +187,12 @@ class Engine:
         def asked(*keys: str) -> bool:
             return any(request.get(key) is True for key in keys)
 
+        classes = s.classes or asked("renderSemanticSegmentation", "renderClassImage")
         return Images(
             True,
             s.depth,
-            s.instances or asked("renderInstanceSegmentation", "renderObjectImage"),
-            s.classes or asked("renderSemanticSegmentation", "renderClassImage"),
+            s.instances or classes or asked("renderInstanceSegmentation", "renderObjectImage"),
+            classes,
             s.normals or asked("renderNormalsImage"),
         )
 
