@@ -48,7 +48,7 @@ class Setting:
         return found
 
     def clearances(self, embodiment: Embodiment) -> Mapping[str, float]:
-        """How close, in metres, an agent may come to what is known to be smaller than its box: by the names of walls and objectIds.
+        """How close, in metres, an agent may come to what is known to be smaller than its box: by names of walls and objectIds.
 
         An agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does. And
         counters with an opening are walked into.
