@@ -338,8 +338,8 @@ def subset(mesh: SceneMesh, triangles: np.ndarray) -> SceneMesh:
 
 
 def figure(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material], box: Box, beside: SceneMesh) -> SceneMesh:
-    """A mesh of `parts` in the frame of `box` that is no instance: -1. Its names are those of the mesh `beside` it. Its materials, one
-    for each slot in the order of the parts, are numbered after those of that mesh."""
+    """A mesh of `parts` in the frame of `box` that is no instance: -1. It has the names of the mesh `beside` it. Its materials,
+    one for each slot in the order of the parts, are numbered after those of that mesh."""
     local = _local(parts, palette)
     return _joined([(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
 
