@@ -10,6 +10,7 @@ from ovman.engine.event import vector
 from ovman.engine.floorplan import Box, euler_degrees
 from ovman.engine.footprint import Boxes
 from ovman.engine.settings import Settings
+from ovman.engine.surfaces import VESSELS
 from ovman.engine.visibility import Eye, Sight
 from ovman.engine.world import Body, World
 
@@ -119,8 +120,9 @@ class SceneMetadata:
         new = np.array([b.object_id in changed for b in bodies])
         holds = active & np.array([b.obj.record["receptacle"] for b in bodies])
         floor = np.array([b.obj.type == "Floor" for b in bodies])
+        vessel = np.array([b.obj.type in VESSELS for b in bodies])
         boxes = Boxes.of([self._boxes[b.object_id] for b in bodies])
-        holder, held = np.nonzero(_resting(boxes, floor, self._world.plan.floor_y) & holds[:, None] & active)
+        holder, held = np.nonzero(_resting(boxes, floor, vessel, self._world.plan.floor_y) & holds[:, None] & active)
         for h, o in zip(holder, held, strict=True):
             if h != o and (new[h] or new[o]):
                 children[bodies[h].object_id].append(bodies[o].object_id)
@@ -158,10 +160,11 @@ def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
-def _resting(boxes: Boxes, floor: np.ndarray, floor_y: float) -> np.ndarray:
-    """(N, N) bool: whether the object of the row would hold that of the column, as a receptacle. `floor` (N,): rows of floors.
+def _resting(boxes: Boxes, floor: np.ndarray, vessel: np.ndarray, floor_y: float) -> np.ndarray:
+    """(N, N) bool: whether the object of the row would hold that of the column, as a receptacle. `floor`, `vessel` (N,): which
+    rows are floors, and which are things with others in them.
 
-    What stands on the floor is held by the floor alone, though it may stand within the box of a table.
+    What stands on the floor is held by the floor, though it may stand within the box of a table; but not if it lies in a bin.
     """
     reach = np.einsum("nij,nj->ni", np.abs(boxes.rotation), boxes.half)
     foot = boxes.centre - reach * [0.0, 1.0, 0.0]
@@ -170,4 +173,6 @@ def _resting(boxes: Boxes, floor: np.ndarray, floor_y: float) -> np.ndarray:
     local = np.einsum("nij,nki->nkj", boxes.rotation, probe[None] - boxes.centre[:, None])
     slack = np.abs(boxes.rotation[:, 1, :]) * (ABOVE_M + BELOW_M) / 2
     inside = (np.abs(local) <= (boxes.half + slack)[:, None]).all(axis=2)
-    return np.where(floor[:, None], on_floor, inside & ~on_floor)
+    volume = boxes.half.prod(axis=1)
+    contained = inside & vessel[:, None] & (volume[None, :] < volume[:, None])
+    return np.where(floor[:, None], on_floor & ~contained.any(axis=0), contained | (inside & ~on_floor))

@@ -25,7 +25,7 @@ ABOVE_M = 0.05
 """Points for spawning are this far above their surface."""
 APART_M = 0.05
 """And at least this far apart"""
-ROOMS = ((0.06, 0.12), (0.04, 0.1), (0.02, 0.06), (0.0, 0.05))
+ROOMS = ((0.08, 0.12), (0.06, 0.12), (0.04, 0.1), (0.02, 0.06), (0.0, 0.05))
 """Half width and height of the room around a point for spawning: as much of it as the receptacle has anywhere."""
 GAP_M = 0.002
 """What is put somewhere at random hangs this far above its surface."""
@@ -35,6 +35,8 @@ OVERLAP_M = 0.001
 """Deepest overlap with anything that a place may have."""
 STRAIGHT = 0.94
 """Cosine of the angle to the vertical beyond which nothing about an object's pose is upright: it leans."""
+SLENDER = 5.0
+"""What is so many times as high as it is thin would not stand: it is laid down."""
 SETTLED_S = 2.0
 """How long things that are not stationary are watched coming to rest."""
 OUTSIDE = frozenset(
@@ -231,7 +233,7 @@ class _Search:
         if home.object_id not in self._levels:
             self._levels[home.object_id] = holding(self._world, home, self._subjects)
         surfaces = self._levels[home.object_id]
-        turns = [_upright(body.pose.rotation, body.box.rotation, quarter) for quarter in self._rng.permutation(4).tolist()]
+        turns = [_upright(body, quarter) for quarter in self._rng.permutation(4).tolist()]
         spots = []
         for level in surfaces:
             for turn in turns[:2]:
@@ -280,7 +282,15 @@ class _Search:
         self._model.forward()
 
 
-def _upright(rotation: np.ndarray, box: np.ndarray, quarter: int) -> np.ndarray:
-    """`rotation` (3, 3) after so many quarter turns about the vertical; that of a thing that leans is AI2-THOR's upright one."""
+def _upright(body: Body, quarter: int) -> np.ndarray:
+    """Rotation (3, 3) of a body that is put somewhere: as it is now, after so many quarter turns about the vertical.
+
+    What leans is put as AI2-THOR's assets stand, and what would not stand is laid on its broad side.
+    """
     turn = rotation_matrix(np.array([0.0, 90.0 * quarter, 0.0]))
-    return turn @ rotation if np.abs(box[1]).max() > STRAIGHT else turn
+    up, thin = int(np.abs(body.box.rotation[1]).argmax()), int(body.box.half.argmin())
+    if body.box.half[up] > SLENDER * body.box.half[thin]:
+        from_box = body.box.rotation.T @ body.pose.rotation
+        lying = np.roll(np.eye(3), 1 - thin, axis=0)
+        return turn @ lying @ from_box
+    return turn @ body.pose.rotation if np.abs(body.box.rotation[1, up]) > STRAIGHT else turn
