@@ -344,7 +344,7 @@ def glow(s: Style) -> Material:
 
 def glass(s: Style) -> Material:
     tone = linear(s.uniform("hue", 0.35, 0.6), s.uniform("saturation", 0.05, 0.2), s.uniform("lightness", 0.72, 0.86))
-    return Material(tone, gloss=s.uniform("gloss", 0.94, 0.98), clear=True)
+    return Material(tone, gloss=s.uniform("gloss", 0.97, 1.0), clear=True)
 
 
 def mirror(s: Style) -> Material:

@@ -11,6 +11,8 @@ from numba import njit
 
 MIRROR = 0.85
 """Gloss from which on a surface mirrors."""
+PANE_M = 0.02
+"""What is seen through glass begins this far behind its face."""
 LIFT_M = np.float32(0.004)
 """Rays from a surface start this far above it."""
 
@@ -89,10 +91,17 @@ def mirrors(prim, tri_material, glosses):
 
 
 @njit(cache=True, error_model="numpy")
-def mirrored(which, points, normals, rays, starts, ways):
-    """Rays (M, 3) that leave the points `which` (M,) as mirrors send them."""
+def mirrored(which, points, normals, rays, clear, starts, ways):
+    """Rays (M, 3) that leave the points `which` (M,) as mirrors send them, or straight on behind a pane where `clear` (M,)."""
     for j in range(len(which)):
         i = which[j]
+        if clear[j]:
+            dx, dy, dz = rays[i, 0], rays[i, 1], rays[i, 2]
+            through = np.float32(PANE_M) / np.sqrt(dx * dx + dy * dy + dz * dz)
+            for k in range(3):
+                starts[j, k] = points[i, k] + through * rays[i, k]
+                ways[j, k] = rays[i, k]
+            continue
         along = np.float32(2) * (rays[i, 0] * normals[i, 0] + rays[i, 1] * normals[i, 1] + rays[i, 2] * normals[i, 2])
         for k in range(3):
             starts[j, k] = points[i, k] + normals[i, k] * LIFT_M

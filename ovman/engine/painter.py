@@ -13,6 +13,8 @@ from ovman.engine.materials import Material
 from ovman.engine.rays import Caster
 from ovman.engine.scene_mesh import SceneMesh
 
+PANES = 2
+"""How many panes of glass one behind the other are seen through."""
 SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
 """Linear RGB where nothing is."""
 
@@ -27,6 +29,8 @@ class Looks:
     seeds: np.ndarray
     glosses: np.ndarray
     emissions: np.ndarray
+    clear: np.ndarray
+    """(M,) bool: seen through"""
 
     @staticmethod
     def of(materials: Iterable[Material]) -> Looks:
@@ -38,6 +42,7 @@ class Looks:
             np.array([m.seed & 0x7FFFFFFF for m in materials], dtype=np.int64),
             np.array([m.gloss for m in materials], dtype=np.float32),
             np.array([m.emission for m in materials], dtype=np.float32),
+            np.array([m.clear for m in materials], dtype=bool),
         )
 
 
@@ -149,8 +154,9 @@ class Painter:
         )  # fmt: skip
         return colour
 
-    def _light(self, hits: Hits, surface: Surface, rig: Rig, grid: np.ndarray, mirrors: bool = True) -> np.ndarray:
-        """Linear light (N, 3) float32 of image points. Mirrors show what they face, but not other mirrors in it."""
+    def _light(self, hits: Hits, surface: Surface, rig: Rig, grid: np.ndarray, panes: int = PANES) -> np.ndarray:
+        """Linear light (N, 3) float32 of image points. Mirrors show what they face, but not other mirrors in it; through glass
+        one sees what is behind it, also through the next `panes` - 1 panes."""
         view, looks, material = self._view, self._looks, self._mesh.material
         out = np.empty((len(hits.prim), 3), np.float32)
         shading.shade(
@@ -158,12 +164,13 @@ class Painter:
             grid, (view.width + 1) // 2, (view.height + 1) // 2, material, looks.glosses, looks.emissions,
             rig.lights, rig.ambient, np.float32(rig.exposure), SKY, out,
         )  # fmt: skip
-        if mirrors:
-            which = optics.mirrors(hits.prim, material, looks.glosses)
+        if panes:
+            which = optics.mirrors(hits.prim, material, looks.glosses if panes == PANES else looks.glosses * looks.clear)
             if len(which):
                 starts, ways = np.empty((len(which), 3), np.float32), np.empty((len(which), 3), np.float32)
                 gloss = looks.glosses[material[hits.prim[which]]]
-                optics.mirrored(which, surface.points, surface.normals, hits.rays, starts, ways)
+                clear = looks.clear[material[hits.prim[which]]]
+                optics.mirrored(which, surface.points, surface.normals, hits.rays, clear, starts, ways)
                 met = Hits(hits.columns[which], hits.rows[which], starts, ways, *self._caster.closest(starts, ways))
-                film.mirror(which, gloss, self._light(met, self.surface(met), rig, grid, mirrors=False), out)
+                film.mirror(which, gloss, self._light(met, self.surface(met), rig, grid, panes - 1), out)
         return out

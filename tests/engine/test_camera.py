@@ -377,7 +377,7 @@ def test_textures_are_colours_and_fade_with_distance(kind):
 
     near, far = painted(0.001), painted(1.0)
     assert np.isfinite(near).all() and near.min() >= 0 and near.max() <= 1.05
-    if textures.KINDS[kind] not in ("picture", "screen", "plain", "cardboard"):
+    if textures.KINDS[kind] not in ("picture", "screen", "plain", "cardboard", "outdoors", "text", "label"):
         assert far.std(axis=0).max() < 0.12
 
 
