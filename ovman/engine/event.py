@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ovman.engine import log
+
 if TYPE_CHECKING:
     from ovman.engine.engine import Engine
     from ovman.engine.metadata import SceneMetadata
@@ -26,7 +28,7 @@ class Outcome:
 
 def thrown(error: Exception) -> Outcome:
     """An action in which the engine itself failed, in the form in which Unity reports exceptions; the log has all of it."""
-    traceback.print_exception(error)
+    log.note("".join(traceback.format_exception(error)))
     where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
     return Outcome(success=False, message=f"{type(error).__name__}: {error}. trace: {where}")
 

@@ -1,0 +1,30 @@
+"""The engine's log: its standard error, which the client appends to a file that nobody shortens."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+
+ENTRY_BYTES = 8 << 10
+"""Longest entry; what is longer loses its middle."""
+LIMIT_BYTES = 256 << 10
+"""How much one process logs: an action that throws in every step of a training run must not fill the disk."""
+_ELLIPSIS = b"\n...\n"
+_left = LIMIT_BYTES
+
+
+def note(text: str) -> None:
+    """Logs `text`. Never raises: a log on a full disk, or one that was closed, is no reason to stop serving."""
+    global _left
+    if _left <= 0:
+        return
+    entry = (text.rstrip("\n") + "\n").encode("utf-8", "replace")
+    if len(entry) > ENTRY_BYTES:
+        half = (ENTRY_BYTES - len(_ELLIPSIS)) // 2
+        entry = entry[:half] + _ELLIPSIS + entry[-half:]
+    _left -= len(entry)
+    if _left <= 0:
+        entry += b"ovman-engine: the log of this process ends here, it is long enough\n"
+    with contextlib.suppress(OSError, ValueError, AttributeError):
+        os.write(sys.stderr.fileno(), entry)
