@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
 
 import numpy as np
@@ -49,6 +49,19 @@ def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
     return tuple(out)
 
 
+OVERLAP_M = 0.005
+"""What a waking body overlaps deeper than this is no contact."""
+LIFT_M = 0.05
+"""A waking body that has sunk up to this deep into what carries it is lifted out of it."""
+UPRIGHT = 0.7
+"""Least vertical component of the way out of an overlap with what carries a body."""
+STAYED_M, STAYED_RAD = 0.002, 0.01
+"""A body that has moved no farther than this since it woke has not moved."""
+
+Load = Callable[[str], Collection[str]]
+"""objectId of a body -> objectIds of what it carries."""
+
+
 class Dynamics:
     """The awake bodies of a world. Compiles nothing before something is asked of it."""
 
@@ -56,7 +69,9 @@ class Dynamics:
         self._setting, self._bodies, self._agent = setting, bodies, agent
         self.awake: set[str] = set()
         self._fresh: set[str] = set()
-        self._pardons: dict[str, set[str]] = {}
+        self._strangers: set[tuple[str, str]] = set()
+        self._woken: dict[str, tuple[Pose, Pose]] = {}
+        """Awake bodies: their poses when they woke, and when they had been lifted out of what they had sunk into."""
         self._model: Model | None = None
         self._embodiment = agent.embodiment
         self._written: dict[str, Pose] = {}
@@ -100,7 +115,8 @@ class Dynamics:
         for name in names:
             self.awake.add(name)
             self._fresh.add(name)
-            self._pardons.pop(name, None)
+            self._woken.setdefault(name, (self._bodies[name].pose, self._bodies[name].pose))
+            self._strangers = {pair for pair in self._strangers if name not in pair}
 
     def make_room(self) -> None:
         """Call when a body has come: what is awake does not touch what it overlaps now."""
@@ -110,42 +126,106 @@ class Dynamics:
         """Make a body fixed again."""
         self.awake.discard(name)
         self._fresh.discard(name)
-        self._pardons.pop(name, None)
+        self._woken.pop(name, None)
+        self._strangers = {pair for pair in self._strangers if not self.awake.isdisjoint(pair)}
         self._bodies[name].velocity = np.zeros(6)
 
     def probe(self, name: str, also: Collection[str] = ()) -> Model:
         """The scene as it is now with `name` (and what is awake, and `also`) free, to ask questions of."""
-        return self._current(frozenset({name, *also, *self.awake}))
+        free = frozenset({name, *also, *self.awake})
+        return self._synchronised(free, {pair for pair in self._strangers if name not in pair})
 
     def forget(self, name: str) -> None:
         """The probed scene has `name` elsewhere than its body is."""
         self._written.pop(name, None)
 
-    def advance(self, seconds: float, until_asleep: str | None = None) -> bool:
-        """Run for `seconds`, or until nothing (or the body `until_asleep`) is awake. Whether any body moved."""
-        if not self.awake:
-            self._owed_s = 0.0
-            return False
-        model = self._current(frozenset(self.awake))
-        self._owed_s += seconds
-        while self._owed_s > TICK_S - 1e-9:
-            self._owed_s -= TICK_S
-            model.tick()
-            if model.asleep or (until_asleep is not None and model.sleeps(until_asleep)):
-                self._owed_s = 0.0
-        for name in model.free:
-            body = self._bodies[name]
-            box, velocity = model.box(name, body.obj.box.half)
-            body.pose, body.velocity = body.pose_for(box), velocity
-            self._written[name] = body.pose
-        if model.asleep:
-            for name in list(self.awake):
-                self.still(name)
-        return True
+    def advance(self, seconds: float, load: Load, until_asleep: str | None = None) -> set[str]:
+        """Run for `seconds`, or until nothing (or the body `until_asleep`) is awake. objectIds of the bodies that may have moved.
 
-    def _current(self, free: frozenset[str]) -> Model:
+        A body that is struck wakes, and so does its load.
+        """
+        moved = set(self.awake)
+        self._owed_s = self._owed_s + seconds if self.awake else 0.0
+        while self.awake and self._owed_s > TICK_S - 1e-9:
+            model = self._current()
+            model.tick()
+            struck = model.struck([n for n, b in self._bodies.items() if n in self._pieces and self._can_wake(b)])
+            if struck:
+                model.undo()
+                self._read(model)
+                woken = struck.union(*(load(name) for name in sorted(struck))) - self.awake
+                self.wake(sorted(woken))
+                moved |= woken
+                continue
+            self._owed_s -= TICK_S
+            model.watch()
+            if any(model.sleeps(name) for name in model.free):
+                self._read(model)
+                for heap in model.heaps():
+                    if all(model.sleeps(name) for name in heap):
+                        for name in sorted(heap):
+                            self._fall_asleep(name)
+            if until_asleep is not None and until_asleep not in self.awake:
+                self._owed_s = 0.0
+        if self.awake:
+            self._read(self._current())
+        else:
+            self._owed_s = 0.0
+        return moved
+
+    def _can_wake(self, body: Body) -> bool:
+        return body.dynamic and body.present and not body.kinematic and body.object_id not in self.awake
+
+    def _fall_asleep(self, name: str) -> None:
+        """Fixed where it is, or where it was if it has but settled into the same place."""
+        body = self._bodies[name]
+        before, lifted = self._woken[name]
+        turned = np.trace(lifted.rotation.T @ body.pose.rotation)
+        if np.linalg.norm(body.pose.position - lifted.position) < STAYED_M and turned > 1 + 2 * np.cos(STAYED_RAD):
+            body.pose = before
+        self.still(name)
+
+    def _read(self, model: Model) -> None:
+        """Bodies are where the compiled scene has them."""
+        for name in model.free:
+            if name in self.awake:
+                body = self._bodies[name]
+                box, body.velocity = model.box(name, body.obj.box.half)
+                body.pose = self._written[name] = body.pose_for(box)
+
+    def _current(self) -> Model:
+        """The compiled scene with what is awake free, what has just woken lifted, and strangers known."""
+        model = self._synchronised(frozenset(self.awake), self._strangers)
+        if not self._fresh:
+            return model
+        for name in sorted(self._fresh):
+            self._lift(model, name)
+        for name in sorted(self._fresh):
+            model.rouse(name)
+            for overlap in model.overlaps(name):
+                if overlap.depth > OVERLAP_M and overlap.other != "Floor":
+                    self._strangers.add(tuple(sorted((name, overlap.other))))
+        self._fresh.clear()
+        return self._synchronised(frozenset(self.awake), self._strangers)
+
+    def _lift(self, model: Model, name: str) -> None:
+        """Out of what it has sunk into: pushed out by force, it would jump."""
+        carries = [o for o in model.overlaps(name) if o.up > UPRIGHT and o.depth > OVERLAP_M and o.other not in self.awake]
+        height = max((o.depth for o in carries if o.depth < LIFT_M or o.other == "Floor"), default=0.0)
+        if height == 0.0:
+            return
+        body = self._bodies[name]
+        lifted = Pose(body.pose.position + [0.0, height, 0.0], body.pose.rotation)
+        self._woken[name] = (self._woken[name][0], lifted)
+        body.pose = self._written[name] = lifted
+        model.set_box(name, body.box, body.velocity)
+        model.forward()
+
+    def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
+        """The compiled scene as the bodies are now."""
         embodiment = self._agent.embodiment
-        if self._model is None or set(self._model.free) != free or self._embodiment != embodiment:
+        known = self._model is not None and self._embodiment == embodiment
+        if not known or set(self._model.free) != free or self._model.strangers != frozenset(strangers):
             solids = [
                 Solid(name, pieces, self._bodies[name].obj.mass, self._bodies[name].dynamic)
                 for name, pieces in self._pieces.items()
@@ -153,9 +233,8 @@ class Dynamics:
             boxes = {name: self._bodies[name].box for name in self._pieces}
             walls = {w.name: w.box for w in self._setting.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
-            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, capsule)
-            self._embodiment = embodiment
-            self._written = {}
+            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, capsule, strangers)
+            self._written, self._embodiment = {}, embodiment
         model = self._model
         for name in self._pieces:
             body = self._bodies[name]
@@ -164,13 +243,5 @@ class Dynamics:
                 model.set_box(name, body.box, body.velocity)
                 self._written[name] = body.pose
         model.set_agent(self._agent.position + [0.0, embodiment.centre_m, 0.0])
-        model.pardon({})
         model.forward()
-        for name in sorted(self._fresh & free):
-            self._pardons[name] = model.overlapped(name)
-            model.rouse(name)
-            self._fresh.discard(name)
-        if self._pardons:
-            model.pardon(self._pardons)
-            model.forward()
         return model

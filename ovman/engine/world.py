@@ -90,7 +90,7 @@ class World:
         A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the
         agent would collide with there.
         """
-        obstacles, names = self._obstacles()
+        obstacles, names = self.obstacles()
         if ignore:
             kept = np.array([i for i, name in enumerate(names) if name not in ignore], dtype=int)
             obstacles, names = obstacles.take(kept), [names[i] for i in kept]
@@ -102,11 +102,12 @@ class World:
         x_0, z_0, x_1, z_1 = self.room.rectangle
         here = self.agent.position[[0, 2]]
         axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])
-        found = reachable(self._obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m, axes)
+        found = reachable(self.obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m, axes)
         y = float(self.agent.position[1])
         return [(x, y, z) for x, z in found.tolist()]
 
-    def _obstacles(self) -> tuple[Obstacles, list[str]]:
+    def obstacles(self) -> tuple[Obstacles, list[str]]:
+        """What may stand in the agent's way, and the names of that: walls, then bodies."""
         foot, agent = self.agent.foot, self.agent.embodiment
         if self._obstacles_of is None or self._obstacles_of[:3] != (self.version, foot, agent):
             bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
@@ -225,8 +226,11 @@ class World:
             self._dynamics.bodies_changed()
 
     def rearrange(self, poses: Mapping[str, Pose], stationary: bool) -> None:
-        """Put bodies at `poses`, by objectId, all at once and unchecked. What they carried and is not among them falls."""
+        """Put bodies at `poses`, by objectId, all at once and unchecked. What they alone carried and is not among them falls."""
         loads = {name for object_id in poses for name in self._load(self.bodies[object_id])} - poses.keys()
+        standing = [b for b in self.bodies.values() if b.present and b.object_id not in loads and b.object_id not in poses]
+        carried = [self.bodies[name] for name in sorted(loads)]
+        loads = loads.difference(*(resting(self._dynamics.surfaces(b), carried, self.plan.floor_y) for b in standing))
         for object_id, pose in poses.items():
             body = self.bodies[object_id]
             self._move(body, pose)
@@ -351,10 +355,10 @@ class World:
             del self.bodies[name]
 
     def _advance(self, seconds: float, until_asleep: str | None = None) -> None:
-        moving = sorted(self._dynamics.awake)
-        if self._dynamics.advance(seconds, until_asleep):
-            for name in moving:
-                self._move(self.bodies[name], self.bodies[name].pose)
+        moved = self._dynamics.advance(seconds, lambda name: self._load(self.bodies[name]), until_asleep)
+        for name in sorted(moved):
+            self._move(self.bodies[name], self.bodies[name].pose)
+        if moved:
             self.version += 1
 
     def _rename(self, bodies: Sequence[Body]) -> None:

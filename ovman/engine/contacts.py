@@ -1,0 +1,72 @@
+"""What touches what in MuJoCo's compiled scene: overlaps of a body, and blows that one body deals another."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+SIDEWAYS_M_S, UPWARD_M_S, DOWNWARD_M_S = 0.05, 0.05, 0.5
+"""A body that a blow would set moving faster than this wakes. What presses it down, its support presses back."""
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """`other` reaches `depth` metres into a body, which leaves it soonest in a direction whose vertical component is `up`."""
+
+    other: str
+    depth: float
+    up: float
+
+
+def overlaps(model: mujoco.MjModel, data: mujoco.MjData, names: list[str], body: int) -> list[Overlap]:
+    """Overlaps of the body number `body`, one a body, deepest first. `names` are those of MuJoCo's bodies by number."""
+    deepest: dict[str, Overlap] = {}
+    for contact, other, out in _of(model, data, body):
+        found = Overlap(names[other], -float(contact.dist), float(out[2]))
+        if found.other not in deepest or found.depth > deepest[found.other].depth:
+            deepest[found.other] = found
+    return sorted(deepest.values(), key=lambda o: (-o.depth, o.other))
+
+
+def struck(
+    model: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray, qvel: np.ndarray, body: int, light: Collection[int]
+) -> set[int]:
+    """Numbers of those of the fixed bodies `light` that the free body `body` deals a blow that would move them.
+
+    `qpos`, `qvel` are the state before the contacts: a body that has struck something fixed has lost its speed. The blow is
+    taken to be inelastic, along the contact's normal.
+    """
+    joint = model.body_jntadr[body]
+    q, v = model.jnt_qposadr[joint], model.jnt_dofadr[joint]
+    frame = np.empty(9)
+    mujoco.mju_quat2Mat(frame, qpos[q + 3 : q + 7])
+    spin = frame.reshape(3, 3) @ qvel[v + 3 : v + 6]
+    found = set()
+    for contact, other, out in _of(model, data, body):
+        if other not in light:
+            continue
+        velocity = qvel[v : v + 3] + np.cross(spin, contact.pos - qpos[q : q + 3])
+        share = model.body_mass[body] / (model.body_mass[body] + model.body_mass[other])
+        given = -out * max(0.0, -float(velocity @ out)) * share
+        if np.hypot(given[0], given[1]) > SIDEWAYS_M_S or given[2] > UPWARD_M_S or given[2] < -DOWNWARD_M_S:
+            found.add(other)
+    return found
+
+
+def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> set[tuple[int, int]]:
+    """Numbers of the bodies that touch, pairwise, the smaller first."""
+    return {tuple(sorted(model.geom_bodyid[data.contact[k].geom].tolist())) for k in range(data.ncon)}
+
+
+def _of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Iterator[tuple]:
+    """(contact, number of the other body, unit normal out of the other body) of a body's contacts; MuJoCo's frame."""
+    for k in range(data.ncon):
+        contact = data.contact[k]
+        first, second = model.geom_bodyid[contact.geom]
+        if second == body:
+            yield contact, int(first), contact.frame[:3]
+        elif first == body:
+            yield contact, int(second), -contact.frame[:3]
