@@ -1,6 +1,9 @@
-"""What the engine costs a client: start, reset, steps with and without image, memory. `python bench/engine.py`.
+"""What the engine costs a client: start, reset, steps with and without image, memory, two engines at once.
 
-Times are wall clock on this machine, minimum and median; ratios compare figures of this one run.
+    python bench/engine.py
+
+Times are wall clock on this machine, least and median; ratios compare figures of this one run. The last table holds the figures
+against their bars.
 """
 
 from __future__ import annotations
@@ -12,15 +15,23 @@ import struct
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+from measure.bars import Bar, show
+from measure.clock import processor
+
 from ovman.engine import executable
 
-SCENE, OTHERS = "FloorPlan201", ("FloorPlan1", "FloorPlan330", "FloorPlan423")
+SCENE, OTHERS = "FloorPlan201", ("FloorPlan1", "FloorPlan330", "FloorPlan423", "FloorPlan7", "FloorPlan212", "FloorPlan305")
 SETTINGS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
+BARS = {"start": 1500.0, "step": 3.0, "reset": 150.0, "memory": 200.0, "pair": 1.8}
+"""Milliseconds, megabytes, and how many times the frames of one engine two of them draw."""
+PAIR_FRAMES = 60
 
 
 def timed(function: Callable[[], Any], times: int) -> list[float]:
@@ -58,53 +69,100 @@ def resident_mb(pid: int, name: str = "VmRSS") -> float:
     return int(line.split()[1]) / 1024
 
 
-def main() -> None:
-    os.environ.setdefault("DISPLAY", ":0")
-    os.environ.pop("CUDA_VISIBLE_DEVICES", None)
+@contextmanager
+def client(**options: Any) -> Iterator[Any]:
+    """The real ai2thor Controller on the scene, with an engine behind it."""
     from ai2thor.controller import Controller
 
-    print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
-    print(f"{'milliseconds':<58}{'min':>10}{'median':>10}")
-    row("start of the process to its first event", [first_event_ms() for _ in range(5)])
-
-    blind = []
-    for _ in range(3):
-        start = time.perf_counter()
-        controller = Controller(local_executable_path=executable(), scene=SCENE, renderImage=False, **SETTINGS)
-        blind.append((time.perf_counter() - start) * 1e3)
-        without_image = resident_mb(controller.unity_pid)
+    controller = Controller(local_executable_path=executable(), scene=SCENE, **SETTINGS, **options)
+    try:
+        yield controller
+    finally:
         controller.stop()
-    row(f"Controller(...) on {SCENE} without images", blind)
-    controller = Controller(local_executable_path=executable(), scene=SCENE, renderImage=False, **SETTINGS)
-    row("  and the first image", timed(lambda: controller.step("RotateRight"), 1))
 
-    def step(action: str, image: bool = False, **arguments: Any) -> Callable[[], Any]:
-        return lambda: controller.step(action=action, renderImage=image, **arguments)
 
-    turning = timed(step("RotateRight"), 200)
+def step(controller: Any, action: str, image: bool = False, **arguments: Any) -> Callable[[], Any]:
+    return lambda: controller.step(action=action, renderImage=image, **arguments)
+
+
+def steps(controller: Any) -> Bar:
+    """Steps without images."""
+    turning = timed(step(controller, "RotateRight"), 200)
     row("step without image (RotateRight)", turning)
-    row("step in which nothing changes (Pass)", timed(step("Pass"), 200), "a patch of the event before")
-    row("GetReachablePositions", timed(step("GetReachablePositions"), 50))
+    walking = [t for way in ("MoveAhead", "MoveBack") * 20 for t in timed(step(controller, way), 1)]
+    row("step without image (MoveAhead, MoveBack)", walking)
+    row("step in which nothing changes (Pass)", timed(step(controller, "Pass"), 200), "a patch of the event before")
+    row("GetReachablePositions", timed(step(controller, "GetReachablePositions"), 20))
     chair = next(o for o in controller.last_event.metadata["objects"] if o["objectType"] == "Chair")
     forced = {"objectId": chair["objectId"], "forceAction": True, "forceKinematic": True, "rotation": chair["rotation"]}
     places = iter([{**chair["position"], "y": 1.0 + 0.001 * i} for i in range(200)])
-    row("TeleportObject of a mover", timed(lambda: step("TeleportObject", position=next(places), **forced)(), 100))
-    controller.reset(SCENE)
+    row("TeleportObject of a mover", timed(lambda: step(controller, "TeleportObject", position=next(places), **forced)(), 60))
+    return Bar("a step without image", min(turning), BARS["step"], "ms")
 
-    controller.step("Pass")
-    frames = timed(step("RotateRight", image=True), 48)
-    row("step with 300x300 RGB, depth, ids", frames, f"{min(frames) / min(turning):.1f} x a step without image")
-    first = {scene: timed(lambda scene=scene: controller.reset(scene, renderImage=True), 1)[0] for scene in OTHERS}
-    row("reset to a scene, its first image included", list(first.values()))
-    again = [timed(lambda scene=scene: controller.reset(scene, renderImage=True), 1)[0] for scene in OTHERS * 3]
+
+def resets(controller: Any) -> Bar:
+    """Resets with the first image of the scene."""
+    new = {scene: timed(lambda scene=scene: controller.reset(scene, renderImage=True), 1)[0] for scene in OTHERS}
+    each = ", ".join(f"{scene.removeprefix('FloorPlan')} {ms:.0f}" for scene, ms in new.items())
+    row("reset to a scene, its first image included", list(new.values()), each)
+    again = [timed(lambda scene=scene: controller.reset(scene, renderImage=True), 1)[0] for scene in OTHERS[-2:] * 4]
     row("reset to one of the last scenes, image included", again)
-    with_images, peak = resident_mb(controller.unity_pid), resident_mb(controller.unity_pid, "VmHWM")
-    controller.stop()
+    return Bar("reset to another scene, image included (median)", median(new.values()), BARS["reset"], "ms")
 
+
+def pair() -> Bar:
+    """Frames that two engines draw at once on two cores, over those of one in the same time."""
+
+    def drawn_in(controllers: list[Any]) -> float:
+        def turn(controller: Any) -> None:
+            for _ in range(PAIR_FRAMES):
+                controller.step("RotateRight")
+
+        # each client decodes in a process of its own in practice; here both are this one, in threads
+        with ThreadPoolExecutor(len(controllers)) as pool:
+            start = time.perf_counter()
+            list(pool.map(turn, controllers))
+            return time.perf_counter() - start
+
+    name = "frames of two engines on two cores, x those of one"
+    if len(os.sched_getaffinity(0)) < 2:
+        return Bar(name, None, BARS["pair"], "x", at_least=True)
+    with ExitStack() as stack:
+        controllers = [stack.enter_context(client()) for _ in range(2)]
+        ratio = max(2 * drawn_in(controllers[:1]) / drawn_in(controllers) for _ in range(4))
+    return Bar(name, ratio, BARS["pair"], "x", at_least=True)
+
+
+def main() -> None:
+    os.environ.setdefault("DISPLAY", ":0")
+    os.environ.pop("CUDA_VISIBLE_DEVICES", None)
+
+    print(f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    print(f"{'milliseconds':<58}{'least':>10}{'median':>10}")
+    starts = [first_event_ms() for _ in range(5)]
+    row("start of the process to its first event", starts)
+    with client(renderImage=False) as controller:
+        without_image = resident_mb(controller.unity_pid)
+        row("  and the first image", timed(lambda: controller.step("RotateRight"), 1))
+        one_scene = resident_mb(controller.unity_pid)
+        slow = steps(controller)
+    with client() as controller:
+        controller.step("Pass")
+        frames = timed(step(controller, "RotateRight", image=True), 48)
+        row("step with 300x300 RGB, depth, ids", frames)
+        reset = resets(controller)
+        with_images, peak = resident_mb(controller.unity_pid), resident_mb(controller.unity_pid, "VmHWM")
     wire = alone()
     row("the same frame inside the process", wire, f"wire and client take {1 - min(wire) / min(frames):.0%} of the step")
-    note = f"without images, with images of {len(OTHERS) + 1} scenes (peak {peak:.0f})"
-    print(f"\n{'resident MB':<58}{without_image:10.0f}{with_images:10.0f}  {note}")
+    print(f"\n{'resident MB':<34}without images {without_image:.0f}; with images of one scene {one_scene:.0f}, of", end=" ")
+    print(f"{len(OTHERS) + 1} scenes {with_images:.0f} (peak {peak:.0f})")
+    show([
+        Bar("start of the process to its first event", min(starts), BARS["start"], "ms"),
+        slow,
+        reset,
+        Bar("resident, images of one scene", one_scene, BARS["memory"], "MB"),
+        pair(),
+    ])  # fmt: skip
 
 
 def alone() -> list[float]:
