@@ -5,11 +5,18 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import threading
+import time
 from collections.abc import Sequence
 
+from ovman.engine import log
+from ovman.engine.resolution import objection
 from ovman.engine.wire import ClientGone, Wire
 
 SERVER_PIPE, CLIENT_PIPE = "AI2THOR_FIFO_SERVER_PIPE_PATH", "AI2THOR_FIFO_CLIENT_PIPE_PATH"
+DEFAULT_SIZE = 300, 300
+WATCH_S = 0.5
+"""How often the engine looks whether the process that started it still lives."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -28,11 +35,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ.setdefault(variable, "1")  # small matrices: threads only wait for each other
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the client in the same terminal; the engine ends when its pipe does
+    parent = os.getppid()
     try:
         wire = Wire(os.environ[SERVER_PIPE], os.environ[CLIENT_PIPE])
-        _serve(wire, _pixels(options, "-screen-width"), _pixels(options, "-screen-height"))
+        _end_with(parent)
+        _serve(wire, *_size(options))
     except ClientGone as reason:
-        print(f"ovman-engine: {reason}", flush=True)
+        log.note(f"ovman-engine: {reason}")
     return 0
 
 
@@ -46,13 +55,30 @@ def _serve(wire: Wire, width: int, height: int) -> None:
         wire.send(engine.answer(wire.receive()))
 
 
-def _pixels(options: Sequence[str], name: str, default: int = 300) -> int:
-    """Value of an option; the default where it is absent (headless) or no size."""
+def _size(options: Sequence[str]) -> tuple[int, int]:
+    """Width and height that the options ask for. The default where there are none (headless), or none that pictures can have: the
+    client then asks for its size by an action, which can be refused with a reason."""
+    width, height = (_pixels(options, name) for name in ("-screen-width", "-screen-height"))
+    return DEFAULT_SIZE if objection(width, height) else (width, height)
+
+
+def _pixels(options: Sequence[str], name: str) -> int:
     try:
-        value = int(options[options.index(name) + 1])
+        return int(options[options.index(name) + 1])
     except (ValueError, IndexError):
-        return default
-    return value if value > 0 else default
+        return 0
+
+
+def _end_with(parent: int) -> None:
+    """Ends this process soon after the process `parent` has, whatever it is doing then: drawing, or writing to a pipe that a fork of
+    the client holds open. Not by the kernel's signal, which follows the thread that started the engine and not its process."""
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(WATCH_S)
+        os._exit(0)
+
+    threading.Thread(target=watch, name="end-with-client", daemon=True).start()
 
 
 if __name__ == "__main__":

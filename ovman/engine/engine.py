@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ovman.engine.map_view import MapView
     from ovman.engine.metadata import SceneMetadata
     from ovman.engine.third_party import ThirdPartyCamera
+    from ovman.engine.visibility import Sight
     from ovman.engine.world import World
 
 ACTION_S = 0.1
@@ -79,6 +80,12 @@ class Engine:
 
             raise Refused(f"No scene is loaded: {self._absence}")
         return self._world
+
+    @property
+    def sight(self) -> Sight:
+        """The agent's sight of the world as it is now. Refused while no scene is loaded."""
+        _ = self.world
+        return self._metadata.sight
 
     @property
     def agent_mode(self) -> str:
@@ -160,11 +167,13 @@ class Engine:
             outcome = self._perform(request)
         except Exception as error:  # a package that an action needs is not installed, or physics gave up
             outcome = thrown(error)
-        try:
-            return self._message(request, outcome, self._wanted(request))
-        except Exception as error:
-            self._last_state = None
-            return self._message(request, thrown(error), Images())
+        for images in (self._wanted(request), Images()):
+            try:
+                return self._message(request, outcome, images)
+            except Exception as error:
+                self._last_state = None
+                outcome = thrown(error)
+        return [(Field.METADATA, msgpack.packb(event.message(event.agent(self, {}, outcome, None, None), self._sequence)))]
 
     def _perform(self, request: Mapping[str, Any]) -> Outcome:
         from ovman.engine import dispatch

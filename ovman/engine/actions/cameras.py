@@ -12,6 +12,7 @@ from ovman.engine.actions.registry import Thrown, action, out_of_range
 from ovman.engine.actions.values import PartialVector3, Vector3
 from ovman.engine.engine import Engine
 from ovman.engine.map_view import MapView
+from ovman.engine.resolution import objection
 from ovman.engine.third_party import ThirdPartyCamera, normal_angles
 from ovman.engine.world import Refused
 
@@ -61,6 +62,8 @@ def add_third_party_camera(
 ) -> None:
     if len(engine.cameras) >= MOST:
         raise Refused(f"This engine has at most {MOST} third-party cameras.")
+    if problem := objection(engine.width, engine.height, 2 + len(engine.cameras)):
+        raise Refused(problem)
     settings = engine.settings
     blank = ThirdPartyCamera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), fieldOfView, settings.near_m, settings.far_m)
     camera = _changed(

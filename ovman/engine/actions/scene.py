@@ -8,14 +8,13 @@ from ovman.engine import floorplan
 from ovman.engine.actions.registry import action
 from ovman.engine.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman.engine.engine import SCENE_SUFFIX, Engine
+from ovman.engine.resolution import objection
 from ovman.engine.settings import Settings
 from ovman.engine.world import Refused
 
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_PX = 8192
-"""Longest side of a picture that a client may ask for."""
 LARGEST_GRID_M = 5.0
 NEAR_CORNER = 1e-3
 """Part of the grid's spacing within which an agent is on the grid: single precision, which recorded starts have gone through."""
@@ -150,8 +149,8 @@ def _on_grid(engine: Engine) -> np.ndarray:
 
 @action("ChangeResolution")
 def change_resolution(engine: Engine, x: int, y: int) -> None:
-    if not (0 < x <= LARGEST_PX and 0 < y <= LARGEST_PX):
-        raise Refused(f"Screen resolution must be within 1x1 and {LARGEST_PX}x{LARGEST_PX}, not {x}x{y}.")
+    if problem := objection(x, y, 1 + len(engine.cameras)):
+        raise Refused(problem)
     engine.width, engine.height = x, y
 
 
