@@ -70,8 +70,8 @@ def _pixels(options: Sequence[str], name: str) -> int:
 
 
 def _end_with(parent: int) -> None:
-    """Ends this process soon after the process `parent` has, whatever it is doing then: drawing, or writing to a pipe that a fork of
-    the client holds open. Not by the kernel's signal, which follows the thread that started the engine and not its process."""
+    """Ends this process soon after the process `parent` has, whatever it is doing then: drawing, or writing to a pipe that a fork
+    of the client holds open. Not by the kernel's signal, which follows the thread that started the engine, not its process."""
 
     def watch() -> None:
         while os.getppid() == parent:
