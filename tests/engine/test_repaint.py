@@ -1,0 +1,139 @@
+"""Materials, colours and lights drawn anew: what changes, what must not, and how it is undone. Contract, section 4."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+VARIATIONS = {"RandomizeMaterials": "ResetMaterials", "RandomizeColors": "ResetColors", "RandomizeLighting": "ResetLighting"}
+
+
+def view(controller, action="Pass", **arguments):
+    event = controller.step(action=action, **arguments)
+    assert event.metadata["lastActionSuccess"], event.metadata["errorMessage"]
+    return event
+
+
+def refused(event, start):
+    assert not event.metadata["lastActionSuccess"]
+    assert event.metadata["errorMessage"].startswith(start), event.metadata["errorMessage"]
+    return True
+
+
+@pytest.mark.parametrize("change", VARIATIONS)
+def test_look_changes_and_nothing_else(controller, change):
+    before = view(controller)
+    after = view(controller, change)
+    assert (np.abs(after.frame.astype(int) - before.frame).max(axis=2) > 8).mean() > 0.3
+    assert (after.depth_frame == before.depth_frame).all()
+    assert (after.instance_segmentation_frame == before.instance_segmentation_frame).all()
+    assert after.metadata["objects"] == before.metadata["objects"]
+    assert (view(controller, VARIATIONS[change]).frame == before.frame).all()
+
+
+@pytest.mark.parametrize("change", VARIATIONS)
+def test_reset_undoes(controller, change):
+    before = view(controller).frame
+    view(controller, change)
+    controller.reset("FloorPlan201")
+    assert (view(controller).frame == before).all()
+
+
+def test_draws_follow_the_seed(controller):
+    def drawn(seed):
+        view(controller, "SetRandomSeed", seed=seed)
+        return [view(controller, "RandomizeMaterials").frame.copy() for _ in range(2)]
+
+    first, again, other = drawn(3), drawn(3), drawn(4)
+    assert (np.array(first) == np.array(again)).all()
+    assert (first[0] != first[1]).any() and (first[0] != other[0]).any()
+
+
+def test_changes_add_up_and_are_undone_one_by_one(controller):
+    plain = view(controller).frame
+    painted = view(controller, "RandomizeMaterials").frame
+    view(controller, "RandomizeColors")
+    view(controller, "RandomizeLighting")
+    assert (view(controller, "ResetLighting").frame != painted).any()
+    assert (view(controller, "ResetColors").frame == painted).all()
+    assert (view(controller, "ResetMaterials").frame == plain).all()
+
+
+def test_what_moves_keeps_its_new_finish(controller):
+    view(controller, "RandomizeMaterials")
+    here = view(controller)
+    thing = next(o for o in here.metadata["objects"] if o["pickupable"] and o["objectId"] in here.instance_masks)
+    away = {**thing["position"], "y": thing["position"]["y"] + 0.5}
+    view(controller, "TeleportObject", objectId=thing["objectId"], position=away, forceAction=True, forceKinematic=True)
+    view(
+        controller,
+        "TeleportObject",
+        objectId=thing["objectId"],
+        position=thing["position"],
+        forceAction=True,
+        forceKinematic=True,
+    )
+    assert (view(controller).frame == here.frame).all()
+
+
+@pytest.mark.parametrize(("scene", "own"), [("FloorPlan2", "train"), ("FloorPlan324", "val"), ("FloorPlan428", "test")])
+def test_materials_of_the_scenes_split(engine, scene, own):
+    world = engine(scene)
+    done = world.do("RandomizeMaterials")
+    assert done["lastActionSuccess"]
+    value = done["actionReturn"]
+    used = {name: value[f"use{name.capitalize()}Materials"] for name in ("train", "val", "test", "external")}
+    assert used == {"train": own == "train", "val": own == "val", "test": own == "test", "external": own == "train"}
+    assert sorted(value["chosenRoomTypes"]) == ["bathroom", "bedroom", "kitchen", "livingroom", "robothor"]
+    assert value["totalMaterialsConsidered"] > 0
+    more = world.do("RandomizeMaterials", useTrainMaterials=True, useExternalMaterials=True)["actionReturn"]
+    assert more["totalMaterialsConsidered"] >= value["totalMaterialsConsidered"]
+    refusal = world.do("RandomizeMaterials", **{f"use{own.capitalize()}Materials": False})
+    assert not refusal["lastActionSuccess"]
+    assert refusal["errorMessage"].startswith("ArgumentException: Inside of RandomizeMaterials, cannot set use")
+
+
+def test_room_types(engine):
+    world = engine("FloorPlan302")
+    assert world.do("RandomizeMaterials", inRoomTypes=["Bedroom", "KITCHEN"])["actionReturn"]["chosenRoomTypes"] == [
+        "bedroom",
+        "kitchen",
+    ]
+    for given, start in (
+        (["Kitchen"], 'ArgumentException: inRoomTypes must include "bedroom" inside of a bedroom scene: FloorPlan302_physics.'),
+        (["Attic"], "ArgumentException: inRoomTypes contains unknown room type: Attic."),
+        ([], "ArgumentException: inRoomTypes must have a non-zero length!"),
+    ):
+        answer = world.do("RandomizeMaterials", inRoomTypes=given)
+        assert not answer["lastActionSuccess"] and answer["errorMessage"].startswith(start)
+
+
+def test_lighting_within_its_ranges(controller):
+    """Brighter and darker than the scene is, and of no other hue if there is no saturation to have one."""
+    plain = view(controller).frame.mean()
+    assert view(controller, "RandomizeLighting", brightness=[1.6, 1.8], randomizeColor=False).frame.mean() > plain
+    assert view(controller, "RandomizeLighting", brightness=[0.3, 0.2], synchronized=True, saturation=[0, 0]).frame.mean() < plain
+    view(controller, "RandomizeLighting", brightness=[1, 1], synchronized=True, hue=[0.3, 0.35], saturation=[1, 1])
+    red, green, blue = view(controller).frame.reshape(-1, 3).mean(axis=0)
+    assert green > red and green > blue
+
+
+def test_same_light_is_the_scenes_own(controller):
+    plain = view(controller).frame
+    assert (view(controller, "RandomizeLighting", brightness=[1, 1], randomizeColor=False).frame == plain).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "start"),
+    [
+        ({"randomizeColor": False, "hue": [0, 1]}, "ArgumentException: Cannot pass in randomizeColor=False while also"),
+        ({"randomizeColor": False, "saturation": [0, 1]}, "ArgumentException: Cannot pass in randomizeColor=False while also"),
+        ({"brightness": [-0.1, 1]}, "ArgumentOutOfRangeException: "),
+        ({"hue": [0, 1.1]}, "ArgumentOutOfRangeException: "),
+        ({"saturation": [-1, 1]}, "ArgumentOutOfRangeException: "),
+        ({"brightness": [1, 2, 3]}, "ArgumentException: Ranges for hue, saturation, and brightness must each have 2 values."),
+    ],
+)
+def test_ranges_that_are_none(engine, arguments, start):
+    answer = engine().do("RandomizeLighting", **arguments)
+    assert not answer["lastActionSuccess"] and answer["errorMessage"].startswith(start), answer["errorMessage"]
