@@ -53,6 +53,8 @@ SEATS = frozenset(["ArmChair", "Bed", "Chair", "DogBed", "Sofa"])
 """Types of which the largest face holds things: backs and arms do not."""
 TIERED = frozenset(["CoffeeTable", "Floor", "Shelf", "ShelvingUnit", "SideTable", "TVStand"])
 """Types with several faces that hold things; of all others it is the highest."""
+HUTCHED = frozenset(["Desk"])
+"""Types that may have shelves over their tops: what is in their upper half holds things."""
 LEAST_M = (0.02, 0.05)
 """Half width of, and height above, what a face must have room for to count at all."""
 
@@ -151,6 +153,8 @@ def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Le
     found = tuple(level for level, size in zip(found, sizes, strict=True) if size)
     if not found or kind in TIERED or kind in VESSELS:
         return found
+    if kind in HUTCHED:
+        return tuple(level for level in found if level.height > receptacle.box.centre[1])
     return (found[int(np.argmax([size for size in sizes if size]))],) if kind in SEATS else found[:1]
 
 
