@@ -181,7 +181,7 @@ painted = either(white_paint, white_paint, white_paint, grey_paint, grey_paint, 
 furniture = either(wood, wood, wood, wood, wood, white_paint, white_paint, grey_paint, paint)
 cabinetry = either(wood, wood, wood, white_paint, white_paint, white_paint, grey_paint, paint)
 
-steel = of(*ALLOYS, texture="metal_brushed", scale=(0.1, 0.1), gloss=(0.45, 0.75), slack=0.05)
+steel = of(*ALLOYS, texture="metal_brushed", scale=(0.1, 0.1), gloss=(0.3, 0.5), slack=0.05)
 gilt = of(*GILTS, texture="metal_brushed", scale=(0.1, 0.1), gloss=(0.45, 0.75), slack=0.05)
 black_metal = of((0.6, 0.03, 0.11), (0.07, 0.15, 0.14), gloss=(0.2, 0.45), slack=0.03)
 metal = either(steel, steel, steel, gilt, black_metal)
@@ -361,5 +361,7 @@ def floor(s: Style) -> Material:
         return toned(
             s, ((0.1, 0.16, 0.66), (0.6, 0.04, 0.55), (0.09, 0.16, 0.48), (0.58, 0.14, 0.45)), "fabric", (0.03, 0.03), (0.0, 0.0)
         )
-    tones = ((0.1, 0.14, 0.74), (0.6, 0.04, 0.66), (0.6, 0.05, 0.46), (0.07, 0.26, 0.52), (0.09, 0.1, 0.82), (0.5, 0.08, 0.6))
+    tones: tuple[Tone, ...] = ((0.1, 0.14, 0.74), (0.6, 0.04, 0.66), (0.6, 0.05, 0.46), (0.09, 0.1, 0.82), (0.5, 0.08, 0.6))
+    if kind == "tiles":
+        tones += ((0.05, 0.32, 0.48), (0.6, 0.06, 0.28), (0.08, 0.24, 0.6))
     return toned(s, tones, kind, (0.25, 0.5), (0.2, 0.42))

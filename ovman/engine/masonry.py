@@ -242,8 +242,9 @@ def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
     main = draw(Style(f"{style.key}|{what}"))
     if what in ("wall", "accent"):
         plain = ("plain",) * (2 if kind in TILED else 7)
-        texture = style.choice(f"{what} texture", (*plain, "tiles", "tiles") if kind in TILED else (*plain, "stripes", "weave"))
-        main = replace(main, texture=texture, scale_m=style.uniform(f"{what} scale", 0.1, 0.24))
+        texture = style.choice(f"{what} texture", (*plain, "tiles", "tiles") if kind in TILED else (*plain, "speckle", "speckle"))
+        scale = (0.1, 0.24) if texture == "tiles" else (0.012, 0.03)
+        main = replace(main, texture=texture, scale_m=style.uniform(f"{what} scale", *scale))
     main = replace(main, seed=style.integer(f"{what} seed") % 2**31)
     second = replace(main, colour=main.colour * 0.9)
     trim = finishes.either(*(finishes.white_paint,) * 4, finishes.wood)(Style(f"{style.key}|trim"))

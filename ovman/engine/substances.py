@@ -178,16 +178,14 @@ SUBSTANCES: Mapping[str, Mapping[str, Finish]] = MappingProxyType(
             "trim": of((0.08, 0.3, 0.28), (0.22, 0.3, 0.3), (0.07, 0.25, 0.4)),
         },
         "Kettle": _cookware | {"main": either(f.steel, f.steel, f.enamel, f.gilt)},
-        "KeyChain": {"metal": either(f.steel, f.gilt), "cloth": f.leather, "accent": f.plastic},
+        "KeyChain": {"metal": either(f.steel, f.steel, f.gilt), "cloth": f.leather, "accent": either(f.steel, f.gilt)},
         "Knife": _cutlery | {"main": either(f.dark, f.dark, f.wood)},
         "Ladle": _cutlery,
         "Laptop": _gadget,
         "LaundryHamper": {"main": either(f.wicker, f.wicker, f.plastic), "second": f.wicker, "cloth": f.towelling},
         "Lettuce": {
-            "leaf": of(
-                (0.26, 0.52, 0.38), (0.24, 0.5, 0.46), (0.29, 0.46, 0.34), texture="leaves", gloss=(0.0, 0.15), slack=0.04
-            ),
-            "leaf_second": of((0.22, 0.5, 0.58), (0.23, 0.48, 0.52), texture="leaves", gloss=(0.0, 0.15), slack=0.04),
+            "leaf": of((0.26, 0.42, 0.34), (0.25, 0.4, 0.4), (0.29, 0.38, 0.3), texture="leaves", gloss=(0.0, 0.15), slack=0.04),
+            "leaf_second": of((0.22, 0.42, 0.52), (0.23, 0.4, 0.46), texture="leaves", gloss=(0.0, 0.15), slack=0.04),
         },
         "LightSwitch": {"main": either(f.white_paint, f.white_paint, f.white_paint, f.metal, f.dark), "second": f.white_paint},
         "Microwave": _appliance,

@@ -219,11 +219,11 @@ def _outdoors(s, t, u, v, r, g, b, seed, table):
     hills = line + np.float32(0.14) + np.float32(0.06) * np.sin(u * np.float32(2.5) + shift)
     if t < line - np.float32(0.08):
         k = np.float32(0.8) + np.float32(0.12) * _look(table, CLOUDS, u * np.float32(60), v * np.float32(240) + shift)
-        return np.float32(0.26) * k, np.float32(0.42) * k, np.float32(0.13) * k
+        return np.float32(0.20) * k, np.float32(0.27) * k, np.float32(0.11) * k
     if t < trees:
         k = np.float32(0.75) + np.float32(0.45) * _look(table, CLOUDS, u * np.float32(420) + shift, v * np.float32(420))
         k *= np.float32(0.55) + np.float32(0.7) * (t - line + np.float32(0.1))
-        return np.float32(0.16) * k, np.float32(0.30) * k, np.float32(0.09) * k
+        return np.float32(0.13) * k, np.float32(0.20) * k, np.float32(0.08) * k
     if t < hills:
         return np.float32(0.30), np.float32(0.42), np.float32(0.42)
     haze = one - (t - hills) / (one - hills)
@@ -386,10 +386,10 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
         w = np.float32(0.35) * vein
         return r * k + (r2 - r) * w, g * k + (g2 - g) * w, b * k + (b2 - b) * w
     if kind == METAL:
-        k = one + np.float32(0.10) * _look(table, GRAIN, (u + ou) * np.float32(20), (v + ov) * np.float32(600)) * _fade(
-            footprint, np.float32(0.03)
+        k = one + np.float32(0.05) * _look(table, GRAIN, (u + ou) * np.float32(12), (v + ov) * np.float32(1400)) * _fade(
+            footprint, np.float32(0.01)
         )
-        k += np.float32(0.04) * _look(table, CLOUDS, (u + ou) * np.float32(40), (v + ov) * np.float32(40))
+        k += np.float32(0.03) * _look(table, CLOUDS, (u + ou) * np.float32(40), (v + ov) * np.float32(40))
         return r * k, g * k, b * k
     if kind == PRINT:
         period = max(scale, np.float32(0.03))
@@ -474,7 +474,7 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
         k = _look(table, THREAD, u * grain + np.float32(100) * ou, v * grain + np.float32(100) * ov) * _fade(footprint, scale)
         k = (
             one
-            + np.float32(0.3) * k
+            + np.float32(0.2) * k
             + np.float32(0.08) * _look(table, CLOUDS, (u + ou) * np.float32(80), (v + ov) * np.float32(80))
         )
         return r * k, g * k, b * k

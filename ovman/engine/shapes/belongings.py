@@ -96,8 +96,16 @@ def key_chain(s: Subject) -> Iterator[Part]:
         root = np.array([x + 1.1 * ring, 0.5 * s.h, 0.3 * spread * s.z])
         turn = about("y", float(np.degrees(np.arctan2(-(tip - root)[2], (tip - root)[0]))))
         length = float(np.linalg.norm(tip - root))
-        yield Part("box", (root + tip) / 2, (length, 0.4 * s.h, 0.14 * s.z), turn, "metal", solid=i == 0)
-        yield Part("cylinder", root, (0.55 * s.z, 0.42 * s.h, 0.55 * s.z), slot="metal" if i else "accent", solid=False)
+        along = (tip - root) / length
+        aside = np.array([-along[2], 0.0, along[0]])
+        shaft = root + 0.3 * (tip - root)
+        slot = "metal" if i % 2 == 0 else "accent"
+        yield Part("box", (shaft + tip) / 2, (0.7 * length, 0.34 * s.h, 0.1 * s.z), turn, slot, solid=i == 0)
+        bow = (0.46 * length, 0.4 * s.h, 0.5 * s.z)
+        yield Part("torus", root + 0.16 * (tip - root), bow, turn, slot, ratio=0.34, solid=False, segments=12)
+        for share in (0.72, 0.84, 0.94):
+            tooth = root + share * (tip - root) + 0.09 * s.z * aside
+            yield Part("box", tooth, (0.07 * length, 0.3 * s.h, 0.14 * s.z), turn, slot, solid=False)
     yield span((-s.x + 0.1 * s.w, 0, -0.35 * s.z), (-s.x + 0.55 * s.w, s.h, 0.3 * s.z), "cloth", bevel=0.3 * s.h)
 
 

@@ -125,18 +125,34 @@ def remote_control(s: Subject) -> Iterator[Part]:
             )
 
 
+SEGMENTS = ("abcdef", "bc", "abdeg", "abcdg", "bcfg", "acdfg", "acdefg", "abc", "abcdefg", "abcdfg")
+"""Which of the seven strokes a digit has: top, right upper, right lower, bottom, left lower, left upper, middle."""
+
+
+def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: str) -> Iterator[Part]:
+    """A digit of seven strokes centred at `x` on the face of a clock."""
+    thick = 0.22 * wide
+    middle = (low + high) / 2
+    for name, y in (("a", high - thick), ("g", middle - thick / 2), ("d", low)):
+        if name in strokes:
+            yield span((x - wide / 2, y, 0.9 * s.z), (x + wide / 2, y + thick, s.z), "glow", solid=False)
+    for names, sign in (("fe", -1), ("bc", 1)):
+        left = x + sign * (wide / 2 - thick / 2) - thick / 2
+        for name, y0, y1 in ((names[0], middle, high), (names[1], low, middle)):
+            if name in strokes:
+                yield span((left, y0, 0.9 * s.z), (left + thick, y1, s.z), "glow", solid=False)
+
+
 def alarm_clock(s: Subject) -> Iterator[Part]:
     st = s.style
     if s.w > 1.25 * s.h or st.chance("digital", 0.35):
         yield prism([(-s.x, 0), (s.x, 0), (0.92 * s.x, s.h * 0.94), (-0.92 * s.x, s.h * 0.94)], -s.z, s.z * 0.94, "main")
         yield span((-0.78 * s.x, 0.16 * s.h, 0.9 * s.z), (0.78 * s.x, 0.8 * s.h, 0.97 * s.z), "dark", solid=False)
-        for i, x in enumerate((-0.55, -0.2, 0.2, 0.55)):
-            yield span(
-                ((x - 0.1) * s.x, 0.3 * s.h, 0.9 * s.z),
-                ((x + (0.1 if i % 2 else 0.02)) * s.x, 0.68 * s.h, s.z),
-                "glow",
-                solid=False,
-            )
+        hour, minute = st.whole("hour", 10, 23), st.whole("minute", 10, 59)
+        for x, digit in zip((-0.52, -0.2, 0.2, 0.52), f"{hour}{minute}", strict=True):
+            yield from _digit(s, x * s.x, 0.24 * s.x, 0.26 * s.h, 0.7 * s.h, SEGMENTS[int(digit)])
+        for y in (0.38, 0.56):
+            yield span((-0.03 * s.x, y * s.h, 0.9 * s.z), (0.03 * s.x, (y + 0.04) * s.h, s.z), "glow", solid=False)
         yield span((-0.3 * s.x, 0.9 * s.h, -0.4 * s.z), (0.3 * s.x, s.h, 0.4 * s.z), "accent", bevel=0.002, solid=False)
         return
     radius = min(s.x, 0.38 * s.h)

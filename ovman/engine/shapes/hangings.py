@@ -59,8 +59,12 @@ def blinds(s: Subject) -> Iterator[Part]:
         yield rod((x, 0.01, 0.2 * s.z), (x, s.h - head, 0.2 * s.z), 0.0015, "trim", solid=False)
 
 
+FOLD_M = 0.035
+"""Radius of the folds of a shower curtain: thinner stuff than a room's curtains."""
+
+
 def curtains(s: Subject) -> Iterator[Part]:
-    """Folds below a rod; two halves drawn aside where it is wide. They run along the longer side."""
+    """Folds below a rail; two halves drawn aside where it is wide. They run along the longer side."""
     along_x = s.along_x
     half, deep = (s.x, s.z) if along_x else (s.z, s.x)
     top = s.h - min(0.05, 0.05 * s.h)
@@ -73,6 +77,8 @@ def curtains(s: Subject) -> Iterator[Part]:
     drawn_aside = 2 * half > 0.8 and s.style.chance("two", 0.8)
     panels = ((-half, -0.42 * half), (0.42 * half, half)) if drawn_aside else ((-half, half),)
     fold = max(min(deep, 0.07), 0.55 * deep)
+    if s.type == "ShowerCurtain":
+        fold = min(fold, FOLD_M)
     for low, high in panels:
         count = max(3, round((high - low) / (1.7 * fold)))
         for i in range(count):

@@ -296,9 +296,6 @@ def _pane(s: Subject, grip: bool) -> Iterator[Part]:
     share = min(1.0, 0.004 / thick)
     yield block(-half + bars, half - bars, bars, s.h - bars, share, "glass", solid=False)
     yield block(-half, half, 0, s.h, min(1.0, 0.03 / thick), "glass", drawn=False)
-    for i in range(4):
-        y = s.h * (0.3 + 0.12 * i)
-        yield block(-half + bars, half - bars, y, y + 0.03, 1.4 * share, "pale", solid=False)
     if grip:
         u = half - 2.4 * bars
         yield block(u - 0.012, u + 0.012, 0.42 * s.h, 0.6 * s.h, 0.95, "metal", bevel=0.004, solid=False)

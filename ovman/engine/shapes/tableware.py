@@ -74,8 +74,17 @@ def plate(s: Subject) -> Iterator[Part]:
     ]
     yield turned(s, profile, segments=36, solid=False)
     yield span((-s.x, 0, -s.z), (s.x, s.h * 0.7, s.z), drawn=False, kind="frustum", ratio=1.7)
-    if s.style.chance("ring", 0.6):
-        share = s.style.uniform("ring at", 0.8, 0.95)
+    well = rim - 0.06
+    yield span(
+        (-well * s.x, 0.3 * s.h, -well * s.z),
+        (well * s.x, 0.42 * s.h, well * s.z),
+        "second",
+        kind="cylinder",
+        solid=False,
+        segments=36,
+    )
+    if s.style.chance("ring", 0.75):
+        share = s.style.uniform("ring at", 0.84, 0.96)
         yield span(
             (-share * s.x, 0.5 * s.h, -share * s.z),
             (share * s.x, (0.35 + 0.65 * share) * s.h, share * s.z),
