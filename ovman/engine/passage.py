@@ -77,10 +77,10 @@ def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int |
 def reachable(
     obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float, axes: np.ndarray
 ) -> np.ndarray:
-    """Positions `here` + step_m * (i, j) @ `axes` within [`low`, `high`] (2,) that unblocked moves along the axes lead to.
+    """Positions `here` + step_m * (i, j) @ `axes` in [`low`, `high`] (2,) that unblocked moves along the axes lead to: (N, 2).
 
-    (N, 2) metres. The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first, the
-    others in the order of i, then j.
+    The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first,
+    the others in the order of i, then j.
     """
     boxes, most = obstacles.boxes, float(obstacles.reach.max(initial=0.0))
     level = (boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0)
@@ -119,8 +119,8 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
 
 
 def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, csr_array]:
-    """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from or to there
-    may come too close to: (M,) bool and (M, N) bool. Points are measured in portions: fine grids have a million of them."""
+    """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from
+    or to there may come too close to: (M,) bool and (M, N) bool. Points go in portions: fine grids have a million of them."""
     most = float(obstacles.reach.max(initial=0.0)) + step_m
     clear, near = np.ones(len(points), dtype=bool), []
     for start in range(0, len(points), PORTION):
