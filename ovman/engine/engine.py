@@ -227,7 +227,8 @@ class Engine:
         world = self._world
         if world is None or not world.at_rest:
             return None
-        pose = (*world.agent.position.tolist(), world.agent.yaw_deg, world.agent.horizon_deg, world.agent.standing)
+        agent = world.agent
+        pose = (*agent.position.tolist(), agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment)
         return (self._resets, world.version, pose, self.settings, self.width, self.height, self.cameras, self.map_view)
 
     def _draw(self, wanted: Images) -> tuple[list[tuple[Field, memoryview]], list[dict[str, Any]] | None]:

@@ -227,6 +227,15 @@ def test_a_locobot_through_the_client(start):
         assert default["agent"]["isStanding"] is True and default["fov"] == 90
 
 
+def test_another_embodiment_is_another_event(controller):
+    """Also where nothing else is different, and the event might be sent as a patch of the one before."""
+    same = {"fieldOfView": 70, "snapToGrid": False, "applyActionNoise": False}
+    tall = controller.step("Initialize", **same).metadata
+    short = controller.step("Initialize", agentMode="locobot", **same).metadata
+    assert tall["agent"]["isStanding"] is True and short["agent"]["isStanding"] is None
+    assert camera_m(short) == pytest.approx(-0.0312) and tall["fov"] == short["fov"] == 70
+
+
 def test_a_locobot_errs_a_little_and_the_same_way_from_the_same_seed(engine):
     e = engine(agentMode="locobot", rotateStepDegrees=90)
 
