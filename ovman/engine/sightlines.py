@@ -24,9 +24,7 @@ POINTS = 32
 """Points on the surface of each object that are looked at."""
 _STEPS = np.arange(POINTS) + 0.5
 _ROOT = np.sqrt(_STEPS * 0.7548776662466927 % 1.0)
-_WEIGHTS = np.stack(
-    [1 - _ROOT, _ROOT * (1 - _STEPS * 0.5698402909980532 % 1.0), _ROOT * (_STEPS * 0.5698402909980532 % 1.0)], 1
-)
+_WEIGHTS = np.stack([1 - _ROOT, _ROOT * (1 - _STEPS * 0.5698402909980532 % 1.0), _ROOT * (_STEPS * 0.5698402909980532 % 1.0)], 1)
 """(POINTS, 3) barycentric coordinates, evenly spread over a triangle."""
 
 
@@ -52,16 +50,17 @@ class Surface:
         part_owner[mesh.part] = mesh.instance
         return Surface(mesh.instance, _spread(mesh), mesh.frames, mesh.extents, part_owner)
 
-    def gaps(self, x: float, z: float, low: float, high: float) -> np.ndarray:
-        """Distance from the vertical segment at (x, z) between heights `low` and `high` to each part's box: (P,) metres."""
-        turn, shift = self.frames[:, :, :3], self.frames[:, :, 3]
+    def gaps(self, x: float, z: float, low: float, high: float, chosen: slice | np.ndarray = slice(None)) -> np.ndarray:
+        """Distance from the vertical segment at (x, z) between heights `low` and `high` to the boxes of the parts `chosen`: (P,)
+        metres."""
+        turn, shift, halves = self.frames[chosen, :, :3], self.frames[chosen, :, 3], self.halves[chosen]
         middle = -np.einsum("pi,pi->p", turn[:, :, 1], shift)
-        reach = np.einsum("pi,pi->p", np.abs(turn[:, :, 1]), self.halves)
+        reach = np.einsum("pi,pi->p", np.abs(turn[:, :, 1]), halves)
         beside = turn[:, :, 0] * x + turn[:, :, 2] * z + shift
         gap = np.full(len(middle), np.inf)
         for height in (middle, middle - reach, middle + reach):
             local = beside + turn[:, :, 1] * np.clip(height, low, high)[:, None]
-            gap = np.minimum(gap, (np.maximum(np.abs(local) - self.halves, 0.0) ** 2).sum(axis=1))
+            gap = np.minimum(gap, (np.maximum(np.abs(local) - halves, 0.0) ** 2).sum(axis=1))
         return np.sqrt(gap)
 
 
@@ -78,7 +77,9 @@ def _spread(mesh: SceneMesh) -> np.ndarray:
     before, after = total[starts] - np.maximum(area[starts], 1e-12), total[np.append(starts[1:], len(area)) - 1]
     at = before[:, None] + (after - before)[:, None] * _STEPS / POINTS
     triangle = np.minimum(np.searchsorted(total, at), len(area) - 1)
-    points[mesh.instance[starts]] = np.einsum("nka,nkai->nki", np.broadcast_to(_WEIGHTS, (len(starts), POINTS, 3)), corners[triangle])
+    points[mesh.instance[starts]] = np.einsum(
+        "nka,nkai->nki", np.broadcast_to(_WEIGHTS, (len(starts), POINTS, 3)), corners[triangle]
+    )
     return points
 
 
@@ -120,6 +121,19 @@ class Sightlines:
         nearest = np.full(len(self.names), np.inf)
         np.minimum.at(nearest, self._parts.part_owner[known], self._parts.gaps(x, z, low, high)[known])
         return nearest
+
+    def distance(self, instance: int, x: float, z: float, low: float, high: float) -> float:
+        """One of the `distances`."""
+        own = np.flatnonzero(self._parts.part_owner == instance)
+        return float(self._parts.gaps(x, z, low, high, own).min(initial=np.inf))
+
+    def bounds(self, instance: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of an instance that has points, (3,) metres."""
+        own = np.flatnonzero(self._parts.part_owner == instance)
+        turn, shift = self._parts.frames[own, :, :3], self._parts.frames[own, :, 3]
+        middle = -np.einsum("pji,pj->pi", turn, shift)
+        reach = np.einsum("pji,pj->pi", np.abs(turn), self._parts.halves[own])
+        return (middle - reach).min(axis=0), (middle + reach).max(axis=0)
 
     def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The instance that each look (K, 3), along unit vectors `ways` (K, 3), meets first: (K,) int, NOTHING for the void; and

@@ -22,6 +22,8 @@ COLLIDER, DISTANCE = "Collider", "Distance"
 distance, or a point of it that is seen, within that distance in plan."""
 SPACING = 64
 """Directions along the edge of each of six faces of a cube: 1.4 degrees apart, not four pixels of AI2-THOR's pictures."""
+ABYSS_M = 100.0
+"""By the scheme "Distance" an object may be this far below the agent."""
 NEAR_M = 0.1
 """Looks begin this far from the camera, as pictures do."""
 
@@ -98,6 +100,11 @@ class Looks:
     """(2, K) how far that is above the camera"""
 
 
+def _tall(axis: tuple[float, float], distance_m: float, scheme: str) -> tuple[float, float]:
+    """Heights between which the axis of the capsule around the agent runs that a visible object reaches into."""
+    return (axis[0] if scheme == COLLIDER else axis[0] - ABYSS_M), axis[1] + distance_m
+
+
 class Sight:
     """Who is visible in a world as it is at one moment."""
 
@@ -125,11 +132,15 @@ class Sight:
 
     def near(self, eye: Eye, distance_m: float, scheme: str = COLLIDER) -> np.ndarray:
         """(N,) bool: instances of which a part is near enough to be visible."""
-        low, high = eye.axis
-        if scheme == DISTANCE:
-            low = -math.inf
-        low, high = max(low, -1e3), high + distance_m
+        low, high = _tall(eye.axis, distance_m, scheme)
         return self.lines.distances(float(eye.position[0]), float(eye.position[2]), low, high) <= distance_m
+
+    def near_one(
+        self, instance: int, camera: np.ndarray, axis: tuple[float, float], distance_m: float, scheme: str = COLLIDER
+    ) -> bool:
+        """Whether one instance is near enough to be visible from a camera at `camera` (3,); see `Eye.axis`."""
+        low, high = _tall(axis, distance_m, scheme)
+        return self.lines.distance(instance, float(camera[0]), float(camera[2]), low, high) <= distance_m
 
     def look(self, position: np.ndarray, ways: np.ndarray) -> Looks:
         """What looks from a camera at `position` (3,) along unit vectors (K, 3) meet."""

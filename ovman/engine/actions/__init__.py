@@ -1,6 +1,31 @@
 """What a client can ask for: one function an action. Importing the package fills the table."""
 
-from ovman.engine.actions import cameras, gaze, materials, movement, objects, physics, reach, scene, spawning, teleport
+from ovman.engine.actions import (
+    cameras,
+    gaze,
+    materials,
+    movement,
+    navigation,
+    objects,
+    physics,
+    reach,
+    scene,
+    spawning,
+    teleport,
+)
 from ovman.engine.actions.registry import TABLE
 
-__all__ = ["TABLE", "cameras", "gaze", "materials", "movement", "objects", "physics", "reach", "scene", "spawning", "teleport"]
+__all__ = [
+    "TABLE",
+    "cameras",
+    "gaze",
+    "materials",
+    "movement",
+    "navigation",
+    "objects",
+    "physics",
+    "reach",
+    "scene",
+    "spawning",
+    "teleport",
+]
