@@ -9,6 +9,9 @@ import numpy as np
 from ovman.engine.embodiment import DEFAULT, Embodiment
 from ovman.engine.floorplan import Box, SimObject
 
+STAYS_M = 1e-3
+"""A body is where it was if its pivot, and the tips of its unit axes, are no farther from where they were."""
+
 
 @dataclass(frozen=True)
 class Pose:
@@ -68,6 +71,12 @@ class Body:
     def untouched(self) -> bool:
         """Whether it is where the floor plan has it and was never put anywhere."""
         return self.pose.position is self.obj.position and self.pose.rotation is self.obj.rotation
+
+    @property
+    def stays(self) -> bool:
+        """Whether it is where the floor plan has it, touched or not."""
+        moved = np.abs(self.pose.position - self.obj.position).max()
+        return bool(moved < STAYS_M and np.abs(self.pose.rotation - self.obj.rotation).max() < STAYS_M)
 
     @property
     def present(self) -> bool:

@@ -8,53 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from ovman.engine.body import Agent, Body, Pose
+from ovman.engine.carrying import RESTS_M
 from ovman.engine.floorplan import Box
+from ovman.engine.forms import feet, transferred, within
 from ovman.engine.physics import TICK_S, Model, Solid
 from ovman.engine.setting import Setting
+from ovman.engine.waking import lift, supported
 
-
-def within(box: Box, pieces: Iterable[tuple]) -> list[Box]:
-    """World-frame boxes around `pieces` of a body whose box is `box`."""
-    out = []
-    for piece in pieces:
-        centre, half, rotation = extent(piece)
-        out.append(Box(box.centre + box.rotation @ centre, half, box.rotation @ rotation))
-    return out
-
-
-def extent(piece: tuple) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Centre, half extents and rotation of the box around a piece, in the piece's frame."""
-    kind = piece[0]
-    if kind == "hull":
-        low, high = piece[1].min(axis=0), piece[1].max(axis=0)
-        return (low + high) / 2, (high - low) / 2, np.eye(3)
-    if kind == "sphere":
-        return piece[1], np.full(3, piece[2]), np.eye(3)
-    if kind in ("cylinder", "capsule"):
-        return piece[1], np.array([piece[2], piece[3] + (piece[2] if kind == "capsule" else 0.0), piece[2]]), piece[4]
-    return piece[1], piece[2], piece[3]
-
-
-def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
-    """`pieces` of `inner`'s frame in `outer`'s."""
-    turn, shift = outer.rotation.T @ inner.rotation, outer.rotation.T @ (inner.centre - outer.centre)
-    out = []
-    for kind, first, *rest in pieces:
-        if kind == "hull":
-            out.append((kind, first @ turn.T + shift))
-        elif kind == "sphere":
-            out.append((kind, turn @ first + shift, *rest))
-        else:
-            out.append((kind, turn @ first + shift, *rest[:-1], turn @ rest[-1]))
-    return tuple(out)
-
-
-OVERLAP_M = 0.005
-"""What a waking body overlaps deeper than this is no contact."""
-LIFT_M = 0.05
-"""A waking body that has sunk up to this deep into what carries it is lifted out of it."""
-UPRIGHT = 0.7
-"""Least vertical component of the way out of an overlap with what carries a body."""
 STAYED_M, STAYED_RAD = 0.002, 0.01
 """A body that has moved no farther than this since it woke has not moved."""
 
@@ -70,6 +30,8 @@ class Dynamics:
         self.awake: set[str] = set()
         self._fresh: set[str] = set()
         self._strangers: set[tuple[str, str]] = set()
+        self._held: set[str] = set()
+        """Bodies that nothing known carries, but that the floor plan has where they are."""
         self._woken: dict[str, tuple[Pose, Pose]] = {}
         """Awake bodies: their poses when they woke, and when they had been lifted out of what they had sunk into."""
         self._model: Model | None = None
@@ -97,7 +59,7 @@ class Dynamics:
                     if part.removed or (body.present and not part.active):
                         continue
                     own += transferred(made[part.obj.object_id], part.obj.box, body.obj.box)
-                out[name] = tuple(own)
+                out[name] = (*own, *feet(own, body.obj.box.half))
         return out
 
     def bodies_changed(self) -> None:
@@ -115,6 +77,7 @@ class Dynamics:
         for name in names:
             self.awake.add(name)
             self._fresh.add(name)
+            self._held.discard(name)
             self._woken.setdefault(name, (self._bodies[name].pose, self._bodies[name].pose))
             self._strangers = {pair for pair in self._strangers if name not in pair}
 
@@ -148,6 +111,8 @@ class Dynamics:
         self._owed_s = self._owed_s + seconds if self.awake else 0.0
         while self.awake and self._owed_s > TICK_S - 1e-9:
             model = self._current()
+            if not self.awake:
+                break
             model.tick()
             struck = model.struck([n for n, b in self._bodies.items() if n in self._pieces and self._can_wake(b)])
             if struck:
@@ -167,14 +132,14 @@ class Dynamics:
                             self._fall_asleep(name)
             if until_asleep is not None and until_asleep not in self.awake:
                 self._owed_s = 0.0
-        if self.awake:
-            self._read(self._current())
+        if self.awake and (model := self._current()).free:
+            self._read(model)
         else:
             self._owed_s = 0.0
         return moved
 
     def _can_wake(self, body: Body) -> bool:
-        return body.dynamic and body.present and not body.kinematic and body.object_id not in self.awake
+        return body.dynamic and body.present and not body.kinematic and body.object_id not in self.awake | self._held
 
     def _fall_asleep(self, name: str) -> None:
         """Fixed where it is, or where it was if it has but settled into the same place."""
@@ -194,32 +159,33 @@ class Dynamics:
                 body.pose = self._written[name] = body.pose_for(box)
 
     def _current(self) -> Model:
-        """The compiled scene with what is awake free, what has just woken lifted, and strangers known."""
+        """The compiled scene with what is awake free: what has just woken is lifted out of what it had sunk into, does not touch
+        what it still overlaps, and stays where it is if the floor plan does not know what holds it there."""
         model = self._synchronised(frozenset(self.awake), self._strangers)
         if not self._fresh:
             return model
         for name in sorted(self._fresh):
-            self._lift(model, name)
-        for name in sorted(self._fresh):
+            body = self._bodies[name]
+            lifted, strange = lift(model, name, body, self.awake)
             model.rouse(name)
-            for overlap in model.overlaps(name):
-                if overlap.depth > OVERLAP_M and overlap.other != "Floor":
-                    self._strangers.add(tuple(sorted((name, overlap.other))))
+            self._strangers |= {tuple(sorted((name, other))) for other in strange}
+            if lifted is not body.pose:
+                self._woken[name] = (self._woken[name][0], lifted)
+                body.pose = self._written[name] = lifted
+            elif self._is_kept(body) and not supported(model, name, body, strange):
+                self._held.add(name)
+                self.still(name)
         self._fresh.clear()
         return self._synchronised(frozenset(self.awake), self._strangers)
 
-    def _lift(self, model: Model, name: str) -> None:
-        """Out of what it has sunk into: pushed out by force, it would jump."""
-        carries = [o for o in model.overlaps(name) if o.up > UPRIGHT and o.depth > OVERLAP_M and o.other not in self.awake]
-        height = max((o.depth for o in carries if o.depth < LIFT_M or o.other == "Floor"), default=0.0)
-        if height == 0.0:
-            return
-        body = self._bodies[name]
-        lifted = Pose(body.pose.position + [0.0, height, 0.0], body.pose.rotation)
-        self._woken[name] = (self._woken[name][0], lifted)
-        body.pose = self._written[name] = lifted
-        model.set_box(name, body.box, body.velocity)
-        model.forward()
+    def _is_kept(self, body: Body) -> bool:
+        """Whether a body is where the floor plan has it, and so is what it is in or on by the floor plan."""
+        if not body.stays:
+            return False
+        keepers = [self._bodies.get(name) for name in body.obj.parents if not name.startswith("Floor|")]
+        if not keepers:
+            return body.obj.box.bounds()[0][1] > self._setting.plan.floor_y + RESTS_M
+        return any(k is not None and k.present and k.stays for k in keepers)
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
         """The compiled scene as the bodies are now."""

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.engine.body import Body
-from ovman.engine.dynamics import extent
+from ovman.engine.forms import extent
 from ovman.engine.setting import Setting
 
 FINEST_M, COARSEST_M, CELLS = 0.025, 0.1, 1500
