@@ -13,14 +13,10 @@ from functools import cached_property
 
 import numpy as np
 
+from ovman.engine import corners, shapes
 from ovman.engine import materials as paint
-from ovman.engine import shapes
 from ovman.engine.floorplan import Box, FloorPlan
 
-CREASE_DEG = 40.0
-"""Faces that meet at less than this angle are shaded as one smooth surface."""
-MIX = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9, 0xD6E8FEB86659FD93], dtype=np.uint64)
-"""Odd constants that turn a point's coordinates into one number."""
 SAME = 1e-6
 """Metres, and entries of a rotation matrix, within which two poses are one."""
 PLANS_KEPT = 6
@@ -85,75 +81,29 @@ class _Local:
     """Slots of the palette that `materials` are"""
 
 
-def corner_normals(
-    vertices: np.ndarray, triangles: np.ndarray, part: np.ndarray | int = 0, crease_deg: float = CREASE_DEG
-) -> np.ndarray:
-    """Unit normals at the corners, (T, 3, 3) for triangles (T, 3) over vertices (V, 3).
-
-    At a corner, the area-weighted mean of the normals of all triangles of the same part (T,) at that point that make less than
-    `crease_deg` with the corner's own triangle. Points are the same when their coordinates are, to 0.01 mm.
-    """
-    points = vertices[triangles]
-    area = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
-    length = np.linalg.norm(area, axis=1, keepdims=True)
-    own = area / np.where(length > 0, length, 1.0)
-    key = np.round(points.reshape(-1, 3) * 1e5).astype(np.int64).view(np.uint64)
-    key = key[:, 0] * MIX[0] ^ key[:, 1] * MIX[1] ^ key[:, 2] * MIX[2]
-    key ^= np.repeat(np.broadcast_to(part, len(triangles)).astype(np.uint64), 3) * MIX[3]
-    group = np.unique(key, return_inverse=True)[1].ravel()
-    order = np.argsort(group, kind="stable")
-    face = order // 3
-    first = np.searchsorted(group[order], group[order], side="left")
-    count = np.searchsorted(group[order], group[order], side="right") - first
-    here = np.repeat(np.arange(len(order)), count)
-    there = np.repeat(first, count) + np.arange(len(here)) - np.repeat(np.cumsum(count) - count, count)
-    smooth = np.einsum("ij,ij->i", own[face[here]], own[face[there]]) > np.cos(np.radians(crease_deg))
-    total = np.zeros((len(order), 3))
-    for k in range(3):
-        total[:, k] = np.bincount(here[smooth], area[face[there[smooth]], k], len(order))
-    norm = np.linalg.norm(total, axis=1, keepdims=True)
-    total = np.where(norm > 0, total / np.where(norm > 0, norm, 1.0), own[face])
-    result = np.empty((len(order), 3))
-    result[order] = total
-    return result.reshape(-1, 3, 3)
-
-
 def _local(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) -> _Local | None:
     parts = [part for part in parts if part.drawn]
     slots = list(dict.fromkeys(part.slot for part in parts))
-    pieces: list[tuple[np.ndarray, ...]] = []
-    count = 0
-    for number, part in enumerate(parts):
-        vertices, triangles = shapes.mesh(part)
-        if len(triangles) == 0:
-            continue
-        vertices = np.asarray(vertices, dtype=float)
-        turn = np.asarray(part.rotation, dtype=float)
-        corners = vertices[triangles] @ turn
-        facing = np.abs(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-        pieces.append(
-            (
-                vertices,
-                np.asarray(triangles) + count,
-                np.full(len(triangles), slots.index(part.slot)),
-                np.full(len(triangles), number),
-                np.argmax(facing, axis=1),
-            )
-        )
-        count += len(vertices)
-    if not pieces:
+    meshes = [shapes.mesh(part) for part in parts]
+    counts = np.array([len(triangles) for _, triangles in meshes], dtype=int)
+    if not counts.sum():
         return None
-    vertices, triangles, material, part, axis = (np.concatenate(column) for column in zip(*pieces, strict=True))
-    turns = np.array([p.rotation for p in parts], dtype=float).transpose(0, 2, 1)
-    centres = np.array([p.centre for p in parts], dtype=float)
+    first = np.cumsum([0, *(len(vertices) for vertices, _ in meshes)])
+    vertices = np.concatenate([vertices for vertices, _ in meshes])
+    triangles = np.concatenate([triangles + start for (_, triangles), start in zip(meshes, first, strict=False)], dtype=np.int32)
+    part = np.repeat(np.arange(len(parts), dtype=np.int32), counts)
+    slot = np.array([slots.index(p.slot) for p in parts], dtype=np.int32)
+    turns, centres = np.array([p.rotation for p in parts], dtype=float), np.array([p.centre for p in parts], dtype=float)
+    normals, axis = corners.of_parts(vertices, triangles, part, turns)
+    back = turns.transpose(0, 2, 1)
     return _Local(
         vertices,
-        triangles.astype(np.int32),
-        corner_normals(vertices, triangles, part),
-        material.astype(np.int32),
-        part.astype(np.int32),
-        axis.astype(np.int32),
-        np.concatenate([turns, -(turns @ centres[:, :, None])], axis=2),
+        triangles,
+        normals.astype(np.float32),
+        slot[part],
+        part,
+        axis,
+        np.concatenate([back, -(back @ centres[:, :, None])], axis=2),
         np.array([p.size for p in parts], dtype=float) / 2,
         tuple(palette[slot] for slot in slots),
         tuple(slots),
@@ -178,7 +128,7 @@ def _joined(
             (
                 (local.vertices @ turn.T + box.centre).astype(np.float32),
                 local.triangles + np.int32(vertex),
-                (local.normals @ turn.T).astype(np.float32),
+                local.normals @ turn.T.astype(np.float32),
                 np.full(len(local.triangles), instance, dtype=np.int32),
                 local.material + np.int32(offsets[instance]),
                 local.part + np.int32(part),

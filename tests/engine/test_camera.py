@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import camera, floorplan, lights, materials, painter, rays, scene_mesh, shading, textures
+from ovman.engine import camera, corners, floorplan, lights, materials, painter, rays, scene_mesh, shading, textures
 from ovman.engine.camera import Renderer, View
 from ovman.engine.shapes import Part
 from ovman.engine.world import World
@@ -388,16 +388,29 @@ def test_every_texture_of_a_scene_can_be_painted(scene):
     assert len(used) > 3 and used <= set(textures.KINDS)
 
 
-def test_corner_normals_keep_edges_and_smooth_curves():
+def corner_normals(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners (T, 3, 3) of a part's triangles, their normals, and the axes (T,) that they face."""
     from ovman.engine.shapes import mesh
 
-    vertices, triangles = mesh(Part("box", (0, 0, 0), (1, 2, 3)))
-    normals = scene_mesh.corner_normals(vertices, triangles)
+    vertices, triangles = mesh(part)
+    one = np.zeros(len(triangles), np.int32)
+    return vertices[triangles], *corners.of_parts(vertices, triangles, one, np.asarray(part.rotation, float)[None])
+
+
+def test_corner_normals_keep_edges_and_smooth_curves():
+    _, normals, axis = corner_normals(Part("box", (0, 0, 0), (1, 2, 3)))
     np.testing.assert_allclose(np.abs(normals).max(axis=2), 1, atol=1e-9)
-    vertices, triangles = mesh(Part("ellipsoid", (0, 0, 0), (1, 1, 1)))
-    normals = scene_mesh.corner_normals(vertices, triangles)
-    radial = vertices[triangles] / np.linalg.norm(vertices[triangles], axis=2, keepdims=True)
+    assert (np.abs(normals).argmax(axis=2) == axis[:, None]).all()
+    points, normals, _ = corner_normals(Part("ellipsoid", (0, 0, 0), (1, 1, 1)))
+    radial = points / np.linalg.norm(points, axis=2, keepdims=True)
     assert np.einsum("ijk,ijk->ij", normals, radial).min() > 0.95
+
+
+def test_the_faces_of_a_turned_part_face_its_own_axes():
+    turn = floorplan.rotation_matrix(np.array([20.0, 40.0, -70.0]))
+    _, normals, axis = corner_normals(Part("box", (1, 2, 3), (0.3, 0.2, 0.1), rotation=turn))
+    own = normals.mean(axis=1) @ turn
+    assert sorted(axis.tolist()) == sorted([0, 1, 2] * (len(axis) // 3)) and (np.abs(own).argmax(axis=1) == axis).all()
 
 
 @pytest.mark.parametrize("scene", SCENES)
