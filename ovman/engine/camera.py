@@ -7,12 +7,12 @@ and 90 along +x; horizon is positive downwards. Images have row 0 at the top, pi
 from __future__ import annotations
 
 from collections import OrderedDict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ovman.engine import lights, optics, rays, repaint, scene_mesh
+from ovman.engine import lights, optics, rays, repaint, scene_mesh, sunshine
 from ovman.engine.decor import Decor
 from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.painter import Looks, Painter
@@ -157,7 +157,8 @@ class Renderer:
         if self._lit != (self.world.version, self.decor):
             low, high = self._shared.low, self._shared.high
             boxes = {o: body.box for o, body in self.world.bodies.items() if body.present and o in self.world.plan}
-            self._rig = lights.rig(lights.of_plan(self.world.plan, low, high, boxes), low, high)
+            rig = lights.rig(lights.of_plan(self.world.plan, low, high, boxes), low, high)
+            self._rig = replace(rig, sun=sunshine.of_plan(self.world.plan, low, high, boxes, rig.exposure))
             if self.decor.lighting is not None:
                 self._rig = repaint.relit(self._rig, self.decor.lighting)
             self._lit = self.world.version, self.decor
@@ -181,8 +182,7 @@ class Renderer:
             mesh, looks, caster = self._staged(view, looks)
         painter = Painter(view, mesh, looks, caster)
         hits = painter.see(*_centres(view.width, view.height))
-        if view.onlooker:
-            hits.prim[hits.distance > np.float32(view.far_m - view.near_m)] = -1
+        hits.prim[hits.distance > np.float32(view.far_m - view.near_m)] = -1
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
         optics.identify(
             hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar
