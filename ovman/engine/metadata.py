@@ -14,8 +14,6 @@ from ovman.engine.surfaces import VESSELS
 from ovman.engine.visibility import Eye, Sight
 from ovman.engine.world import Body, World
 
-MOTION = 1e-4
-"""v**2 + w**2 (m/s and rad/s) above which a body counts as moving."""
 ABOVE_M, BELOW_M = 0.05, 0.02
 """A thing is on or in a receptacle if the middle of its underside lies in the receptacle's box, or this far above or below."""
 
@@ -36,6 +34,7 @@ class SceneMetadata:
         self._rearranged = False
         self._sight: Sight | None = None
         self._sight_of = -1
+        self._moving = False
 
     def state(self, settings: Settings, aspect: float) -> dict[str, Any]:
         """The part of an event's metadata that tells of the world, its agent and its objects. The lists and dicts are reused:
@@ -46,7 +45,7 @@ class SceneMetadata:
             objects = [o for o in objects if o["objectId"] in settings.shown]
         return {
             "objects": objects,
-            "isSceneAtRest": bool(self._world.at_rest),
+            "isSceneAtRest": not self._moving,
             "agent": {
                 "name": "agent",
                 "position": vector(*agent.position),
@@ -87,12 +86,21 @@ class SceneMetadata:
             old = self._made_of.get(body.object_id)
             if old is None or any(a is not b for a, b in zip(made_of, old, strict=True)):
                 self._boxes[body.object_id] = body.box
-                self._records[body.object_id] = _record(body)
+                self._records[body.object_id] = object_record(body)
                 self._made_of[body.object_id] = made_of
-            self._records[body.object_id]["isMoving"] = bool(body.velocity @ body.velocity > MOTION)
+            # What is let go, but has not been given time to fall, has no speed yet; what falls or rolls is never without.
+            self._records[body.object_id]["isMoving"] = bool(body.velocity.any())
+        if len(self._records) > len(bodies):
+            self._forget(self._records.keys() - {b.object_id for b in bodies})
         self._list = [self._records[b.object_id] for b in bodies]
+        self._moving = any(record["isMoving"] for record in self._list)
         self._positions = np.array([b.pose.position for b in bodies]).reshape(-1, 3)
         self._keep_receptacles(bodies)
+
+    def _forget(self, names: set[str]) -> None:
+        for kept in (self._records, self._boxes, self._made_of):
+            for name in names:
+                kept.pop(name, None)
 
     def _look(self, eye: Eye, settings: Settings) -> None:
         visible, interactable = self.sight.visible(eye, settings.visibility_m, settings.visibility_scheme)
@@ -133,7 +141,7 @@ class SceneMetadata:
             record["receptacleObjectIds"] = children[body.object_id] if body.obj.record["receptacle"] else None
 
 
-def _record(body: Body) -> dict[str, Any]:
+def object_record(body: Body) -> dict[str, Any]:
     """The 42 keys of an object, those that depend on the agent as recorded."""
     record = {**body.obj.record, "objectId": body.object_id, "name": body.name}
     if body.untouched:

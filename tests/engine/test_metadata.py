@@ -8,9 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ovman.engine import floorplan
-from ovman.engine.floorplan import Box, rotation_matrix
+from ovman.engine.body import Body, Pose
+from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.images import BACKGROUND, colour, colour_table
-from ovman.engine.visibility import Eye, Sight
+from ovman.engine.metadata import object_record
 
 SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan311", "FloorPlan423")
 AGENT_KEYS = """
@@ -161,28 +162,73 @@ def test_colours_tell_all_instances_and_classes_of_a_scene_apart():
     assert colour("Chair") == colour("Chair") and BACKGROUND == 0xFF000000
 
 
-EYE = Eye(np.array([0.0, 0.9, 0.0]), np.array([0.0, 1.575, 0.0]), 0.0, 0.0, 90.0, 1.0)
+def test_bodies_of_all_scenes_are_where_the_records_have_them():
+    """What would be reported of an object that was put where it is: its box to 1 mm and its rotation to 0.1 degrees."""
+    for name in floorplan.names():
+        for obj in floorplan.load(name).objects:
+            body = Body.of(obj)
+            body.pose = Pose(obj.position.copy(), obj.rotation.copy())
+            assert not body.untouched
+            now, then = object_record(body), obj.record
+            assert set(now) == set(then) and now["objectId"] == then["objectId"]
+            assert np.allclose(xyz(now["position"]), xyz(then["position"]), atol=1e-3)
+            turn = rotation_matrix(xyz(now["rotation"])).T @ rotation_matrix(xyz(then["rotation"]))
+            assert np.trace(turn) > 1 + 2 * np.cos(np.radians(0.1)), obj.object_id
+            if then["objectOrientedBoundingBox"] is not None:
+                assert np.allclose(
+                    now["objectOrientedBoundingBox"]["cornerPoints"], then["objectOrientedBoundingBox"]["cornerPoints"], atol=1e-3
+                )
+            if then["objectOrientedBoundingBox"] is None:
+                assert np.allclose(
+                    xyz(now["axisAlignedBoundingBox"]["center"]), xyz(then["axisAlignedBoundingBox"]["center"]), atol=1e-3
+                )
 
 
-def cube(x, y, z, half=0.1):
-    return Box(np.array([x, y, z]), np.full(3, half), np.eye(3))
+def test_the_scene_is_at_rest_if_nothing_moves(engine):
+    """What falls is moving until it lies; what was let go while time stands still is not."""
+    scene = engine("FloorPlan206", fastActionEmit=False)
+    book = next(o for o in scene.agent["objects"] if o["pickupable"])
+    above = {**scene.agent["agent"]["position"], "y": scene.agent["agent"]["position"]["y"] + 0.6}
+    scene.do(
+        "TeleportFull",
+        position=scene.do("GetReachablePositions")["actionReturn"][-1],
+        rotation={"y": 0},
+        horizon=0,
+        standing=True,
+    )
+    scene.do("PausePhysicsAutoSim")
+    scene.do("TeleportObject", objectId=book["objectId"], position=above, forceAction=True)
+    assert scene.agent["isSceneAtRest"] and not scene.object(book["objectId"])["isMoving"]
+    moved = scene.do("AdvancePhysicsStep", timeStep=0.05)
+    assert not moved["isSceneAtRest"] and scene.object(book["objectId"])["isMoving"]
+    scene.do("UnpausePhysicsAutoSim")
+    for _ in range(60):
+        agent = scene.do("Pass")
+        assert agent["isSceneAtRest"] is not any(o["isMoving"] for o in agent["objects"])
+    assert agent["isSceneAtRest"] and scene.object(book["objectId"])["position"]["y"] < above["y"] - 0.1
 
 
-@settings(max_examples=60, derandomize=True)
-@given(x=st.floats(-3, 3), y=st.floats(0, 2.4), z=st.floats(-3, 3), near=st.floats(0.5, 4), more=st.floats(0, 2))
-def test_visible_means_near_and_in_the_picture_and_more_so_from_farther_sight(x, y, z, near, more):
-    sight = Sight([cube(x, y, z)], [True], [True])
-    seen = sight.visible(EYE, near)[0]
-    assert not seen or (z > -0.1 and np.hypot(x, z) - 0.2 <= near)
-    assert not seen or sight.visible(EYE, near + more)[0]
-    behind = Eye(EYE.agent, EYE.position, 180.0, 0.0, 90.0, 1.0)
-    assert not (seen and abs(z) > 0.1 and sight.visible(behind, near)[0])
-    assert not Sight([cube(x, y, z)], [False], [True]).visible(EYE, near)[0]
+def test_a_filter_leaves_out_objects_but_not_what_is_known_of_them(engine):
+    scene = engine("FloorPlan311")
+    whole = {o["objectId"]: o for o in scene.agent["objects"]}
+    chosen = sorted(whole)[:3]
+    some = scene.do("SetObjectFilter", objectIds=chosen)["objects"]
+    assert {o["objectId"] for o in some} == set(chosen) and all(o == whole[o["objectId"]] for o in some)
+    assert scene.do("SetObjectFilter", objectIds=[])["objects"] == []
+    assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
 
 
-def test_hidden_by_what_stands_in_the_way_but_not_by_what_it_rests_in():
-    target, screen, shelf = cube(0, 1.5, 1.2), cube(0, 1.5, 0.6, 0.3), cube(0, 1.5, 1.2, 0.2)
-    assert Sight([target, screen], [True, True], [True, True]).visible(EYE, 1.5).tolist() == [False, True]
-    assert Sight([target, screen], [True, False], [True, True]).visible(EYE, 1.5).tolist() == [True, False]
-    assert Sight([target, screen], [True, True], [True, False]).visible(EYE, 1.5)[0]
-    assert Sight([target, shelf], [True, True], [True, True]).visible(EYE, 1.5).all()
+def test_renamed_objects_leave_nothing_behind(engine):
+    """SetObjectPoses gives new ids; what was known under the old ones is forgotten."""
+    scene = engine("FloorPlan311")
+    movable = [o for o in scene.agent["objects"] if o["moveable"] or o["pickupable"]]
+    for shift in (0.0, 0.1, 0.2):
+        poses = [
+            {"objectName": o["name"], "position": {**o["position"], "x": o["position"]["x"] + shift}, "rotation": o["rotation"]}
+            for o in movable
+        ]
+        agent = scene.do("SetObjectPoses", objectPoses=poses)
+        assert agent["lastActionSuccess"], agent["errorMessage"]
+        ids = [o["objectId"] for o in agent["objects"]]
+        assert len(set(ids)) == len(ids)
+        receptacles_agree(agent)
