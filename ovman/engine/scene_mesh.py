@@ -247,20 +247,21 @@ def changes(world) -> Changes:
 
     An object that is back to within `SAME` is where the plan has it, so that moving it there and back restores every pixel.
     """
-    displaced, placements = set(), []
+    displaced, placements = {o.object_id for o in world.plan.objects}, []
     for object_id, body in world.bodies.items():
-        own = object_id in world.plan
-        if own and body.untouched and body.present:
+        if not body.present:
             continue
         obj = body.obj
-        back = np.abs(body.pose.position - obj.position).max() < SAME and np.abs(body.pose.rotation - obj.rotation).max() < SAME
-        if own and body.present and back:
-            continue
-        if own:
-            displaced.add(object_id)
-        if body.present:
+        if object_id == obj.object_id and (body.untouched or _back(body)):
+            displaced.remove(object_id)
+        else:
             placements.append(Placement(object_id, obj.object_id, body.box))
     return Changes(frozenset(displaced), tuple(placements))
+
+
+def _back(body) -> bool:
+    pose, obj = body.pose, body.obj
+    return np.abs(pose.position - obj.position).max() < SAME and np.abs(pose.rotation - obj.rotation).max() < SAME
 
 
 def without(mesh: SceneMesh, instances: Iterable[int]) -> SceneMesh:
