@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -117,18 +116,36 @@ def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
     worth = support - UNSUPPORTED * (support == 0) - AGAINST * against + support
     total = np.zeros((worth.shape[0] + 1, worth.shape[1] + 1))
     total[1:, 1:] = worth.cumsum(axis=0).cumsum(axis=1)
-    best: tuple[float, tuple[Rect, ...]] = (-np.inf, (box,))
-    for layout in _layouts(box):
-        score = sum(_within(total, _cells(box, rect, worth.shape)) for rect in layout)
-        if score > best[0] + 1e-9 and not any(r.holds(plan.start[0], plan.start[2], BODY_M) for r in layout):
-            best = (score, layout)
-    return best[1]
+    layouts = _layouts(box)
+    x0, z0, x1, z1 = np.moveaxis(layouts, -1, 0)
+    within_x = (x0 - BODY_M < plan.start[0]) & (plan.start[0] < x1 + BODY_M)
+    free = ~(within_x & (z0 - BODY_M < plan.start[2]) & (plan.start[2] < z1 + BODY_M)).any(axis=1)
+    scores = np.where(free, _scores(total, box, layouts), -np.inf)
+    # the first of those that are equally good; only those that beat all before them can be it
+    ahead = np.maximum.accumulate(np.concatenate([[-np.inf], scores[:-1]]))
+    best, score = None, -np.inf
+    for i in np.flatnonzero(scores > ahead):
+        if scores[i] > score + 1e-9:
+            best, score = i, scores[i]
+    if best is None:
+        return (box,)
+    return tuple(Rect(*map(float, rect)) for rect in layouts[best] if not np.isnan(rect[0]))
 
 
-def _within(total: np.ndarray, cells: tuple[slice, slice]) -> float:
-    """Sum over a block of cells from the running sums `total` (one row and column of zeros first)."""
-    a, b = cells
-    return float(total[a.stop, b.stop] - total[a.start, b.stop] - total[a.stop, b.start] + total[a.start, b.start])
+def _scores(total: np.ndarray, box: Rect, layouts: np.ndarray) -> np.ndarray:
+    """(L,) sums over the cells of layouts (L, 3, 4), from the running sums `total` (one row and column of zeros first)."""
+    there = ~np.isnan(layouts[..., 0])
+    edges = np.where(there[..., None], layouts, 0.0)
+    first, last = [], []
+    for low, start, end, count in (
+        (box.x0, edges[..., 0], edges[..., 2], total.shape[0] - 1),
+        (box.z0, edges[..., 1], edges[..., 3], total.shape[1] - 1),
+    ):
+        first.append(np.clip(np.floor((start - low) / CELL_M + 0.25), 0, count - 1).astype(int))
+        last.append(np.minimum(np.maximum(np.ceil((end - low) / CELL_M - 0.25).astype(int), first[-1] + 1), count))
+    (i0, j0), (i1, j1) = first, last
+    sums = total[i1, j1] - total[i0, j1] - total[i1, j0] + total[i0, j0]
+    return np.where(there, sums, 0.0).sum(axis=1)
 
 
 def _evidence(plan: FloorPlan, counter: SimObject, box: Rect) -> tuple[np.ndarray, np.ndarray]:
@@ -158,41 +175,38 @@ def _cells(box: Rect, rect: Rect, shape: tuple[int, ...]) -> tuple[slice, slice]
     return spans[0], spans[1]
 
 
-def _layouts(box: Rect) -> Iterator[tuple[Rect, ...]]:
-    """The whole box, and every strip along a side with one leg anywhere or two legs at its ends."""
-    yield (box,)
-    for side in range(4):
-        long = (box.x1 - box.x0, box.z1 - box.z0)[side % 2]
-        deep = (box.z1 - box.z0, box.x1 - box.x0)[side % 2]
-        for depth in DEPTHS_M[deep - 0.2 > DEPTHS_M]:
-            for wide in DEPTHS_M[long - 0.2 > DEPTHS_M]:
-                for offset in np.append(np.arange(0.0, long - wide, 2 * CELL_M), long - wide):
-                    yield _strip(box, side, depth, ((float(offset), float(offset + wide)),))
-                if 2 * wide < long - 0.3:
-                    yield _strip(box, side, depth, ((0.0, float(wide)), (float(long - wide), float(long))))
+def _legs(long: float) -> np.ndarray:
+    """(K, 4): intervals (a, b, c, d) along a strip of this length from which legs go, NaN for c, d where there is one leg."""
+    legs = []
+    for wide in DEPTHS_M[long - 0.2 > DEPTHS_M]:
+        starts = np.append(np.arange(0.0, long - wide, 2 * CELL_M), long - wide)
+        legs.append(np.stack([starts, starts + wide, *np.full((2, len(starts)), np.nan)], axis=1))
+        if 2 * wide < long - 0.3:
+            legs.append(np.array([[0.0, wide, long - wide, long]]))
+    return np.concatenate(legs) if legs else np.zeros((0, 4))
 
 
-def _strip(box: Rect, side: int, depth: float, legs: tuple[tuple[float, float], ...]) -> tuple[Rect, ...]:
-    """A strip of `depth` along a side (0 low z, 1 low x, 2 high z, 3 high x) and legs, intervals along it, to the other side."""
-    if side == 0:
-        return (
-            Rect(box.x0, box.z0, box.x1, box.z0 + depth),
-            *(Rect(box.x0 + a, box.z0 + depth, box.x0 + b, box.z1) for a, b in legs),
-        )
-    if side == 1:
-        return (
-            Rect(box.x0, box.z0, box.x0 + depth, box.z1),
-            *(Rect(box.x0 + depth, box.z0 + a, box.x1, box.z0 + b) for a, b in legs),
-        )
-    if side == 2:
-        return (
-            Rect(box.x0, box.z1 - depth, box.x1, box.z1),
-            *(Rect(box.x0 + a, box.z0, box.x0 + b, box.z1 - depth) for a, b in legs),
-        )
-    return (
-        Rect(box.x1 - depth, box.z0, box.x1, box.z1),
-        *(Rect(box.x0, box.z0 + a, box.x1 - depth, box.z0 + b) for a, b in legs),
-    )
+def _layouts(box: Rect) -> np.ndarray:
+    """The whole box, and every strip along a side with one leg anywhere or two legs at its ends: (L, 3, 4) rectangles, as many
+    as the layout has, then NaN."""
+    found = [np.array([[box, *np.full((2, 4), np.nan)]])]
+    for side in range(4):  # low z, low x, high z, high x
+        wide, deep = (box.x1 - box.x0, box.z1 - box.z0)[:: 1 if side % 2 == 0 else -1]
+        depths, legs = DEPTHS_M[deep - 0.2 > DEPTHS_M], _legs(wide)
+        a, b, c, d = np.tile(legs, (len(depths), 1)).T
+        depth = np.repeat(depths, len(legs))
+        along = box.x0 if side % 2 == 0 else box.z0
+        whole = (box.x0, box.x1) if side % 2 == 0 else (box.z0, box.z1)
+        near, far = (box.z0, box.z1) if side % 2 == 0 else (box.x0, box.x1)
+        strip, rest = ((near, near + depth), (near + depth, far)) if side < 2 else ((far - depth, far), (near, far - depth))
+        layouts = np.empty((len(a), 3, 4))
+        for k, (start, end, across) in enumerate(((*whole, strip), (along + a, along + b, rest), (along + c, along + d, rest))):
+            sides = (start, across[0], end, across[1]) if side % 2 == 0 else (across[0], start, across[1], end)
+            for column, value in enumerate(sides):
+                layouts[:, k, column] = value
+        layouts[np.isnan(c), 2] = np.nan
+        found.append(layouts)
+    return np.concatenate(found)
 
 
 def without(rect: Rect, holes: tuple[Rect, ...]) -> tuple[Rect, ...]:
