@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ovman.engine.sunshine import Sun
+
 PHASES = 9
 """Shadow samples that a neighbourhood shares among all lights; as many as `shading` has phases."""
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
@@ -56,6 +58,7 @@ class Rig:
     ambient: np.ndarray
     """(3, 3) float32: light from above, from the sides and from below"""
     exposure: float
+    sun: Sun | None = None
 
 
 def _hash(text: str) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.engine import film, optics, shading, textures
+from ovman.engine import film, optics, shading, sunshine, textures
 from ovman.engine.lights import Rig
 from ovman.engine.materials import Material
 from ovman.engine.rays import Caster
@@ -143,7 +143,18 @@ class Painter:
         )  # fmt: skip
         blocked = self._caster.occluded(starts[:count], ways[:count], reach[:count])
         shading.soften(blocked, slots, weight, even, grid, np.asarray(view.position, dtype=np.float32), wide, high)
+        if rig.sun is not None:
+            self._shine(rig.sun, wide, high, grid)
         return grid
+
+    def _shine(self, sun: sunshine.Sun, wide: int, high: int, grid: np.ndarray) -> None:
+        """Adds the light of the sun to the coarse grid."""
+        starts, ways = np.empty((wide * high, 3), np.float32), np.empty((wide * high, 3), np.float32)
+        reach, which = np.empty(wide * high, np.float32), np.empty(wide * high, np.int64)
+        count = sunshine.through(grid, sun.way, sun.panes, starts, ways, reach, which)
+        if count:
+            blocked = self._caster.occluded(starts[:count], ways[:count], reach[:count])
+            sunshine.add(blocked, which[:count], sun.way, sun.colour, wide, high, grid)
 
     def _colour(self, hits: Hits, surface: Surface) -> np.ndarray:
         mesh, looks = self._mesh, self._looks

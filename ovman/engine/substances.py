@@ -39,7 +39,7 @@ COMMON: Mapping[str, Finish] = MappingProxyType(
 """Every slot, for types that the table does not name and slots that it leaves out."""
 
 _pottery = {"main": f.patterned_glaze, "second": f.glaze, "accent": f.glaze}
-_dish = {"main": either(f.ceramic, f.glaze, f.glaze), "accent": f.glaze, "picture": f.picture}
+_dish = {"main": either(f.ceramic, f.glaze, f.glaze), "second": f.ceramic, "accent": f.glaze, "picture": f.picture}
 _cutlery = {"metal": f.steel, "main": either(f.wood, f.steel, f.dark, f.plastic)}
 _cookware = {
     "main": either(f.steel, f.steel, f.cast_iron, f.enamel, f.gilt),

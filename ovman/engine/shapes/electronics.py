@@ -136,7 +136,7 @@ def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: 
     for name, y in (("a", high - thick), ("g", middle - thick / 2), ("d", low)):
         if name in strokes:
             yield span((x - wide / 2, y, 0.9 * s.z), (x + wide / 2, y + thick, s.z), "glow", solid=False)
-    for names, sign in (("fe", -1), ("bc", 1)):
+    for names, sign in (("fe", 1), ("bc", -1)):
         left = x + sign * (wide / 2 - thick / 2) - thick / 2
         for name, y0, y1 in ((names[0], middle, high), (names[1], low, middle)):
             if name in strokes:
@@ -149,7 +149,8 @@ def alarm_clock(s: Subject) -> Iterator[Part]:
         yield prism([(-s.x, 0), (s.x, 0), (0.92 * s.x, s.h * 0.94), (-0.92 * s.x, s.h * 0.94)], -s.z, s.z * 0.94, "main")
         yield span((-0.78 * s.x, 0.16 * s.h, 0.9 * s.z), (0.78 * s.x, 0.8 * s.h, 0.97 * s.z), "dark", solid=False)
         hour, minute = st.whole("hour", 10, 23), st.whole("minute", 10, 59)
-        for x, digit in zip((-0.52, -0.2, 0.2, 0.52), f"{hour}{minute}", strict=True):
+        # who looks at the face has +x on the left
+        for x, digit in zip((0.52, 0.2, -0.2, -0.52), f"{hour}{minute}", strict=True):
             yield from _digit(s, x * s.x, 0.24 * s.x, 0.26 * s.h, 0.7 * s.h, SEGMENTS[int(digit)])
         for y in (0.38, 0.56):
             yield span((-0.03 * s.x, y * s.h, 0.9 * s.z), (0.03 * s.x, (y + 0.04) * s.h, s.z), "glow", solid=False)

@@ -100,7 +100,13 @@ def cabinet(s: Subject) -> Iterator[Part]:
         yield from _leaf(s, face, reach, 1)
         return
     foot = 0.0 if s.hung or s.h < 0.4 else 0.04
-    yield span((-s.x, foot, -s.z), (s.x, s.h, face), "main", bevel=0.002)
+    sunk = min((i.y0 for i in s.inserts if i.kind == "sink"), default=s.h) - 0.005
+    if foot + 0.1 < sunk < s.h - 0.02:
+        behind = max(-s.z + 0.01, min(face - 0.02, max(i.z1 for i in s.inserts)))
+        yield span((-s.x, foot, -s.z), (s.x, sunk, face), "main", bevel=0.002)
+        yield span((-s.x, sunk, behind), (s.x, s.h, face), "main", solid=False)
+    else:
+        yield span((-s.x, foot, -s.z), (s.x, s.h, face), "main", bevel=0.002)
     if foot:
         yield span((-s.x + 0.002, 0, -s.z), (s.x - 0.002, foot, face - 0.05), "dark", solid=False)
     yield from _leaf(s, face, reach, 2 if s.w > 0.62 else 1)

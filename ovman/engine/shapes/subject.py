@@ -9,10 +9,11 @@ from ovman.engine.shapes.style import Style
 
 
 class Insert(NamedTuple):
-    """A drawer, door or shelf that is an object of its own within a piece of furniture, in the frame of `Subject`, metres."""
+    """A drawer, door or shelf that is an object of its own within a piece of furniture, or a sink that hangs into it; metres, in
+    the frame of `Subject`."""
 
     kind: str
-    """drawer, door or shelf"""
+    """drawer, door, shelf or sink"""
     x0: float
     x1: float
     y0: float

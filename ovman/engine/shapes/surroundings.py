@@ -18,6 +18,8 @@ FITTED_TYPES = frozenset({"Cabinet", "Drawer", "TVStand", "Shelf", "StoveKnob", 
 """What has no reliable rotation: its front is found from what stands before it."""
 HOSTS = frozenset({"Dresser", "Desk", "SideTable", "TVStand", "ShelvingUnit", "CoffeeTable", "DiningTable", "Sink"})
 """Furniture that drawers, doors and shelves may be set into."""
+UNDER_SINKS = frozenset({"Cabinet", "Drawer"})
+"""What a sink may hang into from above."""
 INSERTS = {"Drawer": "drawer", "Cabinet": "door", "Shelf": "shelf"}
 TURNED_TYPES = {"Bed": 2}
 """Quarter turns of types whose front is known not to be +z: the recorded beds have their heads at +z."""
@@ -128,18 +130,28 @@ def _openness(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
     )
 
 
+def _overlap(first: SimObject, second: SimObject) -> bool:
+    """Whether the boxes around two objects have room in common."""
+    (low, high), (other_low, other_high) = first.box.bounds(), second.box.bounds()
+    return bool((np.minimum(high, other_high) > np.maximum(low, other_low)).all())
+
+
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj`, in the frame of its `Subject` once its front has been turned to +z."""
-    if obj.type not in HOSTS:
+    """Drawers, doors and shelves set into `obj` and sinks that hang into it, in the frame of its `Subject` once its front has been
+    turned to +z."""
+    if obj.type not in HOSTS and obj.type not in UNDER_SINKS:
         return ()
     found = []
     to_local = turn(quarter).T @ obj.box.rotation.T
     half = np.abs(turn(quarter).T) @ obj.box.half
     for other in plan.objects:
-        if other.type in INSERTS and host(other, plan) is obj:
+        sunk = obj.type in UNDER_SINKS and other.type == "Sink" and _overlap(obj, other)
+        if sunk or (other.type in INSERTS and host(other, plan) is obj):
             corners = (other.box.corners() - obj.box.centre) @ to_local.T
             low, high = np.maximum(corners.min(axis=0), -half), np.minimum(corners.max(axis=0), half)
             if (high > low).all():
                 up = half[1]
-                found.append(Insert(INSERTS[other.type], low[0], high[0], low[1] + up, high[1] + up, low[2], high[2]))
+                found.append(
+                    Insert("sink" if sunk else INSERTS[other.type], low[0], high[0], low[1] + up, high[1] + up, low[2], high[2])
+                )
     return tuple(sorted(found))
