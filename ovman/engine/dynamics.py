@@ -11,10 +11,12 @@ from ovman.engine.body import Agent, Body, Pose
 from ovman.engine.carrying import RESTS_M
 from ovman.engine.floorplan import Box
 from ovman.engine.forms import feet, transferred, within
-from ovman.engine.physics import TICK_S, Model, Solid
+from ovman.engine.physics import AGENT, TICK_S, Model, Solid
 from ovman.engine.setting import Setting
-from ovman.engine.waking import lift, supported
+from ovman.engine.waking import OVERLAP_M, lift, supported
 
+MARGIN_M = 0.3
+"""Nothing that moves gets farther than this beyond what is recorded."""
 STAYED_M, STAYED_RAD = 0.002, 0.01
 """A body that has moved no farther than this since it woke has not moved."""
 
@@ -38,6 +40,7 @@ class Dynamics:
         self._embodiment = agent.embodiment
         self._written: dict[str, Pose] = {}
         self._owed_s = 0.0
+        self._agent_at: np.ndarray | None = None
 
     def parts(self, object_id: str) -> list[Body]:
         """The fixed parts of a body."""
@@ -75,11 +78,25 @@ class Dynamics:
     def wake(self, names: Iterable[str]) -> None:
         """Let bodies fall. What they overlap now does not touch them until they sleep."""
         for name in names:
+            if not self._reaches(self._bodies[name].box.centre):
+                continue
             self.awake.add(name)
             self._fresh.add(name)
             self._held.discard(name)
             self._woken.setdefault(name, (self._bodies[name].pose, self._bodies[name].pose))
             self._strangers = {pair for pair in self._strangers if name not in pair}
+
+    def _reaches(self, point: np.ndarray) -> bool:
+        """Whether there is gravity at a point (3,): far outside nothing would ever come to rest."""
+        low, high = self._bounds
+        return bool(((point >= low) & (point <= high)).all())
+
+    @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        boxes = [o.box.bounds() for o in self._setting.plan.objects]
+        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+        low[1], high[1] = self._setting.plan.floor_y, max(high[1], self._setting.room.ceiling_y)
+        return low - [MARGIN_M, 0.0, MARGIN_M], high + MARGIN_M
 
     def make_room(self) -> None:
         """Call when a body has come: what is awake does not touch what it overlaps now."""
@@ -162,7 +179,8 @@ class Dynamics:
         """The compiled scene with what is awake free: what has just woken is lifted out of what it had sunk into, does not touch
         what it still overlaps, and stays where it is if the floor plan does not know what holds it there."""
         model = self._synchronised(frozenset(self.awake), self._strangers)
-        if not self._fresh:
+        trodden = self._trodden(model)
+        if not self._fresh and not trodden:
             return model
         for name in sorted(self._fresh):
             body = self._bodies[name]
@@ -176,7 +194,16 @@ class Dynamics:
                 self._held.add(name)
                 self.still(name)
         self._fresh.clear()
+        self._strangers |= trodden
         return self._synchronised(frozenset(self.awake), self._strangers)
+
+    def _trodden(self, model: Model) -> set[tuple[str, str]]:
+        """The agent and what it has stepped into since it was last looked at, as strangers."""
+        if self._agent_at is not None and np.array_equal(self._agent_at, self._agent.position):
+            return set()
+        self._agent_at = self._agent.position.copy()
+        deep = {(o.other, name) for name in model.free for o in model.overlaps(name) if o.depth > OVERLAP_M}
+        return {pair for pair in deep if pair[0] == AGENT and pair not in self._strangers}
 
     def _is_kept(self, body: Body) -> bool:
         """Whether a body is where the floor plan has it, and so is what it is in or on by the floor plan."""
@@ -199,7 +226,8 @@ class Dynamics:
             boxes = {name: self._bodies[name].box for name in self._pieces}
             walls = {w.name: w.box for w in self._setting.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
-            self._model = Model(solids, boxes, free, walls, self._setting.plan.floor_y, capsule, strangers)
+            floor_y = self._setting.plan.floor_y
+            self._model = Model(solids, boxes, free, walls, floor_y, capsule, strangers, self._bounds)
             self._written, self._embodiment = {}, embodiment
         model = self._model
         for name in self._pieces:

@@ -11,7 +11,7 @@ import numpy as np
 Piece = tuple
 """One convex piece of a body in the frame of its oriented box; see `shapes.collision`."""
 
-FRICTION = (0.7, 0.005, 0.001)
+FRICTION = (0.7, 0.005, 0.002)
 """Sliding, torsional and rolling."""
 LEAST_M = 0.0005
 """Least half extent of a piece: thinner ones fall through what they lie on."""

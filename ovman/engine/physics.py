@@ -26,6 +26,8 @@ CAP_M_S, CAP_RAD_S = 4.0, 20.0
 DRAG_1_S = 0.05
 """Share of its speed that a body loses to the air in a second."""
 LEAST_KG = 0.01
+AGENT = "Agent"
+"""Name of the agent's capsule."""
 
 _ABSENT_GROUP, _AGENT_GROUP = 4, 3
 
@@ -53,10 +55,12 @@ class Model:
         floor_y: float,
         capsule: tuple[float, float],
         strangers: Collection[tuple[str, str]] = (),
+        bounds: tuple[np.ndarray, np.ndarray] | None = None,
     ) -> None:
         """`boxes` are the poses of all `solids`, `walls` fixed boxes, `capsule` the agent's radius and height, all in metres.
 
-        The bodies of each pair of `strangers` do not touch; one of them is free.
+        The bodies of each pair of `strangers` do not touch; one of them is free. Nothing that moves leaves `bounds`, the lower
+        and upper corner (3,) of what is walled in by invisible walls and a ceiling.
         """
         spec = mujoco.MjSpec()
         spec.option.timestep = STEP_S
@@ -88,7 +92,7 @@ class Model:
             body = spec.worldbody.add_body(name=name, pos=box.centre[SWAP], quat=quaternion(box.rotation))
             add(spec, body, f"{name}#", ("box", np.zeros(3), box.half, np.eye(3)), contype=1, conaffinity=0)
         radius, height = capsule
-        agent = spec.worldbody.add_body(name="Agent", mocap=True, pos=[0, 0, -100])
+        agent = spec.worldbody.add_body(name=AGENT, mocap=True, pos=[0, 0, -100])
         agent.add_geom(
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
             size=[radius, height / 2 - radius, 0],
@@ -97,6 +101,8 @@ class Model:
             group=_AGENT_GROUP,
             condim=3,
         )
+        if bounds is not None:
+            _enclose(spec, *bounds)
         for pair in sorted(self.strangers):
             spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
         self.model = spec.compile()
@@ -105,7 +111,7 @@ class Model:
         self._name = [self.model.body(i).name for i in range(self.model.nbody)]
         self._name[0] = "Floor"
         self._loose = loose
-        self._agent = self.model.body("Agent").mocapid[0]
+        self._agent = self.model.body(AGENT).mocapid[0]
         self._bits = (self.model.geom_contype.copy(), self.model.geom_conaffinity.copy(), self.model.geom_group.copy())
         self._present = dict.fromkeys(self._ids, True)
         self._weigh(solids)
@@ -259,3 +265,24 @@ class Model:
     def asleep(self) -> bool:
         """Whether every free body has been still for long enough."""
         return all(self.sleeps(name) for name in self.free)
+
+
+def _enclose(spec: mujoco.MjSpec, low: np.ndarray, high: np.ndarray) -> None:
+    """Invisible planes around the bounds, the floor apart."""
+    around = spec.worldbody.add_body(name="Bounds")
+    low, high = low[SWAP], high[SWAP]
+    for axis, corner, inwards in ((0, low, 1), (0, high, -1), (1, low, 1), (1, high, -1), (2, high, -1)):
+        at, normal = np.zeros(3), np.zeros(3)
+        at[axis], normal[axis] = corner[axis], inwards
+        turn = np.empty(4)
+        mujoco.mju_quatZ2Vec(turn, normal)
+        around.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0, 0, 1],
+            pos=at,
+            quat=turn,
+            contype=1,
+            conaffinity=0,
+            group=_AGENT_GROUP,
+            condim=3,
+        )
