@@ -8,9 +8,8 @@ What is built in matches: cabinet fronts, window frames, basins and counters of 
 from __future__ import annotations
 
 from collections import Counter, OrderedDict
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from types import MappingProxyType
 
 import numpy as np
 
@@ -76,16 +75,37 @@ def _shaded(material: Material, share: float) -> Material:
     return replace(material, colour=np.clip(material.colour * (1.0 + share), 0.0, 0.95))
 
 
-def _painted(key: str, kind: str) -> dict[str, Material]:
-    made: dict[str, Material] = {}
+class _Slots(Mapping):
+    """Materials of slots, each made when it is first asked for: few things have parts of every slot."""
+
+    def __init__(self, make: Callable[[str], Material]) -> None:
+        self._make, self._made = make, {}
+
+    def __getitem__(self, slot: str) -> Material:
+        if slot not in self._made:
+            if slot not in COMMON:
+                raise KeyError(slot)
+            self._made[slot] = self._make(slot)
+        return self._made[slot]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMON)
+
+    def __len__(self) -> int:
+        return len(COMMON)
+
+
+def _painted(key: str, kind: str) -> Mapping[str, Material]:
     whole = Style(key)
-    for slot in COMMON:
+
+    def make(slot: str) -> Material:
         style = Style(f"{key}|{slot}")
         other, often = RELATED.get(slot, ("", 0.0))
         if other and kind not in OWN and whole.chance(f"{slot} as {other}", often):
-            made[slot] = _shaded(made[other], style.choice("sign", (-1, 1)) * style.uniform("shade", 0.5, 1.5) * _SHADE)
-        else:
-            made[slot] = replace(finish(kind, slot)(style), seed=style.integer("seed") % 2**31)
+            return _shaded(made[other], style.choice("sign", (-1, 1)) * style.uniform("shade", 0.5, 1.5) * _SHADE)
+        return replace(finish(kind, slot)(style), seed=style.integer("seed") % 2**31)
+
+    made = _Slots(make)
     return made
 
 
@@ -122,19 +142,22 @@ def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping
     """
     key, own_kind = _maker(obj, plan)
     kind = kind or own_kind
-    made = _painted(key, kind)
+    usual = _painted(key, kind)
+    instead: dict[str, Callable[[], Material]] = {}
     if kind == "Floor":
         style = Style(f"{plan.name}|floor")
-        made["main"] = replace(finishes.floor(style), seed=style.integer("seed") % 2**31)
+        instead["main"] = lambda: replace(finishes.floor(style), seed=style.integer("seed") % 2**31)
     if kind == "CounterTop":
-        made["second"] = _painted(f"{plan.name}|{MAKES['Cabinet']}", "Cabinet")["main"]
+        instead["second"] = lambda: _painted(f"{plan.name}|{MAKES['Cabinet']}", "Cabinet")["main"]
     if obj.type == "Sink":
-        made["main"] = _painted(f"{plan.name}|{MAKES['SinkBasin']}", "Basin" if kind == "Basin" else "SinkBasin")["metal"]
-    if obj.asset_id and _repeats(plan)[obj.asset_id] > 1:
-        own = Style(f"{plan.name}|{obj.name}")
-        share = own.uniform("apart", -_APART, _APART)
-        made = {
-            slot: replace(_shaded(m, share), seed=own.integer(slot) % 2**31) if m.emission == 0.0 else m
-            for slot, m in made.items()
-        }
-    return MappingProxyType(made)
+        basin = "Basin" if kind == "Basin" else "SinkBasin"
+        instead["main"] = lambda: _painted(f"{plan.name}|{MAKES['SinkBasin']}", basin)["metal"]
+    own = Style(f"{plan.name}|{obj.name}") if obj.asset_id and _repeats(plan)[obj.asset_id] > 1 else None
+
+    def make(slot: str) -> Material:
+        made = instead[slot]() if slot in instead else usual[slot]
+        if own is None or made.emission != 0.0:
+            return made
+        return replace(_shaded(made, own.uniform("apart", -_APART, _APART)), seed=own.integer(slot) % 2**31)
+
+    return _Slots(make)
