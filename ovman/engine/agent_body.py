@@ -9,6 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from types import MappingProxyType
 
+import numpy as np
+
+from ovman.engine.body import Agent
 from ovman.engine.embodiment import Embodiment
 from ovman.engine.materials import Material, linear
 from ovman.engine.shapes.part import Part, column, span
@@ -34,8 +37,17 @@ BUILDS = {"default": _Build(0.145, 0.12), "locobot": _Build(0.04, 0.075)}
 BASE_M = 0.16
 """Height of the base"""
 NECK_M = 0.03
+ABOVE_EYE_M = 0.15
+"""Height of what is above the camera, a little more."""
 MARK_M = 0.012
 """Height of the arrow on the head, which is seen from above."""
+
+
+def encloses(agent: Agent, point: np.ndarray) -> bool:
+    """Whether a point (3,) of the world is within the upright cylinder about an agent's body."""
+    away = point - agent.position
+    top = agent.embodiment.camera_m(agent.standing) + ABOVE_EYE_M
+    return bool(np.hypot(away[0], away[2]) < agent.embodiment.radius_m and agent.embodiment.foot_m < away[1] < top)
 
 
 def parts(embodiment: Embodiment, standing: bool) -> tuple[Part, ...]:

@@ -207,12 +207,7 @@ class Engine:
 
     def _message(self, request: Mapping[str, Any], outcome: Outcome, wanted: Images) -> list[tuple[Field, bytes | memoryview]]:
         state = self._state()
-        if (
-            self.settings.fast_emit
-            and state is not None
-            and state == self._last_state
-            and (wanted == self._last_images or not wanted.any)
-        ):
+        if self.settings.fast_emit and state is not None and state == self._last_state and wanted == self._last_images:
             return [(Field.METADATA_PATCH, msgpack.packb(event.patch(request, outcome, self.time_s)))]
         images: list[tuple[Field, memoryview]] = []
         colours = None

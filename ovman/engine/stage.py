@@ -49,13 +49,14 @@ class Stage:
     def set_for(self, view, agent) -> SceneMesh:
         """What the shell shows to a camera.View, and the body of a body.Agent, which has no number: its instance is -1.
 
-        Its materials, which follow those of the plan, are given by `looks`.
+        Its materials, which follow those of the plan, are given by `looks`. A camera within the body sees out of it.
         """
         if view.orthographic_size is None:
             facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
         else:
             facing = self._normals @ view.axes()[2] < 0
-        return joined(subset(self._mesh, self._triangles[facing]), self._body(agent))
+        shell = subset(self._mesh, self._triangles[facing])
+        return shell if agent_body.encloses(agent, np.asarray(view.position)) else joined(shell, self._body(agent))
 
     def looks(self, plan: Looks) -> Looks:
         """The looks of the plan, followed by those of the body."""

@@ -87,6 +87,15 @@ def test_a_camera_at_the_place_of_the_eye_sees_what_the_agent_saw(scene):
     scene.step("ChangeResolution", x=120, y=90, raise_for_failure=True)
 
 
+def test_a_camera_at_the_eye_itself_sees_out_of_the_agent(scene):
+    for down, standing in ((0, True), (30, True), (60, False)):
+        event = scene.step("Teleport", horizon=down, standing=standing, raise_for_failure=True)
+        eye, yaw = event.metadata["cameraPosition"], event.metadata["agent"]["rotation"]["y"]
+        event = added(scene, position=eye, rotation={"x": down, "y": yaw, "z": 0})
+        assert np.array_equal(event.third_party_depth_frames[-1], event.depth_frame)
+        assert np.array_equal(event.third_party_instance_segmentation_frames[-1], event.instance_segmentation_frame)
+
+
 def test_rolling_a_camera_turns_its_picture(scene):
     scene.step("ChangeResolution", x=90, y=90, raise_for_failure=True)
     upright = added(scene).third_party_depth_frames[0]
@@ -254,6 +263,7 @@ def test_a_camera_is_a_change_and_an_unchanged_scene_keeps_its_images(scene):
     assert np.array_equal(back.third_party_camera_frames[0], one.third_party_camera_frames[0])
     blind = scene.step("RotateRight", renderImage=False)
     assert blind.third_party_camera_frames == [] and len(blind.metadata["thirdPartyCameras"]) == 1
+    assert scene.step("Pass").frame is not None and scene.step("Pass", renderImage=False).frame is None
     assert len(scene.step("Pass").third_party_camera_frames) == 1
 
 
@@ -311,7 +321,7 @@ def test_from_outside_one_looks_into_the_room(scene):
     views = (
         {"position": high, "rotation": properties["rotation"], "fieldOfView": 50},
         {"position": {"x": middle["x"] - size, "y": 4.5, "z": middle["z"] - size}, "rotation": {"x": 30, "y": 45, "z": 0}},
-        {"position": {"x": middle["x"] + size, "y": 1.2, "z": middle["z"]}, "rotation": {"x": 0, "y": 270, "z": 0}},
+        {"position": {"x": middle["x"] - size, "y": 1.2, "z": middle["z"]}, "rotation": {"x": 0, "y": 90, "z": 0}},
     )
     sofa = next(o["objectId"] for o in event.metadata["objects"] if o["objectType"] == "Sofa")
     floor = next(o["objectId"] for o in event.metadata["objects"] if o["objectType"] == "Floor")

@@ -158,7 +158,7 @@ def _changed(
 
 def _check_field_of_view(fov: float) -> None:
     if not 0 < fov < 180:
-        raise out_of_range(f"fieldOfView: {fov:g} must be in 0 < fieldOfView < 180.")
+        raise out_of_range(f"fieldOfView: {fov:g} must be in 0 < fieldOfView < 180: fov is in (0, 180), noninclusive.")
 
 
 def _colour(text: str) -> tuple[int, int, int] | None:
