@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import json
+import weakref
+
 import numpy as np
 import pytest
 from ai2thor.server import DepthFormat
 
-from ovman.engine import floorplan
+from ovman.engine import camera, engine, floorplan, scene_mesh
 
 
 @pytest.fixture(scope="module")
@@ -96,3 +100,21 @@ def test_two_engines_beside_each_other_do_not_touch(start, small):
             assert np.array_equal(passed.frame, alone.frame) and turned.metadata["sceneName"] == "FloorPlan402_physics"
             assert passed.metadata["agent"] == alone.metadata["agent"] != turned.metadata["agent"]
     assert np.array_equal(small.step("Pass").frame, alone.frame)
+
+
+def test_a_reset_lets_go_of_the_scene_before_and_keeps_a_bounded_number_of_plans(monkeypatch):
+    monkeypatch.setattr(scene_mesh, "PLANS_KEPT", 2)
+    served, former = engine.Engine(32, 32), []
+    for name in ("FloorPlan401", "FloorPlan402", "FloorPlan403", "FloorPlan401"):
+        calls = (
+            {"action": "Reset", "sceneName": f"{name}_physics"},
+            {"action": "Initialize", "renderInstanceSegmentation": True},
+            {"action": "AddThirdPartyCamera", "position": {"x": 0, "y": 4, "z": 0}, "rotation": {"x": 90, "y": 0, "z": 0}},
+            {"action": "ToggleMapView"},
+        )
+        for call in calls:
+            served.answer(json.dumps(call).encode())
+        former.append(weakref.ref(served.world))
+    gc.collect()
+    assert [world() is not None for world in former] == [False, False, False, True]
+    assert len(camera._plans) <= 2 and len(scene_mesh._plans) <= 2
