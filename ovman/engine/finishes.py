@@ -11,6 +11,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ovman.engine.shapes.style import Style
+from ovman.engine.tones import (
+    ALLOYS,
+    CLOTHS,
+    GILTS,
+    GLAZES,
+    GREYS,
+    LEATHERS,
+    PAINTS,
+    PLASTICS,
+    WHITES,
+    WOODS,
+    Tone,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +45,6 @@ class Material:
 
 
 Finish = Callable[[Style], Material]
-Tone = tuple[float, float, float]
 
 
 def linear(hue: float, saturation: float, lightness: float) -> np.ndarray:
@@ -40,95 +52,6 @@ def linear(hue: float, saturation: float, lightness: float) -> np.ndarray:
     k = (np.array([0.0, 8.0, 4.0]) + hue * 12.0) % 12.0
     display = lightness - saturation * min(lightness, 1 - lightness) * np.clip(np.minimum(k - 3, 9 - k), -1, 1)
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
-
-
-WOODS: tuple[Tone, ...] = (
-    (0.085, 0.40, 0.60),
-    (0.080, 0.36, 0.48),
-    (0.070, 0.44, 0.40),
-    (0.055, 0.40, 0.29),
-    (0.040, 0.45, 0.24),
-    (0.100, 0.36, 0.68),
-    (0.090, 0.48, 0.54),
-    (0.085, 0.14, 0.46),
-    (0.065, 0.26, 0.18),
-)
-"""Oak, chestnut, walnut, mahogany, birch, pine, weathered, wenge."""
-WHITES: tuple[Tone, ...] = ((0.1, 0.12, 0.89), (0.12, 0.22, 0.84), (0.6, 0.06, 0.87), (0.09, 0.1, 0.8))
-GREYS: tuple[Tone, ...] = ((0.6, 0.04, 0.62), (0.09, 0.07, 0.7), (0.6, 0.08, 0.36), (0.08, 0.08, 0.5), (0.6, 0.05, 0.22))
-PAINTS: tuple[Tone, ...] = (
-    (0.30, 0.14, 0.55),
-    (0.50, 0.18, 0.62),
-    (0.61, 0.34, 0.27),
-    (0.38, 0.28, 0.25),
-    (0.02, 0.26, 0.72),
-    (0.12, 0.45, 0.58),
-    (0.58, 0.24, 0.52),
-    (0.00, 0.42, 0.34),
-)
-"""Sage, duck egg, navy, forest, blush, mustard, slate blue, oxblood."""
-CLOTHS: tuple[Tone, ...] = (
-    (0.10, 0.22, 0.70),
-    (0.09, 0.16, 0.55),
-    (0.60, 0.04, 0.62),
-    (0.60, 0.05, 0.42),
-    (0.62, 0.08, 0.25),
-    (0.61, 0.34, 0.28),
-    (0.57, 0.28, 0.46),
-    (0.49, 0.32, 0.35),
-    (0.22, 0.24, 0.38),
-    (0.37, 0.26, 0.27),
-    (0.04, 0.45, 0.46),
-    (0.98, 0.42, 0.30),
-    (0.12, 0.50, 0.52),
-    (0.01, 0.30, 0.70),
-    (0.11, 0.20, 0.84),
-    (0.07, 0.30, 0.32),
-    (0.76, 0.16, 0.50),
-    (0.50, 0.24, 0.66),
-)
-"""Oatmeal, taupe, greys, navy, denim, teal, olive, forest, rust, burgundy, mustard, blush, cream, brown, mauve, aqua."""
-LEATHERS: tuple[Tone, ...] = (
-    (0.07, 0.48, 0.42),
-    (0.06, 0.45, 0.27),
-    (0.06, 0.30, 0.16),
-    (0.6, 0.04, 0.11),
-    (0.1, 0.2, 0.78),
-    (0.0, 0.42, 0.26),
-)
-GLAZES: tuple[Tone, ...] = (
-    (0.1, 0.1, 0.9),
-    (0.12, 0.2, 0.84),
-    (0.6, 0.05, 0.88),
-    (0.61, 0.52, 0.36),
-    (0.49, 0.38, 0.40),
-    (0.29, 0.18, 0.56),
-    (0.045, 0.5, 0.46),
-    (0.12, 0.56, 0.54),
-    (0.6, 0.06, 0.20),
-    (0.0, 0.58, 0.42),
-    (0.56, 0.40, 0.66),
-    (0.97, 0.38, 0.70),
-    (0.08, 0.34, 0.34),
-)
-PLASTICS: tuple[Tone, ...] = (
-    (0.1, 0.05, 0.88),
-    (0.6, 0.04, 0.12),
-    (0.6, 0.05, 0.5),
-    (0.0, 0.62, 0.46),
-    (0.6, 0.55, 0.45),
-    (0.36, 0.42, 0.40),
-    (0.13, 0.66, 0.56),
-    (0.49, 0.42, 0.46),
-    (0.08, 0.68, 0.54),
-    (0.92, 0.45, 0.62),
-    (0.75, 0.28, 0.5),
-    (0.56, 0.42, 0.68),
-)
-ALLOYS: tuple[Tone, ...] = ((0.6, 0.03, 0.54), (0.58, 0.04, 0.44), (0.1, 0.05, 0.6), (0.6, 0.03, 0.64))
-"""Steel, tin, nickel, chrome."""
-GILTS: tuple[Tone, ...] = ((0.12, 0.45, 0.5), (0.06, 0.42, 0.45), (0.08, 0.34, 0.34), (0.11, 0.35, 0.6))
-"""Brass, copper, bronze, champagne."""
 
 
 def toned(

@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ovman.engine import finishes
-from ovman.engine.finishes import Material, Tone
+from ovman.engine.finishes import Material
 from ovman.engine.room import Room, structure_name
 from ovman.engine.shapes.part import Part
 from ovman.engine.shapes.style import Style
+from ovman.engine.tones import Tone
 
 THICK_M = 0.1
 THINNEST_M = 0.02

@@ -11,14 +11,24 @@ from ovman.engine.shapes import (
     appliances,
     bedding,
     belongings,
+    bins,
+    bottles,
     built_in,
+    cleaning,
+    cutlery,
     decor,
+    doorways,
     electronics,
+    fittings,
     food,
     hangings,
     lamps,
+    paper,
+    plants,
     sanitary,
     seating,
+    showers,
+    statues,
     storage,
     surroundings,
     tables,
@@ -36,19 +46,28 @@ __all__ = ["FORMS", "LOOSE", "Part", "collision", "compound", "mesh", "stoves"]
 
 FORMS: dict[str, Form] = {}
 for _module in (
-    seating,
-    tables,
-    storage,
-    bedding,
-    lamps,
-    electronics,
     appliances,
-    tableware,
-    food,
-    sanitary,
-    hangings,
-    decor,
+    bedding,
     belongings,
+    bins,
+    bottles,
+    cleaning,
+    cutlery,
+    decor,
+    electronics,
+    fittings,
+    food,
+    hangings,
+    lamps,
+    paper,
+    plants,
+    sanitary,
+    seating,
+    showers,
+    statues,
+    storage,
+    tables,
+    tableware,
 ):
     FORMS.update(_module.FORMS)
 
@@ -83,6 +102,10 @@ def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     """
     if obj.type == "CounterTop":
         return built_in.counter(obj, plan)
+    if obj.type in doorways.TYPES:
+        return doorways.doorway(obj)
+    if obj.type == "Floor" and plan.house is not None:
+        return doorways.floor(obj, plan)
     quarter = surroundings.front(obj, plan)
     low, _ = obj.box.bounds()
     size = tuple(float(v) for v in np.maximum(2 * obj.box.half, _SMALLEST_M))

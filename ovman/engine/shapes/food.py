@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ovman.engine.shapes.part import Part, about, bar, rod, span
 from ovman.engine.shapes.subject import Subject
-from ovman.engine.shapes.tableware import turned
+from ovman.engine.shapes.vessel import turned
 
 
 def apple(s: Subject) -> Iterator[Part]:

@@ -100,38 +100,6 @@ def curtains(s: Subject) -> Iterator[Part]:
     yield span((-reach[0], 0, -reach[2]), (reach[0], s.h, reach[2]), drawn=False)
 
 
-PLEAT_M = 0.05
-"""Width of a pleat of a shower curtain."""
-
-
-def shower_curtain(s: Subject) -> Iterator[Part]:
-    """Pleats that hang from a rail by rings, along the longer side."""
-    along_x = s.along_x
-    half, deep = (s.x, s.z) if along_x else (s.z, s.x)
-    radius = min(0.012, 0.2 * deep)
-    top = s.h - 3.4 * radius
-    thick = 0.006
-
-    def at(u: float, y: float, v: float) -> np.ndarray:
-        return np.array((u, y, v) if along_x else (v, y, u))
-
-    yield rod(at(-half, s.h - radius, 0), at(half, s.h - radius, 0), radius, "metal", solid=False)
-    count = max(5, round(2 * half / PLEAT_M))
-    for i in range(count):
-        first, last = (-half + 2 * half * k / count for k in (i, i + 1))
-        swing = (deep - thick) * (1 if i % 2 else -1)
-        start, end = at(first, 0, -swing), at(last, 0, swing)
-        way = end - start
-        turn = about("y", float(np.degrees(np.arctan2(-way[2], way[0]))))
-        size = (float(np.linalg.norm(way)), top, thick)
-        yield Part("box", (start + end) / 2 + [0, top / 2, 0], size, turn, "cloth", solid=False)
-        ring = about("z", 90.0) if along_x else about("x", 90.0)
-        middle = at((first + last) / 2, s.h - 1.7 * radius, 0)
-        yield Part("torus", middle, (3.4 * radius, 0.006, 3.4 * radius), ring, "metal", solid=False, ratio=0.3, segments=12)
-    reach = at(half, 0, deep)
-    yield span((-reach[0], 0, -reach[2]), (reach[0], s.h, reach[2]), drawn=False)
-
-
 def mirror(s: Subject) -> Iterator[Part]:
     st = s.style
     width = min(st.uniform("frame", 0.02, 0.07), 0.16 * min(s.w, s.h))
@@ -185,7 +153,6 @@ FORMS = {
     "Window": window,
     "Blinds": blinds,
     "Curtains": curtains,
-    "ShowerCurtain": shower_curtain,
     "Mirror": mirror,
     "Painting": painting,
     "Poster": poster,

@@ -65,6 +65,8 @@ def front(obj: SimObject, plan: FloorPlan) -> int:
     """Quarter turns about y from +z of the box to the front of `obj`."""
     if obj.type in TURNED_TYPES:
         return TURNED_TYPES[obj.type]
+    if plan.house is not None:
+        return 0
     if obj.type in WALL_TYPES:
         across = (0, 2) if obj.box.half[2] <= obj.box.half[0] else (1, 3)
         return max(across, key=lambda q: (_room_side(obj, plan, q), -q))
@@ -137,8 +139,7 @@ def _overlap(first: SimObject, second: SimObject) -> bool:
 
 
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj` and sinks that hang into it, in the frame of its `Subject` once its front has been
-    turned to +z."""
+    """Drawers, doors and shelves set into `obj`, sinks that hang into it, in the frame of its `Subject`: its front is at +z."""
     if obj.type not in HOSTS and obj.type not in UNDER_SINKS:
         return ()
     found = []

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.engine.shapes.part import Part
+from ovman.engine.shapes.part import Part, cross
 
 Mesh = tuple[np.ndarray, np.ndarray]
 
@@ -180,13 +180,13 @@ def _swept(path: np.ndarray, radius: np.ndarray, sides: int) -> Mesh:
     steps /= np.linalg.norm(steps, axis=1, keepdims=True)
     tangent = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = np.cross(tangent[0], [0.0, 0.0, 1.0] if abs(tangent[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
+    side = cross(tangent[0], [0.0, 0.0, 1.0] if abs(tangent[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
     angle = 2 * np.pi * np.arange(sides) / sides
     rings = []
     for point, along, r in zip(path, tangent, radius, strict=True):
         side = side - along * (side @ along)
         side /= np.linalg.norm(side)
-        other = np.cross(along, side)
+        other = cross(along, side)
         rings.append(point + r * (np.cos(angle)[:, None] * side + np.sin(angle)[:, None] * other))
     count = len(path)
     vertices = np.concatenate([*rings, path[:1], path[-1:]])
