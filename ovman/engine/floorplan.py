@@ -106,12 +106,14 @@ class FloorPlan:
 
     name: str
     kind: str
-    """kitchen, living_room, bedroom or bathroom"""
+    """kitchen, living_room, bedroom or bathroom; house"""
     objects: tuple[SimObject, ...]
     start: np.ndarray
     """(3,) metres: where the agent stood when the metadata were taken; on the 0.25 m lattice, and free."""
     floor_y: float
     """Height of the floor's surface, metres."""
+    house: Any = None
+    """house.House, if the plan is that of a house and tells its own walls"""
 
     @property
     def floor(self) -> SimObject:
@@ -195,15 +197,27 @@ def _database() -> mmap.mmap:
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
 
 
+@cache
+def _places(group: str) -> tuple[int, ...]:
+    """Where in the file the scenes of a group begin."""
+    data = _database()
+    at = data.find(b'\n    "%s": [' % group.encode())
+    end = data.find(b"\n    ]", at)
+    places = []
+    while (at := data.find(b"\n        [", at + 1, end)) >= 0:
+        places.append(at)
+    return tuple(places)
+
+
 def _records(group: str, index: int) -> list[dict[str, Any]]:
     """The records of one scene. All of the file's 43 MB take longer to parse than a scene takes to build, so only the scene's
     part is cut out: by the indentation of its brackets, which is that of a list of lists of objects four blanks a level."""
     data = _database()
-    begin = data.find(b'\n    "%s": [' % group.encode())
-    for _ in range(index + 1):
-        begin = data.find(b"\n        [", begin + 1)
-    end = data.find(b"\n        ]", begin)
-    return json.loads(data[begin : end + len(b"\n        ]")])
+    begin = _places(group)[index]
+    records = json.loads(data[begin : data.find(b"\n        ]", begin) + len(b"\n        ]")])
+    if hasattr(mmap, "MADV_DONTNEED"):
+        data.madvise(mmap.MADV_DONTNEED)  # what was read through counts as this process's memory until it is let go
+    return records
 
 
 @cache
