@@ -187,6 +187,10 @@ def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
     return start
 
 
+WINDOW = 1 << 20
+"""Bytes of the database of scenes that are searched at once."""
+
+
 @cache
 def _database() -> mmap.mmap:
     found = importlib.util.find_spec("procthor")
@@ -197,24 +201,30 @@ def _database() -> mmap.mmap:
         return mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
 
 
-@cache
-def _places(group: str) -> tuple[int, ...]:
-    """Where in the file the scenes of a group begin."""
+def _find(what: bytes, start: int) -> int:
+    """Where `what` comes next in the file; ValueError if it does not. An mmap's own find compares byte by byte."""
     data = _database()
-    at = data.find(b'\n    "%s": [' % group.encode())
-    end = data.find(b"\n    ]", at)
-    places = []
-    while (at := data.find(b"\n        [", at + 1, end)) >= 0:
-        places.append(at)
-    return tuple(places)
+    while start < len(data):
+        found = data[start : start + WINDOW].find(what)
+        if found >= 0:
+            return start + found
+        start += WINDOW - len(what) + 1
+    raise ValueError(f"the database of scenes holds no {what!r} after byte {start}")
+
+
+@cache
+def _place(group: str, index: int) -> int:
+    """Where in the file a scene of a group begins."""
+    if index < 0:
+        return _find(b'\n    "%s": [' % group.encode(), 0)
+    return _find(b"\n        [", _place(group, index - 1) + 1)
 
 
 def _records(group: str, index: int) -> list[dict[str, Any]]:
     """The records of one scene. All of the file's 43 MB take longer to parse than a scene takes to build, so only the scene's
     part is cut out: by the indentation of its brackets, which is that of a list of lists of objects four blanks a level."""
-    data = _database()
-    begin = _places(group)[index]
-    records = json.loads(data[begin : data.find(b"\n        ]", begin) + len(b"\n        ]")])
+    data, begin, close = _database(), _place(group, index), b"\n        ]"
+    records = json.loads(data[begin : _find(close, begin) + len(close)])
     if hasattr(mmap, "MADV_DONTNEED"):
         data.madvise(mmap.MADV_DONTNEED)  # what was read through counts as this process's memory until it is let go
     return records
