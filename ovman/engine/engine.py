@@ -35,12 +35,18 @@ SCENES_KEPT = 6
 """Floor plans kept for the next Reset to them; what is drawn of a plan is kept with it."""
 SCENE_SUFFIX = "_physics"
 """What AI2-THOR appends to the names of the iTHOR scenes."""
+PROCEDURAL = "Procedural"
+"""The scene that houses are put into."""
 
 
 @lru_cache(maxsize=SCENES_KEPT)
 def _plan(name: str) -> FloorPlan:
     from ovman.engine import floorplan
 
+    if name == PROCEDURAL:
+        from ovman.engine import house, houseplan
+
+        return houseplan.plan_of(house.empty())
     return floorplan.load(name)
 
 
@@ -111,6 +117,17 @@ class Engine:
         self.settings = Settings()
         self.auto_simulation = True
         self.time_s = 0.0
+
+    def furnish(self, plan: FloorPlan) -> None:
+        """A fresh world of `plan` in the scene as it is: settings, cameras and the kind of agent stay."""
+        from ovman.engine.metadata import SceneMetadata
+        from ovman.engine.world import World
+
+        world = World(plan, seed=self.seed)
+        world.agent.embodiment = self.world.agent.embodiment
+        self._resets += 1
+        self._world, self._metadata, self._renderer = world, SceneMetadata(world), None
+        self.map_view = None
 
     def change(self, **settings: Any) -> None:
         """Replaces settings by name."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ovman.engine.house import rectangles
 from ovman.engine.sunshine import Sun
 
 PHASES = 9
@@ -17,7 +18,8 @@ PHASES = 9
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
 CEILING_AREA_M2 = 18.0
 """One ceiling lamp for about so much floor."""
-MOST_CEILING, MOST_WINDOWS, MOST_LAMPS = 2, 2, 2
+MOST_CEILING, MOST_WINDOWS, MOST_LAMPS, MOST_ROOMS = 2, 2, 2, 7
+BELOW_CEILING_M = 0.12
 WIDEST_M = 0.28
 """Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
 MIDDLE_BRIGHTNESS = 1.1
@@ -78,13 +80,10 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
     sky = np.array([0.86, 0.95, 1.0])
     down = np.array([0.0, -1.0, 0.0])
     lights = []
-    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MOST_CEILING))
-    long = 0 if size[0] >= size[2] else 2
-    for k in range(count):
-        centre = (low + high) / 2
-        centre[long] = low[long] + size[long] * (k + 0.5) / count
-        centre[1] = high[1] - 0.12
-        lights.append(Light(centre, bulb * 6.0 / np.sqrt(count), down, 1.2, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
+    centres = _ceiling(low, size) if plan.house is None else _rooms(plan.house, high[1])
+    for centre in centres:
+        power = 6.0 / np.sqrt(len(centres) if plan.house is None else 1)
+        lights.append(Light(centre, bulb * power, down, 1.2, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
     lamps = sorted((o for o in plan.objects if o.type in LAMPS and o.object_id in boxes and _on(o)), key=lambda o: o.object_id)
     for obj in lamps[:MOST_LAMPS]:
         box = boxes[obj.object_id]
@@ -103,6 +102,29 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
         centre = obj.box.centre + inward * (reach[thin] + 0.1)
         lights.append(Light(centre, sky * 1.5 * np.sqrt(max(area, 0.3)), inward, area))
     return tuple(lights)
+
+
+def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
+    """Where the lamps of a room hang, side by side along its longer side."""
+    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MOST_CEILING))
+    long = 0 if size[0] >= size[2] else 2
+    centres = []
+    for k in range(count):
+        centre = low + size / 2
+        centre[long] = low[long] + size[long] * (k + 0.5) / count
+        centre[1] = low[1] + size[1] - BELOW_CEILING_M
+        centres.append(centre)
+    return centres
+
+
+def _rooms(house, ceiling_y: float) -> list[np.ndarray]:
+    """One lamp in each of the largest rooms of a house.House, over the middle of its largest rectangle."""
+    middles = []
+    for room in house.rooms:
+        a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
+        middles.append(((b - a) * (d - c), (a + b) / 2, (c + d) / 2))
+    middles.sort(key=lambda m: -m[0])
+    return [np.array([x, ceiling_y - BELOW_CEILING_M, z]) for _, x, z in middles[:MOST_ROOMS]]
 
 
 def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:

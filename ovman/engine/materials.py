@@ -145,7 +145,7 @@ def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping
     usual = _painted(key, kind)
     instead: dict[str, Callable[[], Material]] = {}
     if kind == "Floor":
-        style = Style(f"{plan.name}|floor")
+        style = Style(f"{plan.name}|floor{obj.asset_id}")
         instead["main"] = lambda: replace(finishes.floor(style), seed=style.integer("seed") % 2**31)
     if kind == "CounterTop":
         instead["second"] = lambda: _painted(f"{plan.name}|{MAKES['Cabinet']}", "Cabinet")["main"]

@@ -182,5 +182,7 @@ def _resting(boxes: Boxes, floor: np.ndarray, vessel: np.ndarray, floor_y: float
     slack = np.abs(boxes.rotation[:, 1, :]) * (ABOVE_M + BELOW_M) / 2
     inside = (np.abs(local) <= (boxes.half + slack)[:, None]).all(axis=2)
     volume = boxes.half.prod(axis=1)
+    if floor.sum() > 1:
+        on_floor = on_floor & (np.abs(local) <= boxes.half[:, None])[:, :, [0, 2]].all(axis=2)
     contained = inside & vessel[:, None] & (volume[None, :] < volume[:, None])
-    return np.where(floor[:, None], on_floor & ~contained.any(axis=0), contained | (inside & ~on_floor))
+    return np.where(floor[:, None], on_floor & ~contained.any(axis=0), contained | (inside & (foot[:, 1] >= floor_y + ABOVE_M)))

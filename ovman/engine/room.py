@@ -114,6 +114,10 @@ class Room:
     @staticmethod
     def of(plan: FloorPlan) -> Room:
         """The room of `plan`."""
+        if plan.house is not None:
+            from ovman.engine.dwelling import Dwelling
+
+            return Dwelling.of(plan)
         rectangle, outline, ceiling_y = _agent_rectangle(plan), _outline(plan), _ceiling(plan)
         blocks = _blocks(plan, rectangle)
         heights = plan.floor_y - 1.0, ceiling_y + 1.0

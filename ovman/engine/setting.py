@@ -16,8 +16,10 @@ from ovman.engine.shapes import collision, compound
 
 SKIN_M = 0.01
 """What the agent's controller keeps between its capsule and whatever blocks it."""
-PASSABLE = frozenset(["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster"])
-"""Types whose boxes do not block the agent: hung on a wall, or trodden on."""
+PASSABLE = frozenset(
+    ["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster", "Doorway", "Doorframe"]
+)
+"""Types whose boxes do not block the agent: hung on a wall, trodden on, or walked through. Behind a shut door there is a wall."""
 WIDE_COUNTER_M = 1.2
 """Counters whose box is wider than this both ways are L- or U-shaped, and the agent stands in the box's opening."""
 KEPT = 4

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ovman.engine.embodiment import ActionNoise
-
 from ovman.engine.decor import Decor
+from ovman.engine.embodiment import ActionNoise
 
 
 @dataclass(frozen=True)

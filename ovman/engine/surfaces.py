@@ -169,7 +169,8 @@ def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Lev
     )  # fmt: skip
     if floor:
         x_0, z_0, x_1, z_1 = world.room.outline
-        low, high = np.array([x_0, z_0]), np.array([x_1, z_1])
+        first, last = (corner[[0, 2]] for corner in receptacle.box.bounds())
+        low, high = np.maximum([x_0, z_0], first), np.minimum([x_1, z_1], last)
         found = [(world.plan.floor_y, np.zeros(0, dtype=int))]
         own = others.take(np.zeros(0, dtype=int))
     else:

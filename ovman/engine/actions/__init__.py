@@ -3,6 +3,7 @@
 from ovman.engine.actions import (
     cameras,
     gaze,
+    house,
     materials,
     movement,
     navigation,
@@ -19,6 +20,7 @@ __all__ = [
     "TABLE",
     "cameras",
     "gaze",
+    "house",
     "materials",
     "movement",
     "navigation",
