@@ -25,7 +25,7 @@ def overlaps(model: mujoco.MjModel, data: mujoco.MjData, names: list[str], body:
     """Overlaps of the body number `body`, one a body, deepest first. `names` are those of MuJoCo's bodies by number."""
     deepest: dict[str, Overlap] = {}
     for contact, other, out in _of(model, data, body):
-        found = Overlap(names[other], -float(contact.dist), float(out[2]))
+        found = Overlap(names[other], -float(data.contact.dist[contact]), float(out[2]))
         if found.other not in deepest or found.depth > deepest[found.other].depth:
             deepest[found.other] = found
     return sorted(deepest.values(), key=lambda o: (-o.depth, o.other))
@@ -48,7 +48,7 @@ def struck(
     for contact, other, out in _of(model, data, body):
         if other not in light:
             continue
-        velocity = qvel[v : v + 3] + np.cross(spin, contact.pos - qpos[q : q + 3])
+        velocity = qvel[v : v + 3] + np.cross(spin, data.contact.pos[contact] - qpos[q : q + 3])
         share = model.body_mass[body] / (model.body_mass[body] + model.body_mass[other])
         given = -out * max(0.0, -float(velocity @ out)) * share
         if np.hypot(given[0], given[1]) > SIDEWAYS_M_S or given[2] > UPWARD_M_S or given[2] < -DOWNWARD_M_S:
@@ -58,15 +58,13 @@ def struck(
 
 def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> set[tuple[int, int]]:
     """Numbers of the bodies that touch, pairwise, the smaller first."""
-    return {tuple(sorted(model.geom_bodyid[data.contact[k].geom].tolist())) for k in range(data.ncon)}
+    return {tuple(pair) for pair in np.sort(model.geom_bodyid[data.contact.geom], axis=1).tolist()}
 
 
-def _of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Iterator[tuple]:
-    """(contact, number of the other body, unit normal out of the other body) of a body's contacts; MuJoCo's frame."""
-    for k in range(data.ncon):
-        contact = data.contact[k]
-        first, second = model.geom_bodyid[contact.geom]
-        if second == body:
-            yield contact, int(first), contact.frame[:3]
-        elif first == body:
-            yield contact, int(second), -contact.frame[:3]
+def _of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Iterator[tuple[int, int, np.ndarray]]:
+    """(number of the contact, number of the other body, unit normal out of that) of a body's contacts; MuJoCo's frame."""
+    bodies = model.geom_bodyid[data.contact.geom]
+    frames = data.contact.frame
+    for k in np.flatnonzero((bodies == body).any(axis=1)).tolist():
+        first, second = bodies[k].tolist()
+        yield k, first if second == body else second, frames[k, :3] if second == body else -frames[k, :3]
