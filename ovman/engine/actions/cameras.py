@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.actions.registry import Thrown, action, out_of_range
-from ovman.engine.actions.values import PartialVector3, Vector3
+from ovman.engine.actions.values import FARTHEST, PartialVector3, Vector3
 from ovman.engine.engine import Engine
 from ovman.engine.map_view import MapView
 from ovman.engine.resolution import objection
@@ -140,8 +140,10 @@ def _changed(
         raise out_of_range(f"orthographicSize: {size:g} must be in (0, {LARGEST_M:g}].")
     near = camera.near_m if near is None else near
     far = camera.far_m if far is None else far
-    if not 0 < near < far:
-        raise out_of_range(f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far.")
+    if not 0 < near < far <= FARTHEST:
+        raise out_of_range(
+            f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far <= {FARTHEST:g}."
+        )
     x, y, z = position
     return replace(
         camera,

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ovman.engine import floorplan
 from ovman.engine.actions.registry import action
+from ovman.engine.actions.values import FARTHEST
 from ovman.engine.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman.engine.engine import SCENE_SUFFIX, Engine
 from ovman.engine.resolution import objection
@@ -93,7 +94,7 @@ def initialize(
         raise Refused("grid size must be in the range (0,5]")
     near = cameraNearPlane if cameraNearPlane > 0 else Settings.near_m
     far = cameraFarPlane if cameraFarPlane > 0 else Settings.far_m
-    if near >= far:
+    if not near < far <= FARTHEST:
         raise Refused(f"The camera's planes must satisfy 0 < near < far. You gave {cameraNearPlane:g} and {cameraFarPlane:g}.")
     noise = embodiment.noise if applyActionNoise else None
     if noise is not None:
