@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from ovman.engine.body import Agent, Body, Pose
 from ovman.engine.carrying import RESTS_M
 from ovman.engine.floorplan import Box
 from ovman.engine.forms import feet, transferred, within
-from ovman.engine.physics import AGENT, TICK_S, Model, Solid
 from ovman.engine.setting import Setting
 from ovman.engine.waking import OVERLAP_M, lift, supported
+
+if TYPE_CHECKING:
+    from ovman.engine.physics import Model
 
 MARGIN_M = 0.3
 """Nothing that moves gets farther than this beyond what is recorded."""
@@ -124,6 +127,8 @@ class Dynamics:
 
         A body that is struck wakes, and so does its load.
         """
+        from ovman.engine.physics import TICK_S  # MuJoCo is loaded when something is to move: most scenes are only looked at
+
         moved = set(self.awake)
         self._owed_s = self._owed_s + seconds if self.awake else 0.0
         while self.awake and self._owed_s > TICK_S - 1e-9:
@@ -202,6 +207,8 @@ class Dynamics:
         if self._agent_at is not None and np.array_equal(self._agent_at, self._agent.position):
             return set()
         self._agent_at = self._agent.position.copy()
+        from ovman.engine.physics import AGENT
+
         deep = {(o.other, name) for name in model.free for o in model.overlaps(name) if o.depth > OVERLAP_M}
         return {pair for pair in deep if pair[0] == AGENT and pair not in self._strangers}
 
@@ -216,6 +223,8 @@ class Dynamics:
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
         """The compiled scene as the bodies are now."""
+        from ovman.engine.physics import Model, Solid
+
         embodiment = self._agent.embodiment
         known = self._model is not None and self._embodiment == embodiment
         if not known or set(self._model.free) != free or self._model.strangers != frozenset(strangers):

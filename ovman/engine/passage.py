@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, vstack
-from scipy.sparse.csgraph import connected_components
 
 from ovman.engine.footprint import Boxes
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 DEEPER_M = 1e-6
 """How much deeper into a body that it overlaps already a move may take the agent: rounding."""
@@ -121,6 +123,8 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
 def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, csr_array]:
     """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from
     or to there may come too close to: (M,) bool and (M, N) bool. Points go in portions: fine grids have a million of them."""
+    from scipy.sparse import csr_array, vstack  # twenty megabytes, for this one question
+
     most = float(obstacles.reach.max(initial=0.0)) + step_m
     clear, near = np.ones(len(points), dtype=bool), []
     for start in range(0, len(points), PORTION):
@@ -133,6 +137,9 @@ def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tu
 
 def _components(obstacles: Obstacles, points: np.ndarray, number: np.ndarray, near: csr_array, free: np.ndarray) -> np.ndarray:
     """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     along_x = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
     along_z = np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1)
     edges = np.concatenate([along_x, along_z])

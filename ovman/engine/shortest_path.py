@@ -9,8 +9,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from ovman.engine.passage import Obstacles
 
@@ -115,6 +113,9 @@ def _on_lattice(floor: Floor, start: np.ndarray, target: np.ndarray, step: float
     edge, points = np.concatenate(edges), np.concatenate([points, target[None]])
     edge = edge[floor.joined(points[edge[:, 0]], points[edge[:, 1]])]
     cost = np.linalg.norm(points[edge[:, 0]] - points[edge[:, 1]], axis=1)
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import dijkstra
+
     graph = coo_array((cost, (edge[:, 0], edge[:, 1])), shape=(goal + 1, goal + 1)).tocsr()
     own = int(number[tuple(-first)])
     far, before = dijkstra(graph, directed=False, indices=own, return_predecessors=True)

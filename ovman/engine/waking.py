@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from typing import TYPE_CHECKING
 
 from ovman.engine.body import Body, Pose
-from ovman.engine.physics import Model
+
+if TYPE_CHECKING:
+    from ovman.engine.physics import Model
 
 OVERLAP_M = 0.005
 """What a waking body overlaps deeper than this is no contact."""
