@@ -23,6 +23,16 @@ FIXED_KEPT = 4
 
 
 @dataclass(frozen=True)
+class Onlooker:
+    """What an eye that is not the agent's own sees besides the scene. It looks through the room's shell from behind."""
+
+    agent: bool = True
+    """The agent's body"""
+    ceiling: bool = True
+    """From below, that is"""
+
+
+@dataclass(frozen=True)
 class View:
     """A camera. `orthographic_size`: half the height of the picture in metres; None for a perspective view. ValueError for a
     field of view outside (0, 180) degrees or a picture without pixels."""
@@ -41,8 +51,8 @@ class View:
     """about the view direction, applied before the other two; positive tilts the picture's right upwards"""
     sky: tuple[int, int, int] | None = None
     """sRGB, 0 to 255, where nothing is; None for the sky of all scenes"""
-    onlooker: bool = False
-    """Whether it is no eye of the agent: it sees the agent's body, and through the room's shell from behind"""
+    onlooker: Onlooker | None = None
+    """None for the agent's own eye"""
 
     def __post_init__(self) -> None:
         if not 0 < self.fov_deg < 180:
@@ -178,15 +188,13 @@ class Renderer:
         self._follow()
         shape = (view.height, view.width)
         mesh, looks, caster = self._mesh, self._shared.painted(self.decor), self._caster
-        if view.onlooker:
+        if view.onlooker is not None:
             mesh, looks, caster = self._staged(view, looks)
         painter = Painter(view, mesh, looks, caster)
         hits = painter.see(*_centres(view.width, view.height))
         hits.prim[hits.distance > np.float32(view.far_m - view.near_m)] = -1
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
-        optics.identify(
-            hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar
-        )
+        optics.identify(hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar)
         picture = facing = None
         if rgb or normals:
             surface = painter.surface(hits)

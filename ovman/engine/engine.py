@@ -20,7 +20,7 @@ from ovman.engine.wire import Field
 if TYPE_CHECKING:
     import numpy as np
 
-    from ovman.engine.camera import Renderer, View
+    from ovman.engine.camera import Onlooker, Renderer, View
     from ovman.engine.floorplan import FloorPlan
     from ovman.engine.map_view import MapView
     from ovman.engine.metadata import SceneMetadata
@@ -153,7 +153,7 @@ class Engine:
 
         agent, s = self.world.agent, self.settings
         if self.map_view is not None:
-            return self.map_view.view(self.width, self.height, s.near_m, s.far_m)
+            return self.map_view.view(self.width, self.height, s.near_m, s.far_m, self.onlooker())
         return View(
             agent.camera,
             agent.yaw_deg,
@@ -164,6 +164,12 @@ class Engine:
             near_m=s.near_m,
             far_m=s.far_m,
         )
+
+    def onlooker(self) -> Onlooker:
+        """What cameras see that are not the agent's eye."""
+        from ovman.engine.camera import Onlooker
+
+        return Onlooker(agent=self.settings.agent_visible, ceiling=self.map_view is None)
 
     # What the client sees
 
@@ -253,7 +259,7 @@ class Engine:
         ids = wanted.instances or wanted.classes
         names = self._renderer.names
         images = []
-        third_party = [(camera.view(self.width, self.height), THIRD_PARTY) for camera in self.cameras]
+        third_party = [(camera.view(self.width, self.height, self.onlooker()), THIRD_PARTY) for camera in self.cameras]
         for view, fields in [(self.view(), AGENT), *third_party]:
             frame = self._renderer.frame(view, rgb=wanted.colour, depth=wanted.depth, ids=ids, normals=wanted.normals)
             images += encoded(frame, names, view, wanted, fields)

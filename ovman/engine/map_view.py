@@ -13,7 +13,7 @@ import numpy as np
 from ovman.engine.event import vector
 
 if TYPE_CHECKING:
-    from ovman.engine.camera import View
+    from ovman.engine.camera import Onlooker, View
     from ovman.engine.world import World
 
 DOWN_DEG = 90.0
@@ -37,7 +37,7 @@ class MapView:
         x, _, z = (low + high) / 2
         return MapView((float(x), float(high[1]) + CLEAR_M, float(z)), float(max(high[0] - low[0], high[2] - low[2])) / 2)
 
-    def view(self, width: int, height: int, near_m: float, far_m: float) -> View:
+    def view(self, width: int, height: int, near_m: float, far_m: float, onlooker: Onlooker) -> View:
         """What it looks at, in a picture of `width` x `height` pixels."""
         from ovman.engine.camera import View
 
@@ -50,7 +50,7 @@ class MapView:
             near_m=near_m,
             far_m=far_m,
             orthographic_size=self.half_m,
-            onlooker=True,
+            onlooker=onlooker,
         )
 
     def properties(self) -> dict[str, Any]:

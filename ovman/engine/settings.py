@@ -30,6 +30,8 @@ class Settings:
     """Largest pitch of the camera above and below the horizon."""
     noise: ActionNoise | None = None
     """How the agent's motions err."""
+    agent_visible: bool = True
+    """Whether cameras besides the agent's own see it."""
     depth: bool = False
     instances: bool = False
     classes: bool = False

@@ -42,6 +42,8 @@ class Stage:
         shell[shell] &= ~_is_back(centres[shell], normals[shell], room)
         self._triangles = np.flatnonzero(shell)
         self._centres, self._normals = centres[shell], normals[shell]
+        ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
+        self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
         self._last_body: tuple[tuple, SceneMesh] | None = None
         slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
         self._paint = Looks.of(agent_body.PALETTE[slot] for slot in slots)
@@ -55,8 +57,10 @@ class Stage:
             facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
         else:
             facing = self._normals @ view.axes()[2] < 0
-        shell = subset(self._mesh, self._triangles[facing])
-        return shell if agent_body.encloses(agent, np.asarray(view.position)) else joined(shell, self._body(agent))
+        shell = subset(self._mesh, self._triangles[facing & (view.onlooker.ceiling | ~self._ceiling)])
+        if not view.onlooker.agent or agent_body.encloses(agent, np.asarray(view.position)):
+            return shell
+        return joined(shell, self._body(agent))
 
     def looks(self, plan: Looks) -> Looks:
         """The looks of the plan, followed by those of the body."""

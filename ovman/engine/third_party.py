@@ -14,7 +14,7 @@ from ovman.engine.event import vector
 from ovman.engine.floorplan import euler_degrees, rotation_matrix
 
 if TYPE_CHECKING:
-    from ovman.engine.camera import View
+    from ovman.engine.camera import Onlooker, View
 
 Triple = tuple[float, float, float]
 
@@ -42,7 +42,7 @@ class ThirdPartyCamera:
     sky: tuple[int, int, int] | None = None
     """sRGB, 0 to 255, where nothing is; None for the sky that the agent sees"""
 
-    def view(self, width: int, height: int) -> View:
+    def view(self, width: int, height: int, onlooker: Onlooker) -> View:
         """What it looks at, in a picture of `width` x `height` pixels."""
         from ovman.engine.camera import View
 
@@ -59,7 +59,7 @@ class ThirdPartyCamera:
             orthographic_size=self.orthographic_m if self.orthographic else None,
             roll_deg=roll,
             sky=self.sky,
-            onlooker=True,
+            onlooker=onlooker,
         )
 
     def metadata(self, number: int) -> dict[str, Any]:

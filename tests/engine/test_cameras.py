@@ -250,6 +250,10 @@ def test_the_agent_is_seen_by_others_as_no_object_and_where_it_stands(scene):
     assert agent != position
     moved = scene.last_event.third_party_instance_segmentation_frames[0]
     assert not np.array_equal(moved, ids)
+    scene.reset("FloorPlan201", makeAgentsVisible=False)
+    hidden = added(scene, **above, orthographic=True, orthographicSize=1.0).third_party_depth_frames[0]
+    assert (hidden[body] > depth[body] + 0.1).all()
+    scene.reset("FloorPlan201", makeAgentsVisible=True)
 
 
 def test_a_camera_is_a_change_and_an_unchanged_scene_keeps_its_images(scene):
@@ -335,3 +339,5 @@ def test_from_outside_one_looks_into_the_room(scene):
     assert event.third_party_instance_masks[0].mask(ceiling) is None
     inside = scene.step("AddThirdPartyCamera", position=middle, rotation={"x": -60, "y": 0, "z": 0}, raise_for_failure=True)
     assert inside.third_party_instance_masks[3][ceiling].sum() > 1000
+    assert scene.step("ToggleMapView").third_party_instance_masks[3].mask(ceiling) is None
+    assert scene.step("ToggleMapView").third_party_instance_masks[3][ceiling].sum() > 1000

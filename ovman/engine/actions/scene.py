@@ -57,6 +57,7 @@ def initialize(
     timeScale: float = 1.0,
     agentMode: str = DEFAULT.mode,
     agentCount: int = 1,
+    makeAgentsVisible: bool = Settings.agent_visible,
     applyActionNoise: bool = True,
     movementGaussianMu: float = 0.0,
     movementGaussianSigma: float = 0.0,
@@ -117,6 +118,7 @@ def initialize(
         instances=renderInstanceSegmentation or renderObjectImage,
         classes=renderSemanticSegmentation or renderClassImage,
         normals=renderNormalsImage,
+        agent_visible=makeAgentsVisible,
         fast_emit=fastActionEmit,
     )
     engine.auto_simulation = autoSimulation
