@@ -13,7 +13,7 @@ import numpy as np
 from ovman.engine import finishes
 from ovman.engine.finishes import Material
 from ovman.engine.floorplan import Box, FloorPlan
-from ovman.engine.house import House, Opening, Sheet, rectangles
+from ovman.engine.house import House, Opening, Sheet, rectangles, side
 from ovman.engine.houseplan import hole
 from ovman.engine.masonry import WALLS, Structure
 from ovman.engine.room import Room, Wall
@@ -116,22 +116,10 @@ def _solid(sheet: Sheet, piece: Span) -> Wall:
 
 def _drawn(sheet: Sheet, house: House) -> tuple[Part, ...]:
     boxes = [
-        _box(sheet, piece, _side(sheet, house) * SHEET_M / 2, SHEET_M)
+        _box(sheet, piece, side(sheet, house) * SHEET_M / 2, SHEET_M)
         for piece in _without(sheet, [at for _, at in _holes(sheet, house)])
     ]
     return tuple(Part("box", box.centre, 2 * box.half, box.rotation) for box in boxes)
-
-
-def _side(sheet: Sheet, house: House) -> float:
-    """1 if the sheet is seen from the left of its line, else -1: a room's from the room, an outer one from outside."""
-    middle = (sheet.start + sheet.end) / 2
-    left = middle + np.array([-sheet.along[1], sheet.along[0]]) * ON_M
-    inside = [r for r in house.rooms if bool(r.contains(left))]
-    if "exterior" in sheet.name:
-        return -1.0 if inside else 1.0
-    return (
-        1.0 if any(r.name == sheet.room for r in inside) or (inside and sheet.room not in {r.name for r in house.rooms}) else -1.0
-    )
 
 
 def _unique(name: str, taken: set[str]) -> str:

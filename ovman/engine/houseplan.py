@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman.engine.event import vector
 from ovman.engine.floorplan import Box, FloorPlan, SimObject, euler_degrees, rotation_matrix
-from ovman.engine.house import Furnishing, House, Opening, Sheet, Storey
+from ovman.engine.house import Furnishing, House, Opening, Sheet, Storey, side
 
 FLOOR_M = 0.1
 """Thickness of a floor."""
@@ -41,7 +41,7 @@ def plan_of(house: House) -> FloorPlan:
     """The floor plan of `house`, which it carries along for its walls."""
     objects = [_floor(room) for room in house.rooms]
     walls = {w.name: w for w in house.walls}
-    objects += [_opening(o, walls[o.walls[0]]) for o in house.openings]
+    objects += [_opening(o, walls[o.walls[0]], house) for o in house.openings]
     objects += _furnished(house)
     return FloorPlan(house.name, "house", tuple(objects), _start(house, objects), 0.0, house)
 
@@ -100,9 +100,10 @@ def _floor(room: Storey) -> SimObject:
     return _object(room.name, "Floor", room.floor_material, box, frozenset(["Receptacle"]))
 
 
-def _opening(opening: Opening, wall: Sheet) -> SimObject:
+def _opening(opening: Opening, wall: Sheet, house: House) -> SimObject:
+    """It faces the room of its first wall."""
     low, high = hole(opening, wall)
-    x, z = wall.along
+    x, z = wall.along * side(wall, house)
     turn = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
     half = np.array([opening.high[0] - opening.low[0], opening.high[1] - opening.low[1], FRAME_M]) / 2
     kind = "Window" if opening.window else opening.asset_id.split("_")[0]

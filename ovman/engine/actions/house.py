@@ -12,7 +12,7 @@ from ovman.engine.world import Refused
 @action("CreateHouse")
 def create_house(engine: Engine, house: Any) -> None:
     """Contract, section 4. The agent is put where the house says; if it says nothing, where most room is."""
-    from ovman.engine.house import Malformed, read
+    from ovman.engine.blueprint import Malformed, read
     from ovman.engine.houseplan import plan_of
 
     if engine.scene_name != PROCEDURAL:
