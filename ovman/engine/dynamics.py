@@ -81,7 +81,7 @@ class Dynamics:
     def wake(self, names: Iterable[str]) -> None:
         """Let bodies fall. What they overlap now does not touch them until they sleep."""
         for name in names:
-            if not self._reaches(self._bodies[name].box.centre):
+            if not self._bodies[name].present or not self._reaches(self._bodies[name].box.centre):
                 continue
             self.awake.add(name)
             self._fresh.add(name)
@@ -219,7 +219,7 @@ class Dynamics:
         keepers = [self._bodies.get(name) for name in body.obj.parents if not name.startswith("Floor|")]
         if not keepers:
             return body.obj.box.bounds()[0][1] > self._setting.plan.floor_y + RESTS_M
-        return any(k is not None and k.present and k.stays for k in keepers)
+        return all(k is not None and k.present and k.stays for k in keepers)
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
         """The compiled scene as the bodies are now."""

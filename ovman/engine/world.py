@@ -107,16 +107,20 @@ class World:
         return [(x, y, z) for x, z in found.tolist()]
 
     def obstacles(self) -> tuple[Obstacles, list[str]]:
-        """What may stand in the agent's way, and the names of that: walls, then bodies."""
+        """What may stand in the agent's way, and the names of that: walls, then bodies, some of which are in several boxes."""
         foot, agent = self.agent.foot, self.agent.embodiment
         if self._obstacles_of is None or self._obstacles_of[:3] != (self.version, foot, agent):
             bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
-            names = [w.name for w in self.room.walls] + [b.object_id for b in bodies]
-            known = [w.name for w in self.room.walls] + [b.obj.object_id if b.untouched else None for b in bodies]
-            clearances = self._setting.clearances(agent)
-            reach = np.array([clearances.get(name, agent.radius_m + SKIN_M) for name in known])
-            boxes = self._setting.walls.join(Boxes.of([b.box for b in bodies]))
-            obstacles = Obstacles(boxes, reach, agent.radius_m, *agent.axis(foot))
+            known = self._setting.clearances(agent)
+            names, reach, boxes = [w.name for w in self.room.walls], [known[w.name] for w in self.room.walls], []
+            for body in bodies:
+                barriers = self._setting.barriers(body.obj, body.box)
+                names += [body.object_id] * len(barriers)
+                boxes += barriers
+                away = np.full(len(barriers), agent.radius_m + SKIN_M)
+                reach.append(known[body.obj.object_id] if body.untouched else away)
+            solid = self._setting.walls.join(Boxes.of(boxes))
+            obstacles = Obstacles(solid, np.concatenate(reach), agent.radius_m, *agent.axis(foot))
             self._obstacles_of = self.version, foot, agent, obstacles, names
         return self._obstacles_of[3:]
 
@@ -286,7 +290,7 @@ class World:
 
     def _carried(self, body: Body) -> set[str]:
         """What rests on a body, and what lies in it and rests on nothing else."""
-        others = [b for b in self.bodies.values() if b is not body and b.dynamic and b.present and not b.kinematic]
+        others = [b for b in self.bodies.values() if b is not body and b.dynamic and not b.removed and not b.kinematic]
         floor_y = self.plan.floor_y
         found = resting(self._dynamics.surfaces(body), others, floor_y)
         own = {body.object_id, *(p.object_id for p in self._dynamics.parts(body.object_id))}
