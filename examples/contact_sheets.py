@@ -8,6 +8,7 @@ from __future__ import annotations
 import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import zip_longest
 from pathlib import Path
 
@@ -17,47 +18,68 @@ from PIL import Image, ImageDraw
 from ovman.engine import floorplan
 from ovman.engine.camera import Renderer, View
 from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.shapes import surroundings
 from ovman.engine.world import World
 
-CELL_PX, COLUMNS = 150, 15
+CELL_PX, COLUMNS = 140, 14
 FREQUENT, ASSETS = 24, 3
 """So many of the most frequent types are shown with so many assets, the others with one."""
-ROOM_PX, ROOMS_OF_A_KIND = (400, 300), 3
-COLOURS = 96
-FOV_DEG = 40.0
+ROOM_PX, ROOMS_OF_A_KIND = (392, 294), 3
+COLOURS = 256
+FOV_DEG, ROOM_M = 40.0, 2.4
+"""Large things are seen from so near, at a wider angle: farther away a wall would be in between."""
 PROBE_PX = 40
+LEAST_SHARE = 0.03
+"""What covers less of its cell is hidden."""
 STRIDE = 37
 """Plans are gone through in steps of this, coprime to their number: neighbours in the list are variants of one another."""
 
 
-def portrait(renderer: Renderer, obj: SimObject, size: int) -> np.ndarray:
-    """(size, size, 3) picture of `obj` where it stands, from the side from which most of it is seen."""
+def best_view(renderer: Renderer, obj: SimObject, front: np.ndarray) -> tuple[View, float]:
+    """The view of `obj` where it stands that shows most of it, whole, and rather its front, (3,) unit, than its back; the share
+    of the picture that it covers."""
     number = renderer.names.index(obj.object_id)
-    radius = float(np.linalg.norm(obj.box.half))
-    away = max(1.05 * radius / np.sin(np.radians(FOV_DEG / 2)), 0.2)
-    best, seen = None, -1
+    radius = 1.08 * float(np.linalg.norm(obj.box.half))
+    away = float(np.clip(radius / np.sin(np.radians(FOV_DEG / 2)), 0.2, max(1.4 * radius, ROOM_M)))
+    fov = float(max(2 * np.degrees(np.arcsin(radius / away)), 20.0))
+    best, most = None, (-np.inf, 0.0)
     for horizon in (25.0, 8.0, 50.0):
         for yaw in np.arange(0.0, 360.0, 30.0) + 15.0:
-            view = View(np.zeros(3), float(yaw), horizon, FOV_DEG, PROBE_PX, PROBE_PX, near_m=0.02)
-            view = View(obj.box.centre - away * view.axes()[2], float(yaw), horizon, FOV_DEG, PROBE_PX, PROBE_PX, near_m=0.02)
-            count = int((renderer.frame(view, rgb=False, ids=True).ids == number).sum())
-            if count > 1.15 * seen:
-                best, seen = view, count
-    fine = View(best.position, best.yaw_deg, best.horizon_deg, FOV_DEG, 2 * size, 2 * size, near_m=0.02)
+            forward = View(np.zeros(3), float(yaw), horizon).axes()[2]
+            view = View(obj.box.centre - away * forward, float(yaw), horizon, fov, PROBE_PX, PROBE_PX, near_m=0.02)
+            seen = renderer.frame(view, rgb=False, ids=True).ids == number
+            cut = int(seen[0].any()) + int(seen[-1].any()) + int(seen[:, 0].any()) + int(seen[:, -1].any())
+            score = seen.mean() * 0.6**cut * (1.0 - 0.35 * float(front @ forward))
+            if score > most[0]:
+                best, most = view, (score, float(seen.mean()))
+    return best, most[1]
+
+
+def portrait(plan: FloorPlan, renderer: Renderer, obj: SimObject, size: int) -> np.ndarray:
+    """(size, size, 3) picture of `obj` where it stands; what lies hidden is shown without the things around it."""
+    front = obj.box.rotation @ surroundings.direction(surroundings.front(obj, plan))
+    view, share = best_view(renderer, obj, front)
+    if share < LEAST_SHARE:
+        world = World(plan)
+        world.remove(*(o.object_id for o in plan.objects if o is not obj and o.type != "Floor"))
+        renderer = Renderer(world)
+        view, _ = best_view(renderer, obj, front)
+    fine = replace(view, width=2 * size, height=2 * size)
     return np.asarray(Image.fromarray(renderer.frame(fine).rgb).resize((size, size), Image.LANCZOS))
 
 
-def shown(plans: Sequence[FloorPlan]) -> list[tuple[FloorPlan, SimObject]]:
-    """What the sheet of types shows: for every type its first assets, the frequent types with several."""
+def portraits(plans: Sequence[FloorPlan]) -> dict[str, list[np.ndarray]]:
+    """Pictures of every type but the floor: of the frequent ones several assets, of the others one."""
     counts = Counter(o.type for plan in plans for o in plan.objects)
-    frequent = {t for t, _ in counts.most_common(FREQUENT)}
-    found: dict[str, dict[str, tuple[FloorPlan, SimObject]]] = {t: {} for t in sorted(counts)}
+    wanted = {t: ASSETS if k < FREQUENT else 1 for k, (t, _) in enumerate(counts.most_common()) if t != "Floor"}
+    found: dict[str, dict[str, np.ndarray]] = {t: {} for t in sorted(wanted)}
     for plan in plans:
+        renderer = Renderer(World(plan))
         for o in plan.objects:
-            looks = found[o.type]
-            if o.type != "Floor" and len(looks) < (ASSETS if o.type in frequent else 1):
-                looks.setdefault(o.asset_id or plan.name, (plan, o))
-    return [shot for looks in found.values() for shot in looks.values()]
+            looks, asset = found.get(o.type), o.asset_id or plan.name
+            if looks is not None and asset not in looks and len(looks) < wanted[o.type]:
+                looks[asset] = portrait(plan, renderer, o, CELL_PX)
+    return {t: list(looks.values()) for t, looks in found.items()}
 
 
 def labelled(picture: np.ndarray, text: str) -> Image.Image:
@@ -77,18 +99,10 @@ def tiled(tiles: Sequence[Image.Image], columns: int) -> Image.Image:
 
 
 def types() -> Image.Image:
-    """One cell for every type but the floor."""
+    """Cells for every type but the floor."""
     names = floorplan.names()
-    plans = [floorplan.load(names[i * STRIDE % len(names)]) for i in range(len(names))]
-    shots = shown(plans)
-    pictures: dict[int, Image.Image] = {}
-    for plan in plans:
-        wanted = [k for k, (p, _) in enumerate(shots) if p is plan]
-        if wanted:
-            renderer = Renderer(World(plan))
-            for k in wanted:
-                pictures[k] = labelled(portrait(renderer, shots[k][1], CELL_PX), shots[k][1].type)
-    return tiled([pictures[k] for k in range(len(shots))], COLUMNS)
+    shown = portraits([floorplan.load(names[i * STRIDE % len(names)]) for i in range(len(names))])
+    return tiled([labelled(picture, name) for name, pictures in shown.items() for picture in pictures], COLUMNS)
 
 
 def widest(renderer: Renderer, world: World) -> np.ndarray:
