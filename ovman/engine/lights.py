@@ -80,7 +80,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
     sky = np.array([0.86, 0.95, 1.0])
     down = np.array([0.0, -1.0, 0.0])
     lights = []
-    centres = _ceiling(low, size) if plan.house is None else _rooms(plan.house, high[1])
+    centres = _ceiling(low, size) if plan.house is None else _rooms(plan.house)
     for centre in centres:
         power = 6.0 / np.sqrt(len(centres) if plan.house is None else 1)
         lights.append(Light(centre, bulb * power, down, 1.2, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
@@ -117,14 +117,14 @@ def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
     return centres
 
 
-def _rooms(house, ceiling_y: float) -> list[np.ndarray]:
+def _rooms(house) -> list[np.ndarray]:
     """One lamp in each of the largest rooms of a house.House, over the middle of its largest rectangle."""
     middles = []
     for room in house.rooms:
         a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
         middles.append(((b - a) * (d - c), (a + b) / 2, (c + d) / 2))
     middles.sort(key=lambda m: -m[0])
-    return [np.array([x, ceiling_y - BELOW_CEILING_M, z]) for _, x, z in middles[:MOST_ROOMS]]
+    return [np.array([x, house.height - BELOW_CEILING_M, z]) for _, x, z in middles[:MOST_ROOMS]]
 
 
 def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:
