@@ -4,15 +4,15 @@ Floor plans record no walls. The recorded floor is a rectangle, too large in hal
 and switches hang on walls, and furniture stands inside them. So the room is a rectangle, and where something hangs on a wall
 deeper inside it, the wall stands there: a block that goes on to both sides until something shows that the room does.
 
-Agent and bodies are kept in by different rectangles. AI2-THOR's agents stay farther from the recorded floor's edge than their
-radius; how much farther was fitted to recorded reachable grids. World frame as in `floorplan`; plan rectangles are
+Agent and bodies are kept in by different rectangles. AI2-THOR's agents stay farther from walls than their radius; how much
+farther was fitted to recorded reachable grids. World frame as in `floorplan`; plan rectangles are
 (x_0, z_0, x_1, z_1).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,8 +21,12 @@ from ovman.engine.floorplan import Box, FloorPlan, SimObject
 
 Rectangle = tuple[float, float, float, float]
 
-FLOOR_MARGIN_M = 0.45
-"""How far inside the recorded floor the agent's bounds are, where nothing says otherwise; fitted to recorded reachable grids."""
+FLOOR_MARGIN_M = 0.35
+"""How far inside the recorded floor the agent's bounds are, where nothing says otherwise."""
+BOUNDS_MARGIN_M = 0.15
+"""How far inside the bounds of everything they are: windows, curtains and lamps reach into walls and beyond."""
+FACE_MARGIN_M = 0.2
+"""How far from the plane of a wall item the agent is kept: it is the middle of the item, and skirtings stand out."""
 WALL_ITEMS = frozenset(
     ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains"]
     + ["HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
@@ -78,6 +82,10 @@ class Block:
     thick: float = np.inf
     """Infinite but for a partition, which has room on both sides"""
 
+    def nearer(self, margin_m: float) -> Block:
+        """The block with its face moved into the room; a partition is thin enough to be known as it is."""
+        return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * margin_m)
+
     def rectangle(self, beyond: Rectangle) -> Rectangle:
         """Plan rectangle of the block, cut at the sides of `beyond`."""
         first, last = np.zeros(2), np.zeros(2)
@@ -126,12 +134,13 @@ class Room:
         everything = (float(low[0]), float(low[2]), float(high[0]), float(high[2]))
         beyond = (everything[0] - SLAB_M, everything[1] - SLAB_M, everything[2] + SLAB_M, everything[3] + SLAB_M)
         inner = [_wall("wall", b.rectangle(beyond), *heights) for b in blocks]
+        kept_off = [_wall("wall", b.nearer(FACE_MARGIN_M).rectangle(beyond), *heights) for b in blocks]
         return Room(
             plan,
             rectangle,
             outline,
             blocks,
-            (*(_wall("wall", sides, *heights) for sides in _around(rectangle)), *inner),
+            (*(_wall("wall", sides, *heights) for sides in _around(rectangle)), *kept_off),
             (
                 *(_wall("wall", sides, *heights) for sides in _around(outline)),
                 *inner,
@@ -187,8 +196,8 @@ def _plan_bounds(box: Box) -> tuple[np.ndarray, np.ndarray]:
 def _agent_rectangle(plan: FloorPlan) -> Rectangle:
     floor = _plan_bounds(plan.floor.box)
     others = [_plan_bounds(o.box) for o in plan.objects if o.type != "Floor"]
-    low = np.maximum(floor[0] + FLOOR_MARGIN_M, np.min([b[0] for b in others], axis=0))
-    high = np.minimum(floor[1] - FLOOR_MARGIN_M, np.max([b[1] for b in others], axis=0))
+    low = np.maximum(floor[0] + FLOOR_MARGIN_M, np.min([b[0] for b in others], axis=0) + BOUNDS_MARGIN_M)
+    high = np.minimum(floor[1] - FLOOR_MARGIN_M, np.max([b[1] for b in others], axis=0) - BOUNDS_MARGIN_M)
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
