@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ovman.engine import lights, optics, rays, repaint, scene_mesh, sunshine
+from ovman.engine import heap, lights, optics, rays, repaint, scene_mesh, sunshine
 from ovman.engine.decor import Decor
 from ovman.engine.floorplan import rotation_matrix
 from ovman.engine.painter import Looks, Painter
@@ -143,6 +143,7 @@ class Renderer:
         self.world = world
         self.decor = Decor()
         self._drawn: int | None = None
+        self._fresh = True
         self._lit: tuple[int, Decor] | None = None
 
     @property
@@ -203,4 +204,7 @@ class Renderer:
                 picture = painter.picture(hits, surface, self._light(), number, planar).reshape(*shape, 3)
                 if view.sky is not None:
                     picture[(hits.prim < 0).reshape(shape)] = view.sky
+        if self._fresh:  # what was made of a new scene took far more memory than its pictures will
+            heap.trim()
+            self._fresh = False
         return Frame(picture, planar.reshape(shape) if depth else None, number.reshape(shape) if ids else None, facing)

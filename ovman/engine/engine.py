@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 ACTION_S = 0.1
 """Simulated time that an action takes while physics runs by itself. AI2-THOR's actions take as long as the frames that Unity
 draws for them; a tenth of a second lets a dropped thing fall and come to rest within the few actions that AI2-THOR needs."""
-SCENES_KEPT = 6
+SCENES_KEPT = 3
 """Floor plans kept for the next Reset to them; what is drawn of a plan is kept with it."""
 SCENE_SUFFIX = "_physics"
 """What AI2-THOR appends to the names of the iTHOR scenes."""
@@ -47,7 +47,7 @@ def _plan(name: str) -> FloorPlan:
         from ovman.engine import house, houseplan
 
         return houseplan.plan_of(house.empty())
-    return floorplan.load(name)
+    return floorplan.read(name)
 
 
 class Engine:

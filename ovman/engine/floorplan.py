@@ -238,7 +238,12 @@ def names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> FloorPlan:
-    """The floor plan called `name` ("FloorPlan201"). KeyError if there is none."""
+    """The floor plan called `name` ("FloorPlan201"), remembered. KeyError if there is none."""
+    return read(name)
+
+
+def read(name: str) -> FloorPlan:
+    """`load`, for those who remember as many plans as they see fit: a plan takes a megabyte."""
     for group, (kind, first) in KINDS.items():
         if name in {f"FloorPlan{first + i}" for i in range(30)}:
             objects = tuple(_sim_object(r) for r in _records(group, int(name.removeprefix("FloorPlan")) - first))

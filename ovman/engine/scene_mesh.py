@@ -19,7 +19,7 @@ from ovman.engine.floorplan import Box, FloorPlan
 
 SAME = 1e-6
 """Metres, and entries of a rotation matrix, within which two poses are one."""
-PLANS_KEPT = 6
+PLANS_KEPT = 3
 """Floor plans whose meshes are kept: a session resets the same few scenes again and again."""
 
 

@@ -80,7 +80,7 @@ def _plain(s: Subject) -> tuple[Part, ...]:
     return (span((-s.x, 0, -s.z), (s.x, s.h, s.z), bevel=min(0.01, 0.2 * min(s.w, s.h, s.d))),)
 
 
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=512)
 def _compound(
     kind: str, size: tuple[float, ...], key: str, inserts: tuple[Insert, ...], hung: bool, quarter: int
 ) -> tuple[Part, ...]:
