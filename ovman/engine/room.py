@@ -134,18 +134,19 @@ class Room:
         everything = (float(low[0]), float(low[2]), float(high[0]), float(high[2]))
         beyond = (everything[0] - SLAB_M, everything[1] - SLAB_M, everything[2] + SLAB_M, everything[3] + SLAB_M)
         inner = [_wall("wall", b.rectangle(beyond), *heights) for b in blocks]
+        stoves = _stoves(plan)
         kept_off = [_wall("wall", b.nearer(FACE_MARGIN_M).rectangle(beyond), *heights) for b in blocks]
         return Room(
             plan,
             rectangle,
             outline,
             blocks,
-            (*(_wall("wall", sides, *heights) for sides in _around(rectangle)), *kept_off),
+            (*(_wall("wall", sides, *heights) for sides in _around(rectangle)), *kept_off, *stoves),
             (
                 *(_wall("wall", sides, *heights) for sides in _around(outline)),
                 *inner,
                 *(_wall("shell", sides, *heights) for sides in _around(everything)),
-                *_stoves(plan),
+                *stoves,
             ),
             ceiling_y,
         )
