@@ -49,7 +49,7 @@ def test_start(controller):
     assert event.depth_frame.shape == (300, 300) and event.depth_frame.dtype == np.float32
     assert event.metadata["sceneName"] == "FloorPlan201_physics"
     assert (controller.server.camera_near_plane, controller.server.camera_far_plane) == pytest.approx((0.1, 20.0))
-    assert controller.scenes_in_build == {f"{name}_physics" for name in floorplan.names()}
+    assert controller.scenes_in_build == {*(f"{name}_physics" for name in floorplan.names()), "Procedural"}
     assert at(controller)[:3] == pytest.approx(floorplan.load("FloorPlan201").start, abs=1e-6)
 
 

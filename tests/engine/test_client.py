@@ -86,7 +86,7 @@ def test_headless_sends_no_image_whatever_is_asked_for(start):
 def test_without_a_scene_it_begins_with_the_first_one(start):
     with start() as controller:
         names = sorted(f"{name}_physics" for name in floorplan.names())
-        assert controller.scenes_in_build == set(names)
+        assert controller.scenes_in_build == {*names, "Procedural"}
         assert controller.last_event.metadata["sceneName"] == controller.scene == names[0]
         assert controller.last_event.frame.shape == (300, 300, 3)
 

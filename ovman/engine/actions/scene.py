@@ -8,7 +8,7 @@ from ovman.engine import floorplan
 from ovman.engine.actions.registry import action
 from ovman.engine.actions.values import FARTHEST
 from ovman.engine.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
-from ovman.engine.engine import SCENE_SUFFIX, Engine
+from ovman.engine.engine import PROCEDURAL, SCENE_SUFFIX, Engine
 from ovman.engine.resolution import objection
 from ovman.engine.settings import Settings
 from ovman.engine.world import Refused
@@ -23,7 +23,7 @@ NEAR_CORNER = 1e-3
 
 @action("GetScenesInBuild")
 def scenes_in_build(engine: Engine) -> list[str]:
-    return [name + SCENE_SUFFIX for name in floorplan.names()]
+    return [*(name + SCENE_SUFFIX for name in floorplan.names()), PROCEDURAL]
 
 
 @action("Reset")
