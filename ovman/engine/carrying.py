@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -17,6 +17,9 @@ STANDS_M = 0.01
 """What is this close to the floor stands on it."""
 PARTS = frozenset(["Cabinet", "Drawer", "Shelf"])
 """Fixed types that movable furniture is made of."""
+
+Surfaces = Callable[[Body], list[Box]]
+PartsOf = Callable[[str], list[Body]]
 
 
 def carriers(plan: FloorPlan) -> dict[str, str]:
@@ -72,6 +75,34 @@ def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: fl
     box = body.box
     within = (np.abs(((low + high) / 2 - box.centre) @ box.rotation) <= box.half).all(axis=1) & (low[:, 1] > floor_y + STANDS_M)
     return {b.object_id for b, yes in zip(recorded, within, strict=True) if yes}
+
+
+def load_of(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> list[str]:
+    """objectIds of what `body` carries among `bodies`, and of what that carries in turn; of nothing if it is not there.
+
+    `surfaces` tells the boxes around the pieces of a body, `parts` the parts of one by its objectId.
+    """
+    found: list[str] = []
+    queue = [body] if body.present else []
+    while queue:
+        for name in sorted(_carried(queue.pop(), bodies, surfaces, parts, floor_y)):
+            if name not in found and name != body.object_id:
+                found.append(name)
+                queue.append(bodies[name])
+    return found
+
+
+def _carried(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> set[str]:
+    """What rests on a body, and what lies in it and rests on nothing else."""
+    others = [b for b in bodies.values() if b is not body and b.dynamic and not b.removed and not b.kinematic]
+    found = resting(surfaces(body), others, floor_y)
+    own = {body.object_id, *(p.object_id for p in parts(body.object_id))}
+    for name in inside(body, own, others, floor_y) - found:
+        parents = (bodies.get(parent) for parent in bodies[name].obj.parents if parent not in own)
+        standing = [p for p in parents if p is not None and p.present and p.obj.type != "Floor"]
+        if not any(resting(surfaces(p), [bodies[name]], floor_y) for p in standing):
+            found.add(name)
+    return found
 
 
 def _bounds(boxes: Sequence[Box]) -> tuple[np.ndarray, np.ndarray]:

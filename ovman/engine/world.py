@@ -13,13 +13,12 @@ import numpy as np
 
 from ovman.engine.arrangement import arranged, named
 from ovman.engine.body import Agent, Body, Pose
-from ovman.engine.carrying import inside, move, resting
+from ovman.engine.carrying import load_of, move, resting
 from ovman.engine.dynamics import Dynamics
-from ovman.engine.embodiment import Embodiment
 from ovman.engine.floorplan import Box, FloorPlan
-from ovman.engine.footprint import Boxes
-from ovman.engine.passage import Obstacles, first_hit, heading, reachable
-from ovman.engine.setting import PASSABLE, SKIN_M, Setting
+from ovman.engine.passage import Obstacles
+from ovman.engine.setting import Setting
+from ovman.engine.way import Way
 
 if TYPE_CHECKING:
     from ovman.engine.physics import Model
@@ -63,7 +62,7 @@ class World:
         self._loose: set[str] = set()
         """Disabled objects that nothing holds where they are."""
         self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
-        self._obstacles_of: tuple[int, float, Embodiment, Obstacles, list[str]] | None = None
+        self._way = Way(self._setting, self.bodies, self.agent)
 
     # What is where
 
@@ -85,44 +84,16 @@ class World:
     # The agent's way
 
     def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
-        """Name of what blocks the agent's straight way from `start_xz` to `end_xz` (metres), None if it is free.
-
-        A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the
-        agent would collide with there.
-        """
-        obstacles, names = self.obstacles()
-        if ignore:
-            kept = np.array([i for i, name in enumerate(names) if name not in ignore], dtype=int)
-            obstacles, names = obstacles.take(kept), [names[i] for i in kept]
-        hit = first_hit(obstacles, np.array(start_xz, dtype=float), np.array(end_xz, dtype=float))
-        return None if hit is None else names[hit]
+        """Name of what blocks the agent's straight way between two points (2,) of the floor plane; see `Way.blocker`."""
+        return self._way.blocker(self.version, start_xz, end_xz, ignore)
 
     def reachable(self, step_m: float = 0.25, yaw_deg: float = 0.0) -> list[tuple[float, float, float]]:
-        """Positions that moves of `step_m` along the yaw and across it take the agent to, its own first; y is the agent's."""
-        x_0, z_0, x_1, z_1 = self.room.rectangle
-        here = self.agent.position[[0, 2]]
-        axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])
-        found = reachable(self.obstacles()[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m, axes)
-        y = float(self.agent.position[1])
-        return [(x, y, z) for x, z in found.tolist()]
+        """Positions (x, y, z) that moves of `step_m` take the agent to; see `Way.reachable`."""
+        return self._way.reachable(self.version, step_m, yaw_deg)
 
     def obstacles(self) -> tuple[Obstacles, list[str]]:
-        """What may stand in the agent's way, and the names of that: walls, then bodies, some of which are in several boxes."""
-        foot, agent = self.agent.foot, self.agent.embodiment
-        if self._obstacles_of is None or self._obstacles_of[:3] != (self.version, foot, agent):
-            bodies = [b for b in self.bodies.values() if b.present and b.obj.type not in PASSABLE]
-            known = self._setting.clearances(agent)
-            names, reach, boxes = [w.name for w in self.room.walls], [known[w.name] for w in self.room.walls], []
-            for body in bodies:
-                barriers = self._setting.barriers(body.obj, body.box)
-                names += [body.object_id] * len(barriers)
-                boxes += barriers
-                away = np.full(len(barriers), agent.radius_m + SKIN_M)
-                reach.append(known[body.obj.object_id] if body.untouched else away)
-            solid = self._setting.walls.join(Boxes.of(boxes))
-            obstacles = Obstacles(solid, np.concatenate(reach), agent.radius_m, *agent.axis(foot))
-            self._obstacles_of = self.version, foot, agent, obstacles, names
-        return self._obstacles_of[3:]
+        """What may stand in the agent's way, and the names of that; see `Way.obstacles`."""
+        return self._way.obstacles(self.version)
 
     # Changes
 
@@ -276,30 +247,8 @@ class World:
         return body
 
     def _load(self, body: Body) -> list[str]:
-        """What a body carries, and what that carries in turn."""
-        if not body.present:
-            return []
-        found: list[str] = []
-        queue = [body]
-        while queue:
-            for name in sorted(self._carried(queue.pop())):
-                if name not in found and name != body.object_id:
-                    found.append(name)
-                    queue.append(self.bodies[name])
-        return found
-
-    def _carried(self, body: Body) -> set[str]:
-        """What rests on a body, and what lies in it and rests on nothing else."""
-        others = [b for b in self.bodies.values() if b is not body and b.dynamic and not b.removed and not b.kinematic]
-        floor_y = self.plan.floor_y
-        found = resting(self._dynamics.surfaces(body), others, floor_y)
-        own = {body.object_id, *(p.object_id for p in self._dynamics.parts(body.object_id))}
-        for name in inside(body, own, others, floor_y) - found:
-            parents = (self.bodies.get(parent) for parent in self.bodies[name].obj.parents if parent not in own)
-            standing = [p for p in parents if p is not None and p.present and p.obj.type != "Floor"]
-            if not any(resting(self._dynamics.surfaces(p), [self.bodies[name]], floor_y) for p in standing):
-                found.add(name)
-        return found
+        """objectIds of what a body carries, and of what that carries in turn."""
+        return load_of(body, self.bodies, self._dynamics.surfaces, self._dynamics.parts, self.plan.floor_y)
 
     def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
         """Name of what `body` would overlap at `pose`; what it carries will fall, and the floor is stood on."""
