@@ -19,6 +19,8 @@ ROWS = 22
 """Rows of LANES 32-bit words that an RTCRayHit16 may have, with instances."""
 COHERENT = 1 << 16
 """RTC_RAY_QUERY_FLAG_COHERENT"""
+EVERYTHING = 0xFFFFFFFF
+"""RTC_FEATURE_FLAG_ALL"""
 _INDEX, _VERTEX, _UINT3, _FLOAT3 = 0, 1, 0x5003, 0x9003
 """RTCBufferType and RTCFormat"""
 _TRIANGLES = 0
@@ -112,16 +114,18 @@ def _aligned(words: int) -> np.ndarray:
 @dataclass(frozen=True)
 class Packet:
     """Memory of one packet of rays: which of its lanes count (LANES,) int32, -1 for yes; its rows (ROWS, LANES), as numbers
-    and as bits; and the arguments of a query."""
+    and as bits; and the arguments of a query whose rays are neighbours, or go all ways."""
 
     valid: np.ndarray
     numbers: np.ndarray
     bits: np.ndarray
-    arguments: np.ndarray
+    coherent: np.ndarray
+    scattered: np.ndarray
 
     @staticmethod
     def new() -> Packet:
         bits = _aligned(ROWS * LANES).reshape(ROWS, LANES)
-        arguments = np.zeros(32, np.uint32)
-        arguments[0], arguments[1] = COHERENT, 0xFFFFFFFF
-        return Packet(_aligned(LANES), bits.view(np.float32), bits, arguments)
+        coherent, scattered = np.zeros(32, np.uint32), np.zeros(32, np.uint32)
+        coherent[0], scattered[0] = COHERENT, 0
+        coherent[1] = scattered[1] = EVERYTHING
+        return Packet(_aligned(LANES), bits.view(np.float32), bits, coherent, scattered)

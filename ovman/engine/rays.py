@@ -148,10 +148,11 @@ class Caster:
         self._offset = np.int32(offset)
         self._packet = embree.Packet.new()
 
-    def _call(self, name: str) -> tuple[object, ...]:
+    def _call(self, name: str, coherent: bool) -> tuple[object, ...]:
         packet = self._packet
         scenes = (self._fixed.handle, self._displaced.handle)
-        return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, packet.arguments
+        arguments = packet.coherent if coherent else packet.scattered
+        return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, arguments
 
     def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, width, height):
         """`closest` of the primary rays of a view (optics.primary), one for each pixel, in the order of the rows."""
@@ -159,7 +160,7 @@ class Caster:
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
         _view(
-            *self._call("rtcIntersect16"), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, width, height,
+            *self._call("rtcIntersect16", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, width, height,
             triangle, distance, u, v,
         )  # fmt: skip
         return triangle, distance, u, v
@@ -170,11 +171,11 @@ class Caster:
         count = len(origins)
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
-        _closest(*self._call("rtcIntersect16"), self._offset, origins, directions, triangle, distance, u, v)
+        _closest(*self._call("rtcIntersect16", True), self._offset, origins, directions, triangle, distance, u, v)
         return triangle, distance, u, v
 
     def occluded(self, origins: np.ndarray, directions: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """Whether anything lies on each ray (N, 3) float32 before `reach` (N,) float32, in lengths of the way: (N,) bool."""
         blocked = np.empty(len(origins), bool)
-        _occluded(*self._call("rtcOccluded16"), origins, directions, reach, blocked)
+        _occluded(*self._call("rtcOccluded16", False), origins, directions, reach, blocked)
         return blocked

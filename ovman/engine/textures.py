@@ -509,6 +509,9 @@ def albedo(
         if t < 0:
             continue
         p, m = tri_part[t], tri_material[t]
+        if kinds[m] == PLAIN:
+            out[i, 0], out[i, 1], out[i, 2] = colours[m, 0], colours[m, 1], colours[m, 2]
+            continue
         flat = tri_axis[t]
         iu = 2 if flat == 0 else 0
         iv = 2 if flat == 1 else 1
