@@ -17,7 +17,7 @@ from ovman.engine.lights import Rig
 from ovman.engine.materials import Material, palette
 from ovman.engine.painter import Looks
 from ovman.engine.room import Room
-from ovman.engine.scene_mesh import PlanMeshes
+from ovman.engine.scene_mesh import PlanMeshes, structures
 from ovman.engine.shapes.style import Style
 
 LEAST_COLOUR = 0.02
@@ -28,7 +28,7 @@ def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Ma
     """Palette of every instance of `plan` and structure of `room` by name, as if the scene were called otherwise."""
     renamed = replace(plan, name=f"{plan.name}~{key}")
     out = {o.object_id: palette(o, renamed) for o in plan.objects}
-    out.update({name: colours for name, _, colours in replace(room, plan=renamed).parts()})
+    out.update({name: colours for name, _, colours in structures(renamed, replace(room, plan=renamed))})
     return out
 
 

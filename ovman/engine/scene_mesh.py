@@ -161,6 +161,16 @@ class Placement:
     box: Box
 
 
+def structures(plan: FloorPlan, room) -> tuple[tuple[str, tuple[shapes.Part, ...], Mapping[str, paint.Material]], ...]:
+    """Names, parts in the world frame and palettes of what is seen of a scene but is none of its objects: the room and the
+    bodies of its counters."""
+    below = []
+    for counter, parts in shapes.bodies(plan):
+        x, y, z = (float(v) for v in counter.box.centre)
+        below.append((f"base|{x:+06.2f}|{y:+06.2f}|{z:+06.2f}", parts, paint.palette(counter, plan)))
+    return (*room.parts(), *below)
+
+
 class PlanMeshes:
     """The meshes of all that a floor plan and its room hold, made once.
 
@@ -169,15 +179,15 @@ class PlanMeshes:
 
     def __init__(self, plan: FloorPlan, room) -> None:
         self.plan = plan
-        structures = tuple(room.parts())
-        self.names = tuple(o.object_id for o in plan.objects) + tuple(name for name, _, _ in structures)
+        fixtures = structures(plan, room)
+        self.names = tuple(o.object_id for o in plan.objects) + tuple(name for name, _, _ in fixtures)
         self._index = {name: i for i, name in enumerate(self.names)}
         locals_: dict[int, _Local] = {}
         for obj in plan.objects:
-            made = _local(shapes.compound(obj, plan), paint.palette(obj, plan))
+            made = _local(shapes.drawn(obj, plan), paint.palette(obj, plan))
             if made is not None:
                 locals_[self._index[obj.object_id]] = made
-        for name, parts, palette in structures:
+        for name, parts, palette in fixtures:
             made = _local(parts, palette)
             if made is not None:
                 locals_[self._index[name]] = made

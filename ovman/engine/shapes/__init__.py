@@ -10,6 +10,7 @@ from ovman.engine.floorplan import FloorPlan, SimObject
 from ovman.engine.shapes import (
     appliances,
     bedding,
+    beds,
     belongings,
     bins,
     bottles,
@@ -34,7 +35,7 @@ from ovman.engine.shapes import (
     tables,
     tableware,
 )
-from ovman.engine.shapes.built_in import stoves
+from ovman.engine.shapes.built_in import bodies, stoves
 from ovman.engine.shapes.collision import collision
 from ovman.engine.shapes.fit import Form, fitted
 from ovman.engine.shapes.part import Part, moved, span
@@ -42,12 +43,13 @@ from ovman.engine.shapes.style import Style
 from ovman.engine.shapes.subject import Insert, Subject
 from ovman.engine.shapes.tessellation import mesh
 
-__all__ = ["FORMS", "LOOSE", "Part", "collision", "compound", "mesh", "stoves"]
+__all__ = ["FORMS", "LOOSE", "Part", "bodies", "collision", "compound", "drawn", "mesh", "stoves"]
 
 FORMS: dict[str, Form] = {}
 for _module in (
     appliances,
     bedding,
+    beds,
     belongings,
     bins,
     bottles,
@@ -111,3 +113,8 @@ def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     size = tuple(float(v) for v in np.maximum(2 * obj.box.half, _SMALLEST_M))
     hung = bool(low[1] > plan.floor_y + 0.25)
     return _compound(obj.type, size, obj.asset_id or obj.name, surroundings.inserts(obj, plan, quarter), hung, quarter)
+
+
+def drawn(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """Those parts of `compound` that are the object to the eye: of a counter the slab; see `bodies` for what it stands on."""
+    return built_in.slab(obj, plan) if obj.type == "CounterTop" else compound(obj, plan)

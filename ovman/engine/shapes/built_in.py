@@ -18,6 +18,8 @@ from ovman.engine.shapes.subject import Subject
 
 SLAB_M = 0.03
 """Thickness of a counter's slab; the recorded ones are often thinner than any stone."""
+LIP_M = 0.015
+"""How far below its recorded box a counter's slab goes at most."""
 RECESS_M = 0.09
 """How far the body under a counter stays behind its front edge, so that doors and drawers stand before it."""
 OVERHANG_M = 0.25
@@ -39,10 +41,30 @@ def counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     return parts
 
 
+BODY_SLOTS = frozenset({"second", "dark"})
+"""What the body of a counter is made of; its slab is "main"."""
+
+
+def slab(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """The part of a counter that its recorded box is a box of, in the frame of that; metres."""
+    return tuple(part for part in counter(obj, plan) if part.slot not in BODY_SLOTS)
+
+
+def bodies(plan: FloorPlan) -> tuple[tuple[SimObject, tuple[Part, ...]], ...]:
+    """Counters of a plan, and what stands under their slabs in the world frame, metres: no part of the recorded objects."""
+    found = []
+    for obj in plan.objects:
+        if obj.type == "CounterTop":
+            parts = tuple(part for part in counter(obj, plan) if part.slot in BODY_SLOTS)
+            if parts:
+                found.append((obj, moved(parts, obj.box.rotation, obj.box.centre)))
+    return tuple(found)
+
+
 def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     low, high = obj.box.bounds()
     top = float(high[1])
-    under = top - max(SLAB_M, float(high[1] - low[1]))
+    under = max(min(float(low[1]), top - SLAB_M), float(low[1]) - LIP_M)
     units = counters.carriers(plan, obj)
     holes = tuple(
         Rect(f.x0 + 0.01, f.z0 + 0.01, f.x1 - 0.01, f.z1 - 0.01)
