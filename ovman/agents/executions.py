@@ -77,7 +77,12 @@ def run(
             lines = []
             for name in names:
                 key = digest(arm, seed, trials[name], constants.canonical)
-                record = kept.unit(key, lambda name=name, seed=seed: execution(session, arm, seed, trials[name], constants))
+                record = kept.unit(
+                    key,
+                    lambda name=name, seed=seed: session.surviving(
+                        lambda: execution(session, arm, seed, trials[name], constants)
+                    ),
+                )
                 lines.append(json.dumps(record, separators=(",", ":")) + "\n")
                 print(f"{name} {arm} seed {seed}: {record['outcome']} after {record['actions']} actions", flush=True)
             output.parent.mkdir(parents=True, exist_ok=True)

@@ -56,7 +56,8 @@ def run(admissible_file: Path, trials_file: Path, constants: Any, output: Path, 
     with Session(trials_file.stem, constants) as session:
         for name in admitted:
             record = kept.unit(
-                digest(trials[name], constants.canonical), lambda name=name: certify(session, trials[name], constants)
+                digest(trials[name], constants.canonical),
+                lambda name=name: session.surviving(lambda: certify(session, trials[name], constants)),
             )
             lines.append(json.dumps(record, separators=(",", ":")) + "\n")
             print(f"{name}: {', '.join(r['outcome'] for r in record['runs'])}", flush=True)

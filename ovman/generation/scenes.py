@@ -55,7 +55,8 @@ def run(scene: str, constants: Any, output: Path, journal: Path) -> None:
     kept = Journal(journal)
     with Session(scene, constants) as session:
         record = kept.unit(
-            digest(scene, constants.canonical), lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m)
+            digest(scene, constants.canonical),
+            lambda: session.surviving(lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m)),
         )
     output.write_text(json.dumps(record, separators=(",", ":")) + "\n")
     moving = sum(o["moveable"] or o["pickupable"] for o in record["objects"])

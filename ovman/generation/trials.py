@@ -218,7 +218,7 @@ def run(candidates_file: Path, scene_file: Path, constants: Any, output: Path, v
         trials = Trials(session, scene, constants, visits_dir)
         for candidate in candidates:
             key = digest(candidate, scene["waypoints"], constants.canonical)
-            trial = kept.unit(key, lambda candidate=candidate: trials.measure(candidate))
+            trial = kept.unit(key, lambda candidate=candidate: session.surviving(lambda: trials.measure(candidate)))
             lines.append(json.dumps(trial, separators=(",", ":")) + "\n")
             print(f"{candidate['id']}: {trial['measured']['ended'] or 'measured'}", flush=True)
     output.write_text("".join(lines))

@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import threading
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
 BACKENDS = ("embedded", "thor")
+WATCH_S = 0.2
+"""How often a start is looked at."""
+ENDING_S = 1.0
+"""How long a process may take to end after its pipes have been closed."""
+NONSENSE = bytes(5)
+"""A frame of a type that there is not."""
 
 
 def start(
@@ -41,12 +50,62 @@ def start(
         # The client asks for Vulkan if it sees a GPU.
         hidden = os.environ.pop("CUDA_VISIBLE_DEVICES", None)
         try:
-            return Controller(local_executable_path=executable(), **shared)
+            # Without a time limit the end of a pipe is the end of the engine; with one, the client waits for the limit.
+            return _started(Controller, local_executable_path=executable(), server_timeout=None, **shared)
         finally:
             if hidden is not None:
                 os.environ["CUDA_VISIBLE_DEVICES"] = hidden
     if backend == "thor":
         from ai2thor.platform import CloudRendering
 
-        return Controller(platform=CloudRendering, **shared)
+        return _started(Controller, platform=CloudRendering, **shared)
     raise ValueError(f"benchmark.backend: {backend!r} is not one of {', '.join(BACKENDS)}")
+
+
+def ended(controller: Controller) -> bool:
+    """Whether the process of a Controller's simulator has ended. Asked when something went wrong: an end under way is awaited."""
+    process = getattr(vars(controller).get("server"), "unity_proc", None)
+    try:
+        return process is not None and process.wait(ENDING_S) is not None
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def _started(kind: type[Controller], **options: Any) -> Controller:
+    """A Controller of these options. ConnectionError if its simulator ends meanwhile.
+
+    A simulator that ends before it has opened its pipes would leave the client opening them for ever. What is left of a failed
+    start is ended.
+    """
+    made = kind.__new__(kind)
+    done = threading.Event()
+    watch = threading.Thread(target=_let_go, args=(made, done), name="watch-start", daemon=True)
+    watch.start()
+    try:
+        made.__init__(**options)
+    except BaseException as error:
+        died = isinstance(error, Exception) and ended(made)
+        with suppress(Exception):
+            made.stop()
+        if died:
+            raise ConnectionError(f"The simulator ended while it was being started: {type(error).__name__}: {error}") from error
+        raise
+    finally:
+        done.set()
+        watch.join()
+    return made
+
+
+def _let_go(starting: Controller, done: threading.Event) -> None:
+    """Says nonsense to a client whose simulator has ended during its start: an end of file it would not believe for minutes."""
+    while not done.wait(WATCH_S):
+        server = vars(starting).get("server")
+        process = getattr(server, "unity_proc", None)
+        if process is None or process.poll() is None:
+            continue
+        for path, way in ((server.server_pipe_path, os.O_WRONLY), (server.client_pipe_path, os.O_RDONLY)):
+            with suppress(OSError):
+                pipe = os.open(path, way | os.O_NONBLOCK)
+                with suppress(OSError):
+                    os.write(pipe, NONSENSE)
+                os.close(pipe)

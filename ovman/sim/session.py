@@ -3,18 +3,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from ovman.sim import controller
 
+DEATHS = 3
+"""Simulators that may die over one piece of work: what kills one after the other is no accident."""
+
+Result = TypeVar("Result")
+
 
 class SimulatorError(RuntimeError):
     """The simulator refused something that a session relies on; the message is the simulator's."""
+
+
+class SimulatorDied(Exception):
+    """The simulator's process ended, or its client no longer understands it. No SimulatorError: nothing was refused."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +46,8 @@ class Session:
     """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
 
     A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
-    and primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed.
+    and primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed, and
+    SimulatorDied if there is no simulator any more; see `surviving`.
     """
 
     def __init__(self, scene: str, constants: Any) -> None:
@@ -49,9 +60,37 @@ class Session:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self._stop()
+
+    def _stop(self) -> None:
         if self._controller is not None:
-            self._controller.stop()
+            with suppress(OSError):  # the pipes of a dead simulator do not close in peace
+                self._controller.stop()
             self._controller = None
+
+    def surviving(self, work: Callable[[], Result]) -> Result:
+        """What `work` returns. If the simulator dies meanwhile, `work` is done again from its beginning, with another one.
+
+        `work` begins with a reset and depends on nothing that it changed itself. SimulatorDied if a number of simulators die.
+        """
+        for _ in range(DEATHS - 1):
+            try:
+                return work()
+            except SimulatorDied as death:
+                print(f"{self.scene}: {death} Starting another one.", flush=True)
+        return work()
+
+    @contextmanager
+    def _watched(self, doing: str) -> Iterator[None]:
+        """The Controller stops its simulator on whatever goes wrong between them, and cannot be used after that."""
+        try:
+            yield
+        except Exception as error:
+            mistaken = isinstance(error, ValueError)  # no such scene, action or argument; or half a message
+            if mistaken and (self._controller is None or not controller.ended(self._controller)):
+                raise
+            self._stop()
+            raise SimulatorDied(f"The simulator died during {doing}: {type(error).__name__}: {error}") from error
 
     @property
     def started(self) -> bool:
@@ -59,25 +98,27 @@ class Session:
 
     def reset(self) -> None:
         """The untouched scene; starts the simulator the first time."""
-        if self._controller is None:
-            c = self._constants
-            self._controller = controller.start(
-                c.benchmark.backend,
-                self.scene,
-                c.camera.width_px,
-                c.camera.height_px,
-                c.camera.field_of_view_deg,
-                c.primitives.step_m,
-                c.primitives.turn_deg,
-            )
-            self._event = self._controller.last_event
-        else:
-            self._event = self._controller.reset(self.scene)
+        with self._watched("Reset"):
+            if self._controller is None:
+                c = self._constants
+                self._controller = controller.start(
+                    c.benchmark.backend,
+                    self.scene,
+                    c.camera.width_px,
+                    c.camera.height_px,
+                    c.camera.field_of_view_deg,
+                    c.primitives.step_m,
+                    c.primitives.turn_deg,
+                )
+                self._event = self._controller.last_event
+            else:
+                self._event = self._controller.reset(self.scene)
         self._height_m = self._event.metadata["agent"]["position"]["y"]
 
     def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
         """One action; returns its event. With `image` the event carries RGB, depth and ids. A failure raises unless `allowed`."""
-        self._event = self._controller.step(action=action, renderImage=image, **arguments)
+        with self._watched(action):
+            self._event = self._controller.step(action=action, renderImage=image, **arguments)
         if not self._event.metadata["lastActionSuccess"] and not allowed:
             raise SimulatorError(f"{self.scene}: {action}: {self._event.metadata['errorMessage']}")
         return self._event

@@ -1,0 +1,150 @@
+"""An engine that is killed under a session: noticed at once, another one started, the work done as if nothing had happened."""
+
+from __future__ import annotations
+
+import json
+import random
+import signal
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from ovman.config import canonical, load
+from ovman.constants import StageConstants
+from ovman.generation import candidates, scenes, trials
+from ovman.journal import Journal
+from ovman.sim import controller
+from ovman.sim.session import DEATHS, Session, SimulatorDied
+
+ROOT = Path(__file__).parents[2]
+SCENE = "FloorPlan401"
+NOTICED_S = 5.0
+
+
+def constants(stage):
+    return StageConstants(canonical(load(ROOT / "config.yaml", [ROOT / "overlays" / "tiny.yaml"]), stage))
+
+
+@pytest.fixture
+def session():
+    with Session(SCENE, constants("trials")) as made:
+        made.reset()
+        yield made
+
+
+def engine(session):
+    return session._controller.server.unity_proc
+
+
+def kill(session, number=signal.SIGKILL):
+    engine(session).send_signal(number)
+
+
+def test_death_between_two_actions_is_noticed_and_nothing_is_left(session):
+    process = engine(session)
+    kill(session)
+    begun = time.monotonic()
+    with pytest.raises(SimulatorDied, match="Pass"):
+        for _ in range(3):
+            session.step("Pass")
+    assert time.monotonic() - begun < NOTICED_S
+    assert process.poll() is not None and not session.started
+    session.reset()
+    assert session.started and session.step("Pass")
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGABRT, signal.SIGTERM])
+def test_death_during_an_action(session, number):
+    """The engine is stopped first, so that it dies with an answer outstanding."""
+    process = engine(session)
+    process.send_signal(signal.SIGSTOP)
+
+    def strike():
+        process.send_signal(number)
+        process.send_signal(signal.SIGCONT)
+
+    threading.Timer(0.3, strike).start()
+    with pytest.raises(SimulatorDied):
+        session.step("Pass", image=True)
+
+
+def test_a_mistake_is_no_death(session):
+    with pytest.raises(ValueError, match="Invalid action"):
+        session.step("NoSuchAction")
+    assert session.started and session.step("Pass")
+    with pytest.raises(ValueError, match="not contained in build"), Session("FloorPlan999", constants("trials")) as other:
+        other.reset()
+
+
+def test_work_is_done_again_from_its_beginning(session, capsys):
+    done = []
+
+    def work():
+        session.reset()
+        done.append(session.pose)
+        if len(done) == 1:
+            kill(session)
+        session.step("MoveAhead", allowed=True)
+        return session.step("Pass").metadata["agent"]
+
+    undisturbed = session.surviving(work)
+    assert len(done) == 2 and done[0] == done[1] and work() == undisturbed
+    assert "died during MoveAhead" in capsys.readouterr().out
+
+
+def test_one_death_after_the_other_is_no_accident(session):
+    tries = []
+
+    def work():
+        session.reset()
+        tries.append(1)
+        kill(session)
+        session.step("Pass")
+
+    with pytest.raises(SimulatorDied):
+        session.surviving(work)
+    assert len(tries) == DEATHS
+
+
+@pytest.mark.parametrize("delay_s", [0.0, 0.05])
+def test_death_while_it_is_started(monkeypatch, delay_s):
+    """Before it has opened its pipes, the client would open them for ever."""
+    monkeypatch.setattr("ovman.engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
+    c = constants("trials")
+    with pytest.raises(ConnectionError):
+        controller.start("embedded", SCENE, 300, 300, 90.0, c.primitives.step_m, c.primitives.turn_deg)
+
+
+def _trials(directory, scene, drawn):
+    directory.mkdir()
+    output = directory / "trials.jsonl"
+    trials.run(drawn, scene, constants("trials"), output, directory / "visits", directory / "journal.jsonl")
+    return output.read_bytes(), Journal(directory / "journal.jsonl")._units.keys()
+
+
+def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
+    """Engines are killed at random moments of a stage; what it writes is what it would have written."""
+    scene, drawn = tmp_path / "scene.json", tmp_path / "candidates.jsonl"
+    scenes.run(SCENE, constants("scenes"), scene, tmp_path / "scenes.jsonl")
+    candidates.run(scene, constants("candidates"), drawn)
+    lines = {c["relation"]: json.dumps(c) for c in map(json.loads, drawn.read_text().splitlines()) if c["refused"] is None}
+    drawn.write_text("".join(lines[relation] + "\n" for relation in ("moved", "removed")))
+    undisturbed = _trials(tmp_path / "undisturbed", scene, drawn)
+
+    started, rng = [], random.Random(0)
+    begin = controller.start
+
+    def doomed(*arguments):
+        made = begin(*arguments)
+        started.append(made.server.unity_proc)
+        if len(started) < DEATHS:
+            threading.Timer(rng.uniform(0.05, 0.8), started[-1].kill).start()
+        return made
+
+    monkeypatch.setattr(controller, "start", doomed)
+    assert _trials(tmp_path / "killed", scene, drawn) == undisturbed
+    assert len(started) == DEATHS and all(process.poll() is not None for process in started)
+    assert not list(tmp_path.rglob("*.partial"))
+    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == trials.SCHEMA
