@@ -244,7 +244,7 @@ def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
     if what in ("wall", "accent"):
         plain = ("plain",) * (2 if kind in TILED else 7)
         texture = style.choice(f"{what} texture", (*plain, "tiles", "tiles") if kind in TILED else (*plain, "speckle", "speckle"))
-        scale = (0.1, 0.24) if texture == "tiles" else (0.012, 0.03)
+        scale = (0.1, 0.24) if texture == "tiles" else (0.006, 0.01)
         main = replace(main, texture=texture, scale_m=style.uniform(f"{what} scale", *scale))
     main = replace(main, seed=style.integer(f"{what} seed") % 2**31)
     second = replace(main, colour=main.colour * 0.9)

@@ -170,11 +170,32 @@ def test_a_chair_stands_on_legs_and_has_its_back_behind(forms):
             assert np.min([c[2] for c in high_up]) < -0.5 * o.box.half[2], (plan.name, o.object_id)
 
 
-def test_beds_have_their_heads_at_the_front_of_their_boxes(forms):
-    for _, o, parts in forms:
+def test_beds_have_their_heads_where_their_pillows_lie(forms):
+    at_pillows = 0
+    for plan, o, parts in forms:
         if o.type == "Bed":
             tallest = max((p for p in parts if p.drawn), key=lambda p: bounds([p])[1][1])
-            assert tallest.centre[2] > 0.5 * o.box.half[2]
+            assert abs(tallest.centre[2]) > 0.5 * o.box.half[2]
+            pillows = [other.box.centre for other in plan.objects if other.type == "Pillow" and o.object_id in other.parents]
+            if pillows:
+                side = (o.box.rotation.T @ (np.mean(pillows, axis=0) - o.box.centre))[2]
+                at_pillows += 1
+                assert side * tallest.centre[2] > 0 or abs(side) < 0.15 * o.box.half[2], (plan.name, o.object_id)
+    assert at_pillows > 20
+
+
+def test_what_lies_on_a_bed_lies_on_its_mattress(forms):
+    """The top of the mattress is where the lowest thing on it has its bottom, to 3 cm."""
+    told = 0
+    for plan, o, parts in forms:
+        rest = [other.box.bounds()[0][1] for other in plan.objects if other.dynamic and o.object_id in other.parents]
+        if o.type != "Bed" or not rest:
+            continue
+        level = min(rest) - o.box.centre[1]
+        tops = [bounds([p], drawn_only=False)[1][1] for p in parts if p.solid and p.kind == "box" and p.size[1] > 0.05]
+        told += 1
+        assert min(abs(top - level) for top in tops) < 0.03, (plan.name, o.object_id)
+    assert told > 25
 
 
 def test_what_hangs_on_a_wall_faces_the_room():

@@ -1,101 +1,11 @@
-"""Beds and what is soft: pillows, cloths, towels, a bear. The bed's head is at -z here; `facing` turns it."""
+"""What is soft: pillows, cloths, towels, a bear."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 from ovman.engine.shapes.part import Part, about, span
-from ovman.engine.shapes.seating import legs
 from ovman.engine.shapes.subject import Subject
-
-
-def bed(s: Subject) -> Iterator[Part]:
-    st = s.style
-    lying = min(0.55, 0.62 * s.h)
-    frame = st.uniform("frame", 0.2, 0.3) * lying / 0.55
-    foot = st.uniform("foot", 0.05, 0.12)
-    head = st.uniform("head", 0.04, 0.09)
-    board = lying + st.uniform("footboard", -0.05, 0.14) if st.chance("has footboard", 0.4) else frame
-    yield span((-s.x, foot, -s.z + head), (s.x, frame, s.z), "main", bevel=0.012)
-    yield from legs(s, foot + 0.02, 0.02, 0.07, 0.0, "trim", solid=False)
-    form = st.choice("headboard", ("panel", "slats", "soft", "buttoned"))
-    yield span(
-        (-s.x, 0, -s.z),
-        (s.x, s.h, -s.z + head),
-        drawn=form != "slats",
-        slot="cloth_second" if form in ("soft", "buttoned") else "main",
-        bevel=0.015,
-    )
-    if form == "slats":
-        for sx in (-1, 1):
-            low, high = sorted((sx * s.x, sx * (s.x - 0.06)))
-            yield span((low, 0, -s.z), (high, s.h, -s.z + head), "main", bevel=0.006, solid=False)
-        for y in (lying, s.h - 0.07):
-            yield span((-s.x, y, -s.z + 0.01), (s.x, y + 0.065, -s.z + head - 0.01), "main", bevel=0.006, solid=False)
-        count = max(5, round(s.w / 0.14))
-        for i in range(1, count):
-            x = -s.x + s.w * i / count
-            yield span((x - 0.014, lying, -s.z + 0.02), (x + 0.014, s.h - 0.02, -s.z + head - 0.02), "main", solid=False)
-    elif form == "buttoned":
-        count = max(3, round(s.w / 0.3))
-        for i in range(count):
-            for row in range(2):
-                high = (s.h - lying) / 2
-                x0 = -s.x + s.w * i / count
-                yield span(
-                    (x0 + 0.003, lying + row * high, -s.z + head - 0.02),
-                    (x0 + s.w / count - 0.003, lying + (row + 1) * high, -s.z + head + 0.03),
-                    "cloth_second",
-                    kind="cushion",
-                    ratio=0.3,
-                    solid=False,
-                )
-    elif form == "panel":
-        yield span(
-            (-s.x * 0.9, lying, -s.z + head - 0.01),
-            (s.x * 0.9, s.h - 0.06, -s.z + head + 0.008),
-            "second",
-            bevel=0.006,
-            solid=False,
-        )
-    if board > frame:
-        yield span((-s.x, 0, s.z - 0.05), (s.x, board, s.z), "main", bevel=0.012)
-    end = s.z - 0.06
-    yield span((-s.x + 0.03, frame, -s.z + head), (s.x - 0.03, lying - 0.04, end), "pale", kind="cushion", ratio=0.12)
-    count = 1 if s.w < 1.25 else 2
-    wide = (s.w - 0.16) / count
-    depth = min(0.42, 0.2 * s.d)
-    for i in range(count):
-        x = -s.x + 0.08 + wide * (i + 0.5)
-        yield Part(
-            "cushion",
-            (x, lying + 0.05, -s.z + head + depth / 2 + 0.04),
-            (wide * 0.92, 0.15, depth),
-            about("x", -16.0),
-            "cloth",
-            solid=False,
-            ratio=0.55,
-        )
-    turn = -s.z + head + depth + st.uniform("turn", 0.06, 0.3)
-    yield span(
-        (-s.x + 0.005, frame - st.uniform("hang", 0.0, 0.12), turn),
-        (s.x - 0.005, lying + 0.02, end + 0.01),
-        "cloth_second",
-        kind="cushion",
-        ratio=0.1,
-        solid=False,
-    )
-    yield span(
-        (-s.x + 0.005, lying - 0.02, turn - 0.02),
-        (s.x - 0.005, lying + 0.045, turn + 0.24),
-        "accent",
-        kind="cushion",
-        ratio=0.25,
-        solid=False,
-    )
-    if st.chance("throw", 0.5):
-        far = turn + 0.62 * (end - turn)
-        yield span((-s.x, frame - 0.04, far), (s.x, lying + 0.035, far + 0.4), "accent", kind="cushion", ratio=0.1, solid=False)
 
 
 def pillow(s: Subject) -> Iterator[Part]:
@@ -211,4 +121,4 @@ def teddy(s: Subject) -> Iterator[Part]:
         )
 
 
-FORMS = {"Bed": bed, "Pillow": pillow, "Cloth": cloth, "Towel": towel, "HandTowel": towel, "TeddyBear": teddy}
+FORMS = {"Pillow": pillow, "Cloth": cloth, "Towel": towel, "HandTowel": towel, "TeddyBear": teddy}

@@ -9,11 +9,11 @@ from ovman.engine.shapes.style import Style
 
 
 class Insert(NamedTuple):
-    """A drawer, door or shelf that is an object of its own within a piece of furniture, or a sink that hangs into it; metres, in
-    the frame of `Subject`."""
+    """A drawer, door or shelf that is an object of its own within a piece of furniture, a sink that hangs into it, or a thing
+    that rests on it; metres, in the frame of `Subject`."""
 
     kind: str
-    """drawer, door, shelf or sink"""
+    """drawer, door, shelf, sink or rest"""
     x0: float
     x1: float
     y0: float

@@ -20,9 +20,11 @@ HOSTS = frozenset({"Dresser", "Desk", "SideTable", "TVStand", "ShelvingUnit", "C
 """Furniture that drawers, doors and shelves may be set into."""
 UNDER_SINKS = frozenset({"Cabinet", "Drawer"})
 """What a sink may hang into from above."""
+BEDS = frozenset({"Bed"})
+"""What lies on these tells how high one lies on them."""
 INSERTS = {"Drawer": "drawer", "Cabinet": "door", "Shelf": "shelf"}
-TURNED_TYPES = {"Bed": 2}
-"""Quarter turns of types whose front is known not to be +z: the recorded beds have their heads at +z."""
+PILLOW_SIDE = 0.15
+"""Pillows so far from the middle of a bed, in half its length, are at its head."""
 
 REACH_M = (0.08, 0.3)
 """Distances before a front at which something fixed blocks it."""
@@ -63,8 +65,8 @@ def host(obj: SimObject, plan: FloorPlan) -> SimObject | None:
 
 def front(obj: SimObject, plan: FloorPlan) -> int:
     """Quarter turns about y from +z of the box to the front of `obj`."""
-    if obj.type in TURNED_TYPES:
-        return TURNED_TYPES[obj.type]
+    if obj.type in BEDS:
+        return _bed_front(obj, plan)
     if plan.house is not None:
         return 0
     if obj.type in WALL_TYPES:
@@ -79,6 +81,13 @@ def front(obj: SimObject, plan: FloorPlan) -> int:
     if obj.type == "TVStand":
         return max((0, 2), key=lambda q: (_room_side(obj, plan, q), -q))
     return 0
+
+
+def _bed_front(obj: SimObject, plan: FloorPlan) -> int:
+    """Half turns to the foot of a bed: away from its pillows; the recorded beds have their heads at +z where none tells."""
+    pillows = [o for o in plan.objects if o.type == "Pillow" and obj.object_id in o.parents]
+    along = [float((obj.box.rotation.T @ (o.box.centre - obj.box.centre))[2]) for o in pillows]
+    return 0 if along and np.mean(along) < -PILLOW_SIDE * obj.box.half[2] else 2
 
 
 def _boxes(plan: FloorPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[SimObject]]:
@@ -139,20 +148,25 @@ def _overlap(first: SimObject, second: SimObject) -> bool:
 
 
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj`, sinks that hang into it, in the frame of its `Subject`: its front is at +z."""
-    if obj.type not in HOSTS and obj.type not in UNDER_SINKS:
+    """Drawers, doors and shelves set into `obj`, sinks that hang into it, what rests on a bed: in the frame of its `Subject`, its
+    front at +z."""
+    if obj.type not in HOSTS | UNDER_SINKS | BEDS:
         return ()
     found = []
     to_local = turn(quarter).T @ obj.box.rotation.T
     half = np.abs(turn(quarter).T) @ obj.box.half
     for other in plan.objects:
-        sunk = obj.type in UNDER_SINKS and other.type == "Sink" and _overlap(obj, other)
-        if sunk or (other.type in INSERTS and host(other, plan) is obj):
+        kind = INSERTS.get(other.type, "")
+        if obj.type in UNDER_SINKS and other.type == "Sink" and _overlap(obj, other):
+            kind = "sink"
+        elif obj.type in BEDS and other.dynamic and obj.object_id in other.parents:
+            kind = "rest"
+        elif not kind or host(other, plan) is not obj:
+            kind = ""
+        if kind:
             corners = (other.box.corners() - obj.box.centre) @ to_local.T
             low, high = np.maximum(corners.min(axis=0), -half), np.minimum(corners.max(axis=0), half)
             if (high > low).all():
                 up = half[1]
-                found.append(
-                    Insert("sink" if sunk else INSERTS[other.type], low[0], high[0], low[1] + up, high[1] + up, low[2], high[2])
-                )
+                found.append(Insert(kind, low[0], high[0], low[1] + up, high[1] + up, low[2], high[2]))
     return tuple(sorted(found))
