@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ovman.engine.body import Agent
-from ovman.engine.visibility import COLLIDER, Sight, axes, directions, in_picture
+from ovman.engine.visibility import COLLIDER, Sight, axes, directions, in_picture, toward
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 ROUNDING_M = 1e-6
@@ -25,7 +25,7 @@ HEMISPHERE = 0.1
 """Cosine of half the opening of the widest cone that a narrower one is told from the whole sphere."""
 
 
-def toward(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) -> np.ndarray:
+def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) -> np.ndarray:
     """Unit vectors (K, 3) of all looks from a camera at `camera` (3,) that may meet an instance no farther than `distance_m` in
     plan: those of `Sight.visible`."""
     low, high = sight.lines.bounds(instance)
@@ -40,22 +40,21 @@ def toward(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) -
         narrowest = float((around @ middle).min()) - CONE_MARGIN
         if narrowest > HEMISPHERE:
             ways = ways[ways @ middle > narrowest]
-    points = sight.lines.points[instance] - camera
-    return np.concatenate([ways, points / np.maximum(np.linalg.norm(points, axis=1, keepdims=True), ROUNDING_M)])
+    return np.concatenate([ways, toward(sight.lines.points[instance], camera)])
 
 
 def reaching(sight: Sight, name: str, agent: Agent, distance_m: float) -> np.ndarray:
     """Unit vectors (K, 3) along which `agent` could reach an instance if it looked that way: looks that meet it first, not
     farther than `distance_m` in plan, while a part of it is so near by both visibility schemes."""
-    nowhere = np.zeros((0, 3))
+    nowhere = np.zeros((0, 3), dtype=np.float32)
     instance = sight.lines.index.get(name)
     if instance is None or not np.isfinite(sight.lines.points[instance, 0, 0]):
         return nowhere
     camera, low_high = agent.camera, agent.embodiment.axis(agent.foot)
     if not sight.near_one(instance, camera, low_high, distance_m, COLLIDER):
         return nowhere
-    looks = sight.look(camera, toward(sight, instance, camera, distance_m))
-    found = (looks.first == instance) & sight.within(looks, 0, float(camera[1] - agent.position[1]), distance_m)
+    looks = sight.look(camera, ways_to(sight, instance, camera, distance_m))
+    found = (looks.first == instance) & looks.within(0, float(camera[1] - agent.position[1]), distance_m)
     return looks.ways[found]
 
 

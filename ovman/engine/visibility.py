@@ -65,23 +65,29 @@ def axes(yaw_deg: float, horizon_deg: float) -> np.ndarray:
 
 def in_picture(ways: np.ndarray, frame: np.ndarray, field_of_view_deg: float, aspect: float) -> np.ndarray:
     """Which directions (K, 3) lead into the picture of a camera whose axes are the rows of `frame` (3, 3): (K,) bool."""
-    local = ways @ frame.T
-    reach = local[:, 2] * math.tan(math.radians(field_of_view_deg) / 2)
-    return (local[:, 2] > 0) & (np.abs(local[:, 1]) <= reach) & (np.abs(local[:, 0]) <= reach * aspect)
+    right, up, forward = frame.astype(ways.dtype) @ ways.T
+    reach = forward * ways.dtype.type(math.tan(math.radians(field_of_view_deg) / 2))
+    return (np.abs(up) <= reach) & (np.abs(right) <= reach * ways.dtype.type(aspect)) & (forward > 0)
 
 
 @cache
 def directions() -> np.ndarray:
-    """Unit vectors all around, (6 SPACING**2, 3), in squares of neighbours."""
+    """Unit vectors all around, (6 SPACING**2, 3) float32, in squares of neighbours."""
     edge = np.tan((np.arange(SPACING) + 0.5) / SPACING * math.pi / 2 - math.pi / 4)
     blocks = np.arange(SPACING).reshape(-1, 4)
     rows, columns = (np.array([(i, j) for a in blocks for b in blocks for i in a for j in b]).T).tolist()
     face = np.stack([edge[columns], edge[rows], np.ones(SPACING**2)], axis=1)
     face /= np.linalg.norm(face, axis=1, keepdims=True)
     turns = [np.roll(np.eye(3), k, axis=1) * sign for sign in (1.0, -1.0) for k in range(3)]
-    found = np.concatenate([face @ turn for turn in turns])
+    found = np.concatenate([face @ turn for turn in turns]).astype(np.float32)
     found.setflags(write=False)
     return found
+
+
+def toward(points: np.ndarray, camera: np.ndarray) -> np.ndarray:
+    """Unit vectors (K, 3) float32 from a camera (3,) to points (K, 3)."""
+    to = points - camera.astype(np.float32)
+    return to / np.maximum(np.sqrt(np.einsum("ki,ki->k", to, to)), np.float32(1e-9))[:, None]
 
 
 @dataclass(frozen=True)
@@ -89,15 +95,19 @@ class Looks:
     """K looks from one camera."""
 
     ways: np.ndarray
-    """(K, 3) unit vectors"""
+    """(K, 3) unit vectors, float32"""
     first: np.ndarray
     """(K,) int, the instance that each meets first; negative: none"""
     behind: np.ndarray
     """(K,) int, the first that is not transparent"""
-    plan_m: np.ndarray
-    """(2, K) distance in plan to where each meets `first` and `behind`"""
-    rise_m: np.ndarray
-    """(2, K) how far that is above the camera"""
+    away_m: np.ndarray
+    """(2, K) how far from the camera each meets `first` and `behind`"""
+
+    def within(self, k: int, camera_m: float, distance_m: float) -> np.ndarray:
+        """(K,) bool: looks that meet something (0: first, 1: behind what is transparent) within the distance in plan, and not
+        farther above the agent, whose camera is `camera_m` above its position."""
+        plan = self.away_m[k] * np.hypot(self.ways[:, 0], self.ways[:, 2])
+        return (plan <= distance_m) & (self.away_m[k] * self.ways[:, 1] + camera_m <= distance_m)
 
 
 def _tall(axis: tuple[float, float], distance_m: float, scheme: str) -> tuple[float, float]:
@@ -119,13 +129,11 @@ class Sight:
         """Names of the instances that are visible, and of those of them that are interactable."""
         near = self.near(eye, distance_m, scheme)
         targets = self.lines.points[near].reshape(-1, 3)
-        to = targets[np.isfinite(targets[:, 0])] - eye.position
-        to /= np.maximum(np.linalg.norm(to, axis=1, keepdims=True), 1e-9)
-        ways = np.concatenate([directions(), to])
+        ways = np.concatenate([directions(), toward(targets[np.isfinite(targets[:, 0])], eye.position)])
         looks = self.look(eye.position, ways[eye.frames(ways)])
         seen = []
         for k, owner in enumerate((looks.first, looks.behind)):
-            hit = self.within(looks, k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0
+            hit = looks.within(k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0
             found = np.unique(owner[hit & (owner >= 0)])
             seen.append({self.lines.names[i] for i in found[near[found]]})
         return seen[0] | seen[1], seen[0]
@@ -144,7 +152,8 @@ class Sight:
 
     def look(self, position: np.ndarray, ways: np.ndarray) -> Looks:
         """What looks from a camera at `position` (3,) along unit vectors (K, 3) meet."""
-        origins = position + NEAR_M * ways
+        ways = np.ascontiguousarray(ways, dtype=np.float32)
+        origins = position.astype(np.float32) + np.float32(NEAR_M) * ways
         first, distance = self.lines.first(origins, ways, self._opaque)
         behind, further = first.copy(), distance.copy()
         glass = np.flatnonzero(np.append(self._transparent, [False, False])[first])
@@ -152,11 +161,4 @@ class Sight:
             start = origins[glass] + ways[glass] * distance[glass][:, None]
             behind[glass], beyond = self.lines.first(start, ways[glass], self._transparent)
             further[glass] += beyond
-        away = np.stack([distance, further]).astype(float) + NEAR_M
-        return Looks(ways, first, behind, away * np.hypot(ways[:, 0], ways[:, 2]), away * ways[:, 1])
-
-    @staticmethod
-    def within(looks: Looks, k: int, camera_m: float, distance_m: float) -> np.ndarray:
-        """(K,) bool: looks that meet something (0: first, 1: behind what is transparent) within the distance in plan, and not
-        farther above the agent, whose camera is `camera_m` above its position."""
-        return (looks.plan_m[k] <= distance_m) & (looks.rise_m[k] + camera_m <= distance_m)
+        return Looks(ways, first, behind, np.stack([distance, further]) + np.float32(NEAR_M))
