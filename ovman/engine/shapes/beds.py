@@ -26,7 +26,7 @@ def bed(s: Subject) -> Iterator[Part]:
         return
     st = s.style
     frame = st.uniform("frame", 0.2, 0.3) * min(lying / 0.55, 1.2)
-    foot = st.uniform("foot", 0.05, 0.12)
+    foot = min(st.uniform("foot", 0.05, 0.12), 0.5 * frame)
     head = st.uniform("head", 0.04, 0.09)
     top = s.h
     if s.h - lying > POSTER_M:
