@@ -188,7 +188,7 @@ def test_what_lies_on_a_bed_lies_on_its_mattress(forms):
     """The top of the mattress is where the lowest thing on it has its bottom, to 3 cm."""
     told = 0
     for plan, o, parts in forms:
-        rest = [other.box.bounds()[0][1] for other in plan.objects if other.dynamic and o.object_id in other.parents]
+        rest = [other.box.bounds()[0][1] for other in plan.objects if other.pickupable and o.object_id in other.parents]
         if o.type != "Bed" or not rest:
             continue
         level = min(rest) - o.box.centre[1]

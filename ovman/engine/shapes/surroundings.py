@@ -20,8 +20,8 @@ HOSTS = frozenset({"Dresser", "Desk", "SideTable", "TVStand", "ShelvingUnit", "C
 """Furniture that drawers, doors and shelves may be set into."""
 UNDER_SINKS = frozenset({"Cabinet", "Drawer"})
 """What a sink may hang into from above."""
-BEDS = frozenset({"Bed"})
-"""What lies on these tells how high one lies on them."""
+SEATS = frozenset({"Bed", "Sofa", "ArmChair"})
+"""What lies on these tells how high one sits or lies on them."""
 INSERTS = {"Drawer": "drawer", "Cabinet": "door", "Shelf": "shelf"}
 PILLOW_SIDE = 0.15
 """Pillows so far from the middle of a bed, in half its length, are at its head."""
@@ -65,7 +65,7 @@ def host(obj: SimObject, plan: FloorPlan) -> SimObject | None:
 
 def front(obj: SimObject, plan: FloorPlan) -> int:
     """Quarter turns about y from +z of the box to the front of `obj`."""
-    if obj.type in BEDS:
+    if obj.type == "Bed":
         return _bed_front(obj, plan)
     if plan.house is not None:
         return 0
@@ -148,9 +148,9 @@ def _overlap(first: SimObject, second: SimObject) -> bool:
 
 
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj`, sinks that hang into it, what rests on a bed: in the frame of its `Subject`, its
-    front at +z."""
-    if obj.type not in HOSTS | UNDER_SINKS | BEDS:
+    """Drawers, doors and shelves set into `obj`, sinks that hang into it, what rests on it if it is a seat: in the frame of its
+    `Subject`, its front at +z."""
+    if obj.type not in HOSTS | UNDER_SINKS | SEATS:
         return ()
     found = []
     to_local = turn(quarter).T @ obj.box.rotation.T
@@ -159,7 +159,7 @@ def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]
         kind = INSERTS.get(other.type, "")
         if obj.type in UNDER_SINKS and other.type == "Sink" and _overlap(obj, other):
             kind = "sink"
-        elif obj.type in BEDS and other.dynamic and obj.object_id in other.parents:
+        elif obj.type in SEATS and other.pickupable and obj.object_id in other.parents:
             kind = "rest"
         elif not kind or host(other, plan) is not obj:
             kind = ""
