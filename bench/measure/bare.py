@@ -43,4 +43,4 @@ def packets(world: World, view: View) -> Callable[[], object]:
     mesh = scene_mesh.build(world)
     nothing = scene_mesh.of_plan(world.plan, world.room).posed([])
     caster = rays.Caster(rays.committed(mesh), len(mesh.triangles), nothing)
-    return lambda: caster.view(*_camera(view), view.width, view.height)
+    return lambda: caster.view(*_camera(view), np.float32(view.far_m - view.near_m), view.width, view.height)

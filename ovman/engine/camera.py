@@ -193,7 +193,6 @@ class Renderer:
             mesh, looks, caster = self._staged(view, looks)
         painter = Painter(view, mesh, looks, caster)
         hits = painter.see(*_centres(view.width, view.height))
-        hits.prim[hits.distance > np.float32(view.far_m - view.near_m)] = -1
         number, planar = np.empty(len(hits.prim), np.int32), np.empty(len(hits.prim), np.float32)
         optics.identify(hits.prim, hits.distance, mesh.instance, np.float32(view.near_m), np.float32(view.far_m), number, planar)
         picture = facing = None

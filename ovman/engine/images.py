@@ -52,8 +52,9 @@ def class_of(name: str) -> str:
     return last if last[:1].isalpha() else first
 
 
-def colour_table(names: Sequence[str]) -> list[dict[str, Any]]:
-    """The metadata's colors: one entry for each instance in `names`, one for each of their classes."""
+@lru_cache(maxsize=16)
+def colour_table(names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """The metadata's colors: one entry for each instance in `names`, one for each of their classes. Not to be changed."""
     tags = list(dict.fromkeys([*names, *map(class_of, names)]))
     return [{"name": tag, "color": list(colour(tag))} for tag in tags]
 

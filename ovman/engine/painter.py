@@ -96,8 +96,9 @@ class Painter:
         return origins, ways
 
     def see(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """What the pixels see at their centres, which are given as `cast` takes them, row by row."""
-        met = self._caster.view(*self._camera(), self._view.width, self._view.height)
+        """What the pixels see at their centres, which are given as `cast` takes them, row by row, up to the far plane."""
+        view = self._view
+        met = self._caster.view(*self._camera(), np.float32(view.far_m - view.near_m), view.width, view.height)
         return Hits(columns, rows, *self._points(columns, rows), *met)
 
     def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:

@@ -50,7 +50,7 @@ def _clear(numbers, bits):
 
 @njit(cache=True, error_model="numpy")
 def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
-          width, height, triangle, distance, u, v):  # fmt: skip
+          reach, width, height, triangle, distance, u, v):  # fmt: skip
     """What the pixels of a view see, in tiles. See optics.primary for the camera, Caster.closest for the rest."""
     _clear(numbers, bits)
     for top in range(0, height, SIDE):
@@ -65,7 +65,7 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
                     way = forward[a] if flat else aside + forward[a]
                     numbers[_WAY + a, k] = way
                     numbers[_ORIGIN + a, k] = eye[a] + near * way + (aside if flat else np.float32(0))
-                numbers[_REACH, k] = FAR
+                numbers[_REACH, k] = reach
                 bits[_MESH, k] = -1
             if fixed != 0:
                 _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
@@ -154,14 +154,15 @@ class Caster:
         arguments = packet.coherent if coherent else packet.scattered
         return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, arguments
 
-    def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, width, height):
-        """`closest` of the primary rays of a view (optics.primary), one for each pixel, in the order of the rows."""
+    def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, reach, width, height):
+        """`closest` of the primary rays of a view (optics.primary), one for each pixel, in the order of the rows; what is farther
+        than `reach` lengths of its ray is not met."""
         count = width * height
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
         _view(
-            *self._call("rtcIntersect16", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, width, height,
-            triangle, distance, u, v,
+            *self._call("rtcIntersect16", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, reach,
+            width, height, triangle, distance, u, v,
         )  # fmt: skip
         return triangle, distance, u, v
 
