@@ -218,17 +218,17 @@ def test_initial_random_spawn_leaves_out_what_it_is_told_to(thor):
 
 @pytest.mark.contract("4 InitialRandomSpawn")
 def test_initial_random_spawn_makes_duplicates(thor):
-    record = thor.pickupable()[0]
-    kind = record["objectType"]
-    count = sum(o["objectType"] == kind for o in thor.metadata["objects"])
-    thor.ok(
-        "InitialRandomSpawn",
-        randomSeed=5,
-        numDuplicatesOfType=[{"objectType": kind, "count": count + 2}],
-        numPlacementAttempts=20,
-    )
-    after = sum(o["objectType"] == kind for o in thor.metadata["objects"])
-    assert after > count
+    """Of types that have a place to go; ids stay unique."""
+    kinds = {o["objectType"] for o in thor.pickupable(6)}
+
+    def counts():
+        return {kind: sum(o["objectType"] == kind for o in thor.metadata["objects"]) for kind in kinds}
+
+    before = counts()
+    wishes = [{"objectType": kind, "count": count + 2} for kind, count in sorted(before.items())]
+    thor.ok("InitialRandomSpawn", randomSeed=5, numDuplicatesOfType=wishes, numPlacementAttempts=20)
+    after = counts()
+    assert all(before[kind] <= after[kind] for kind in kinds) and sum(after.values()) > sum(before.values())
     assert len({o["objectId"] for o in thor.metadata["objects"]}) == len(thor.metadata["objects"])
 
 
