@@ -84,6 +84,8 @@ def reachable(
     The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first,
     the others in the order of i, then j.
     """
+    if ((here < low - step_m) | (here > high + step_m)).any():
+        return here[None]
     boxes, most = obstacles.boxes, float(obstacles.reach.max(initial=0.0))
     level = (boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0)
     obstacles = obstacles.take(level & ~obstacles.overlapping(here))

@@ -281,3 +281,17 @@ def test_types_are_told_as_ids(engine):
     scene = engine("FloorPlan8")
     cabinets = {o["objectId"] for o in scene.agent["objects"] if o["objectType"] == "Cabinet"}
     assert set(scene.do("ObjectTypeToObjectIds", objectType="cabinet")["actionReturn"]) == cabinets
+
+
+def test_from_outside_nothing_is_found_and_nothing_hangs(engine):
+    scene = engine("FloorPlan8", snapToGrid=False, fastActionEmit=False)
+    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Fridge")["objectId"]
+    far = {"x": 1e6, "y": 1e6, "z": -1e6}
+    assert scene.do("GetShortestPath", objectId=target, position=far)["errorMessage"].startswith("No point on NavMesh near")
+    assert scene.do("GetShortestPathToPoint", **far, allowedError=1e9)["errorMessage"].startswith("No point on NavMesh near")
+    assert scene.do("GetInteractablePoses", objectId=target, positions=[far])["actionReturn"] == []
+    scene.do("TeleportFull", position=far, rotation={"y": 0}, horizon=0, standing=True, forceAction=True)
+    assert not any(o["visible"] for o in scene.agent["objects"])
+    assert scene.do("GetReachablePositions")["actionReturn"] == [far]
+    assert scene.do("GetInteractablePoses", objectId=target)["actionReturn"] == []
+    assert not scene.do("GetShortestPath", objectId=target)["lastActionSuccess"]

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from ovman.engine.actions.reach import reachable_positions
 from ovman.engine.actions.registry import Thrown, action, out_of_range
 from ovman.engine.actions.values import Vector3
 from ovman.engine.body import Agent
@@ -30,6 +31,10 @@ HORIZONS_DEG = (-30.0, 0.0, 30.0, 60.0)
 """Horizons that are tried unless an action says otherwise."""
 ERROR_M = 1e-4
 """How far beside the navigation mesh both ends of a way may be unless an action says otherwise."""
+FARTHEST_SNAP_M = 1.0
+"""How far beside the mesh a point may be however large an error is allowed."""
+FINEST_M = 0.05
+"""Smallest moves by which a place that sees an object is looked for."""
 MANY = 2**31 - 1
 MOST_LOOKS = 20_000
 """Places of the camera that one action looks from: a client is waiting."""
@@ -67,21 +72,23 @@ def _floor(engine: Engine) -> Floor:
     return Floor(obstacles.take(stays & (obstacles.reach > 0)), np.array([x_0, z_0]), np.array([x_1, z_1]))
 
 
+def _on_mesh(engine: Engine, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
+    """The point (2,) of the floor that is taken for `point` (3,). Refused if there is none near."""
+    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), FARTHEST_SNAP_M))
+    if found is None:
+        where = Vector3(float(point[0]), float(engine.world.plan.floor_y), float(point[2]))
+        raise Refused(f"No point on NavMesh near {where.text(3)}.")
+    return found
+
+
 def _path(engine: Engine, start: np.ndarray, target: np.ndarray, allowed_m: float) -> dict[str, Any]:
     """The way from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused where there is none."""
-    if not allowed_m >= 0:
-        raise Refused(f"allowedError must not be negative. You gave {allowed_m:g}.")
     floor, height = _floor(engine), float(engine.world.plan.floor_y)
 
     def text(point: np.ndarray) -> str:
         return Vector3(float(point[0]), height, float(point[-1])).text(3)
 
-    ends = []
-    for point in (start, target):
-        on_mesh = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), 1.0))
-        if on_mesh is None:
-            raise Refused(f"No point on NavMesh near {text(point)}.")
-        ends.append(on_mesh)
+    ends = [_on_mesh(engine, floor, point, allowed_m) for point in (start, target)]
     if all(np.linalg.norm(end - point[[0, 2]]) > allowed_m for end, point in zip(ends, (start, target), strict=True)):
         raise Refused(
             f"Closest point on NavMesh was too far from the agent:  (startPosition={text(start)}, closest navmesh position"
@@ -95,7 +102,7 @@ def _path(engine: Engine, start: np.ndarray, target: np.ndarray, allowed_m: floa
 
 def _nearest_first(engine: Engine, start: np.ndarray) -> Iterator[np.ndarray]:
     """Positions (3,) that moves lead to from `start` (3,), by the number of moves that are needed."""
-    world, step = engine.world, engine.settings.grid_m
+    world, step = engine.world, max(engine.settings.grid_m, FINEST_M)
     x_0, z_0, x_1, z_1 = world.room.rectangle
     here, low, high = start[[0, 2]], np.array([x_0, z_0]), np.array([x_1, z_1])
     found = reachable(world.obstacles()[0], here, low, high, step, np.eye(2))
@@ -133,8 +140,10 @@ def _facing(agent: Agent, point: np.ndarray) -> np.ndarray:
     return axes(math.degrees(math.atan2(x, z)), -math.degrees(math.atan2(y, math.hypot(x, z))))
 
 
-def _start(engine: Engine, position: Vector3 | None) -> np.ndarray:
+def _start(engine: Engine, position: Vector3 | None, allowed_m: float) -> np.ndarray:
     """Where a way begins, (3,): at the height of the agent, whatever the height that was given."""
+    if allowed_m < 0:
+        raise Refused(f"allowedError must not be negative. You gave {allowed_m:g}.")
     here = engine.world.agent.position
     return here.copy() if position is None else np.array([position.x, here[1], position.z])
 
@@ -143,6 +152,7 @@ def _to_object(
     engine: Engine, object_type: str | None, object_id: str | None, start: np.ndarray, allowed_m: float
 ) -> dict[str, Any]:
     target = _of_type_or_id(engine, object_type, object_id)
+    _on_mesh(engine, _floor(engine), start, allowed_m)
     return _path(engine, start, _seeing(engine, target, start), allowed_m)
 
 
@@ -155,7 +165,7 @@ def shortest_path_from_pose(
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, position), allowedError)
+    return _to_object(engine, objectType, objectId, _start(engine, position, allowedError), allowedError)
 
 
 @action("GetShortestPath")
@@ -166,26 +176,26 @@ def shortest_path_from_position(
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, position), allowedError)
+    return _to_object(engine, objectType, objectId, _start(engine, position, allowedError), allowedError)
 
 
 @action("GetShortestPath")
 def shortest_path(
     engine: Engine, objectType: str | None = None, objectId: str | None = None, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, None), allowedError)
+    return _to_object(engine, objectType, objectId, _start(engine, None, allowedError), allowedError)
 
 
 @action("GetShortestPathToPoint")
 def shortest_path_to_point_from_position(
     engine: Engine, position: Vector3, x: float, y: float, z: float, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
-    return _path(engine, _start(engine, position), np.array([x, y, z]), allowedError)
+    return _path(engine, _start(engine, position, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("GetShortestPathToPoint")
 def shortest_path_to_point(engine: Engine, x: float, y: float, z: float, allowedError: float = ERROR_M) -> dict[str, Any]:
-    return _path(engine, _start(engine, None), np.array([x, y, z]), allowedError)
+    return _path(engine, _start(engine, None, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("ObjectTypeToObjectIds")
@@ -232,7 +242,9 @@ def _poses(
         horizons = [h for h in HORIZONS_DEG if low <= h <= high]
     elif outside := [h for h in horizons if not low <= h <= high]:
         raise Thrown("ArgumentException", f"Each horizon must be in [{low:g}:{high:g}]. You gave {outside[0]:g}.")
-    places = [np.array(p) for p in world.reachable(s.grid_m)] if positions is None else [p.array for p in positions]
+    if positions is None:
+        positions = [Vector3(**p) for p in reachable_positions(engine)]
+    places = [p.array for p in positions]
     if places:
         places = [p for p, clear in zip(places, _clear(engine, np.array(places)), strict=True) if clear]
     if rotations is None:
