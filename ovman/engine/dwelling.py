@@ -44,7 +44,7 @@ class Dwelling(Room):
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
         outline = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-        solid = tuple(_solid(sheet, piece) for sheet in house.walls if not sheet.empty for piece in _standing(sheet, house))
+        solid = tuple(wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house))
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
@@ -95,10 +95,6 @@ def _without(sheet: Sheet, holes: Sequence[Span]) -> list[Span]:
     return out
 
 
-def _standing(sheet: Sheet, house: House) -> list[Span]:
-    return _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
-
-
 def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
     """Part of a sheet, `middle` metres to the left of its line (which sees +z on its left when it runs along +x)."""
     low, high, bottom, top = piece
@@ -110,8 +106,10 @@ def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
     return Box(np.array([centre[0], (bottom + top) / 2, centre[1]]), half, turn)
 
 
-def _solid(sheet: Sheet, piece: Span) -> Wall:
-    return Wall(sheet.name, _box(sheet, piece, 0.0, SOLID_M))
+def _solids(sheet: Sheet, house: House) -> list[Wall]:
+    """What bodies bump into: the sheet without its open doors. The names of its pieces differ."""
+    pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
+    return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
 
 
 def _drawn(sheet: Sheet, house: House) -> tuple[Part, ...]:

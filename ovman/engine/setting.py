@@ -79,7 +79,7 @@ class Setting:
         at_start = boxes.distances(self.plan.start[None, [0, 2]], low, high, reach)[0]
         allowed = np.where(at_start < reach, np.maximum(at_start - DEEPER_M, 0.0), reach)
         ends = np.cumsum([len(own) for own in solids.values()])
-        return dict(zip(solids, np.split(allowed, ends[:-1]), strict=True))
+        return dict(zip(solids, np.split(allowed, ends[:-1]) if solids else (), strict=True))
 
     @cached_property
     def pieces(self) -> Mapping[str, tuple]:

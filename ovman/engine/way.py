@@ -58,6 +58,6 @@ class Way:
                 away = np.full(len(barriers), agent.radius_m + SKIN_M)
                 reach.append(known[body.obj.object_id] if body.untouched else away)
             solid = self._setting.walls.join(Boxes.of(boxes))
-            obstacles = Obstacles(solid, np.concatenate(reach), agent.radius_m, *agent.axis(foot))
+            obstacles = Obstacles(solid, np.concatenate([np.zeros(0), *reach]), agent.radius_m, *agent.axis(foot))
             self._known = version, foot, agent, obstacles, names
         return self._known[3:]

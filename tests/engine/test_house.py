@@ -11,7 +11,7 @@ import pytest
 from ovman.engine.assets import asset
 from ovman.engine.blueprint import Malformed, read
 from ovman.engine.houseplan import plan_of
-from ovman.engine.world import World
+from ovman.engine.world import Pose, World
 
 HEIGHT = 2.7
 WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]
@@ -149,6 +149,21 @@ def test_a_shut_door_is_a_wall(home):
     home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
     assert home.last_event.instance_segmentation_frame is not None
     assert "room|3" not in home.last_event.instance_masks and "door|2|3" in home.last_event.instance_masks
+
+
+def test_every_piece_of_a_wall_stands():
+    """On both sides of a door, over it, and for bodies as for the agent."""
+    world = World(plan_of(read(house())))
+    names = [w.name for w in world.room.solids]
+    assert len(set(names)) == len(names)
+    apple = world.bodies["Apple|2|1"]
+    for z, stopped in ((0.5, True), (3.5, True), (2.5, False)):
+        at = world.box("Apple|2|1").centre
+        with world.trial(["Apple|2|1"]) as model:
+            pose = Pose(apple.pose.position + [5.0 - at[0], 1.0 - at[1], z - at[2]], apple.pose.rotation)
+            model.set_box("Apple|2|1", apple.box_at(pose))
+            model.forward()
+            assert any(name.startswith("wall|") for name, _ in model.touching("Apple|2|1")) == stopped, z
 
 
 def test_pictures(home):
