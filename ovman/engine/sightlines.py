@@ -96,14 +96,15 @@ class Sightlines:
         self.index = {name: i for i, name in enumerate(self.names)}
         gone = [plan_meshes.index(o) for o in now.displaced]
         standing = _standing(plan_meshes)
-        owner = standing.owner.copy()
-        owner[np.isin(owner, gone)] = GONE
+        is_gone = np.zeros(len(self.names) + 1, dtype=bool)
+        is_gone[gone] = True
+        owner = np.where(is_gone[standing.owner], np.int32(GONE), standing.owner)
         self._owner = np.concatenate([owner, moved.instance, np.array([NOTHING], dtype=np.int32)])
         self._caster = rays.Caster(rays.untouched(plan_meshes), len(fixed.triangles), moved)
         self.points = np.full((len(self.names), POINTS, 3), np.nan, dtype=np.float32)
         self.points[: len(standing.points)] = standing.points
         self.points[gone] = np.nan
-        kept = ~np.isin(standing.part_owner, gone)
+        kept = ~is_gone[standing.part_owner]
         surface = Surface.of(moved)
         there = np.unique(moved.instance)
         self.points[there] = surface.points[there]
