@@ -155,7 +155,7 @@ def test_scene_bounds_hold_every_object(engine):
 
 def test_colours_tell_all_instances_and_classes_of_a_scene_apart():
     for name in floorplan.names():
-        table = colour_table([o.object_id for o in floorplan.load(name).objects])
+        table = colour_table(tuple(o.object_id for o in floorplan.load(name).objects))
         colours = [tuple(entry["color"]) for entry in table]
         assert len(set(colours)) == len(colours) and (0, 0, 0) not in colours
         assert {entry["name"] for entry in table if "|" not in entry["name"]} == {o.type for o in floorplan.load(name).objects}
