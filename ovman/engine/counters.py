@@ -9,9 +9,9 @@ else.
 from __future__ import annotations
 
 import math
-from collections import OrderedDict
 from dataclasses import dataclass
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -37,7 +37,6 @@ BASES = frozenset({"Cabinet", "Drawer"})
 CARRIERS = BASES | {"Sink", "SinkBasin", "Faucet"}
 TALL = frozenset({"Fridge", "GarbageCan", "Chair", "Stool", "Toilet", "Bathtub", "ShelvingUnit", "DiningTable"})
 STOVE_MARGIN_M = 0.07
-_KEPT = 128
 
 
 class Rect(NamedTuple):
@@ -70,7 +69,7 @@ class Stove:
     """The first of its burners, whose name and finish it takes."""
 
 
-_RUNS: OrderedDict[tuple[int, str], tuple[FloorPlan, tuple[Rect, ...]]] = OrderedDict()
+_RUNS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Rect, ...]]] = WeakKeyDictionary()
 
 
 def footprint(obj: SimObject) -> Rect:
@@ -80,14 +79,10 @@ def footprint(obj: SimObject) -> Rect:
 
 def runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
     """The rectangles of `counter`'s bounding box that are counter: at most three that do not overlap, metres, world frame."""
-    key = (id(plan), counter.object_id)
-    kept, found = _RUNS.get(key, (None, ()))
-    if kept is not plan:
-        found = _runs(plan, counter)
-        _RUNS[key] = (plan, found)
-        while len(_RUNS) > _KEPT:
-            _RUNS.popitem(last=False)
-    return found
+    found = _RUNS.setdefault(plan, {})
+    if counter.object_id not in found:
+        found[counter.object_id] = _runs(plan, counter)
+    return found[counter.object_id]
 
 
 def carriers(plan: FloorPlan, counter: SimObject) -> list[SimObject]:

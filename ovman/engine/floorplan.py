@@ -100,7 +100,7 @@ class SimObject:
         return self.moveable or self.pickupable
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FloorPlan:
     """One scene before anything is touched."""
 

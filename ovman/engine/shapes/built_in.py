@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from collections.abc import Iterator
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -25,20 +25,15 @@ RECESS_M = 0.09
 OVERHANG_M = 0.25
 """How far a counter without base units overhangs its body: room for knees."""
 TOE_M = 0.09
-_KEPT = 64
-_COUNTERS: OrderedDict[tuple[int, str], tuple[FloorPlan, tuple[Part, ...]]] = OrderedDict()
+_COUNTERS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Part, ...]]] = WeakKeyDictionary()
 
 
 def counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     """Slab with openings for sinks, and a body under it to the floor, in the frame of the counter's box; metres."""
-    key = (id(plan), obj.object_id)
-    kept, parts = _COUNTERS.get(key, (None, ()))
-    if kept is not plan:
-        parts = _counter(obj, plan)
-        _COUNTERS[key] = (plan, parts)
-        while len(_COUNTERS) > _KEPT:
-            _COUNTERS.popitem(last=False)
-    return parts
+    found = _COUNTERS.setdefault(plan, {})
+    if obj.object_id not in found:
+        found[obj.object_id] = _counter(obj, plan)
+    return found[obj.object_id]
 
 
 BODY_SLOTS = frozenset({"second", "dark"})
