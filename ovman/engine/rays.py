@@ -53,18 +53,31 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
           reach, width, height, triangle, distance, u, v):  # fmt: skip
     """What the pixels of a view see, in tiles. See optics.primary for the camera, Caster.closest for the rest."""
     _clear(numbers, bits)
+    (right_x, right_y, right_z), (up_x, up_y, up_z), (on_x, on_y, on_z) = right, up, forward
+    eye_x, eye_y, eye_z = eye
+    columns, rows = np.empty(width, np.float32), np.empty(height, np.float32)
+    for i in range(width):
+        columns[i] = (np.float32(2) * (np.float32(i) + np.float32(0.5)) / np.float32(width) - np.float32(1)) * tan_x
+    for j in range(height):
+        rows[j] = (np.float32(1) - np.float32(2) * (np.float32(j) + np.float32(0.5)) / np.float32(height)) * tan_y
     for top in range(0, height, SIDE):
         for left in range(0, width, SIDE):
             for k in range(LANES):
                 i, j = left + k % SIDE, top + k // SIDE
-                x = (np.float32(2) * (np.float32(i) + np.float32(0.5)) / np.float32(width) - np.float32(1)) * tan_x
-                y = (np.float32(1) - np.float32(2) * (np.float32(j) + np.float32(0.5)) / np.float32(height)) * tan_y
                 valid[k] = -1 if i < width and j < height else 0
-                for a in range(3):
-                    aside = right[a] * x + up[a] * y
-                    way = forward[a] if flat else aside + forward[a]
-                    numbers[_WAY + a, k] = way
-                    numbers[_ORIGIN + a, k] = eye[a] + near * way + (aside if flat else np.float32(0))
+                x, y = columns[min(i, width - 1)], rows[min(j, height - 1)]
+                aside_x, aside_y, aside_z = right_x * x + up_x * y, right_y * x + up_y * y, right_z * x + up_z * y
+                if flat:
+                    numbers[_WAY, k], numbers[_WAY + 1, k], numbers[_WAY + 2, k] = on_x, on_y, on_z
+                    numbers[_ORIGIN, k] = eye_x + near * on_x + aside_x
+                    numbers[_ORIGIN + 1, k] = eye_y + near * on_y + aside_y
+                    numbers[_ORIGIN + 2, k] = eye_z + near * on_z + aside_z
+                else:
+                    way_x, way_y, way_z = aside_x + on_x, aside_y + on_y, aside_z + on_z
+                    numbers[_WAY, k], numbers[_WAY + 1, k], numbers[_WAY + 2, k] = way_x, way_y, way_z
+                    numbers[_ORIGIN, k] = eye_x + near * way_x
+                    numbers[_ORIGIN + 1, k] = eye_y + near * way_y
+                    numbers[_ORIGIN + 2, k] = eye_z + near * way_z
                 numbers[_REACH, k] = reach
                 bits[_MESH, k] = -1
             if fixed != 0:
