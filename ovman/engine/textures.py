@@ -338,20 +338,16 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
             seam = np.float32(0.004) + footprint * half
             if gap < seam:
                 tone *= one - np.float32(0.42) * (one - gap / seam) * np.float32(0.004) / (np.float32(0.002) + footprint * half)
-        k = (
-            _look(table, GRAIN, (u + ou) * np.float32(60), (v + ov) * np.float32(520))
-            * _fade(footprint, np.float32(0.030))
-            * np.float32(0.20)
-        )
+        k, clear = np.float32(0), _fade(footprint, np.float32(0.030))
+        if clear > 0:
+            k = _look(table, GRAIN, (u + ou) * np.float32(60), (v + ov) * np.float32(520)) * clear * np.float32(0.20)
         k += _look(table, CLOUDS, (u + ou) * np.float32(30), (v + ov) * np.float32(170)) * np.float32(0.12)
         k = tone * (one + k)
         return r * k, g * k * (one - np.float32(0.03) * (one - k)), b * k
     if kind == FABRIC:
-        k = (
-            np.float32(0.10)
-            * _look(table, THREAD, (u + ou) * np.float32(400), (v + ov) * np.float32(400))
-            * _fade(footprint, np.float32(0.016))
-        )
+        k, clear = np.float32(0), _fade(footprint, np.float32(0.016))
+        if clear > 0:
+            k = np.float32(0.10) * _look(table, THREAD, (u + ou) * np.float32(400), (v + ov) * np.float32(400)) * clear
         k += one + np.float32(0.08) * _look(table, CLOUDS, (u + ou) * np.float32(90), (v + ov) * np.float32(90))
         return r * k, g * k, b * k
     if kind == WEAVE:
@@ -386,9 +382,9 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
         w = np.float32(0.35) * vein
         return r * k + (r2 - r) * w, g * k + (g2 - g) * w, b * k + (b2 - b) * w
     if kind == METAL:
-        k = one + np.float32(0.05) * _look(table, GRAIN, (u + ou) * np.float32(12), (v + ov) * np.float32(1400)) * _fade(
-            footprint, np.float32(0.01)
-        )
+        k, clear = one, _fade(footprint, np.float32(0.01))
+        if clear > 0:
+            k += np.float32(0.05) * _look(table, GRAIN, (u + ou) * np.float32(12), (v + ov) * np.float32(1400)) * clear
         k += np.float32(0.03) * _look(table, CLOUDS, (u + ou) * np.float32(40), (v + ov) * np.float32(40))
         return r * k, g * k, b * k
     if kind == PRINT:
@@ -470,13 +466,12 @@ def _texel(kind, u, v, hu, hv, scale, seed, footprint, r, g, b, emission, table)
     if kind == LABEL:
         return _label(u / (hu + hu) + half, v / (hv + hv) + half, u, v, hv, r, g, b, footprint, seed)
     if kind == SPECKLE:
-        grain = np.float32(6.4) / scale
-        k = _look(table, THREAD, u * grain + np.float32(100) * ou, v * grain + np.float32(100) * ov) * _fade(footprint, scale)
-        k = (
-            one
-            + np.float32(0.2) * k
-            + np.float32(0.08) * _look(table, CLOUDS, (u + ou) * np.float32(80), (v + ov) * np.float32(80))
-        )
+        k, clear = one, _fade(footprint, scale)
+        if clear > 0:
+            grain = np.float32(6.4) / scale
+            k += (
+                np.float32(0.2) * _look(table, THREAD, u * grain + np.float32(100) * ou, v * grain + np.float32(100) * ov) * clear
+            )
         return r * k, g * k, b * k
     return r, g, b
 
