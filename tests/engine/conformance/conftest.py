@@ -1,7 +1,7 @@
 """Conformance to AI2-THOR 5.0.0, driven through the unmodified Controller.
 
-A test names the lines of the contract that it stands for with `@pytest.mark.contract("4 MoveAhead")`: section, then item or action.
-The variable CONFORMANCE_SEED draws other scenes, poses and objects.
+A test names the lines of the contract that it stands for with `@pytest.mark.contract("4 MoveAhead")`: section, then item or
+action; lines.py has them all. The variable CONFORMANCE_SEED draws other scenes, poses and objects.
 """
 
 from __future__ import annotations

@@ -108,6 +108,15 @@ def test_frames(raw):
             assert set(msgpack.unpackb(patched[0][1])) >= keys
 
 
+@pytest.mark.contract("1.3")
+def test_first_message_waits_for_no_world(raw):
+    """The client opens the server pipe without a time limit: nothing that takes long is loaded before."""
+    loaded = Path(f"/proc/{raw.process.pid}/maps").read_text()
+    assert "numpy" not in loaded and "mujoco" not in loaded and "embree" not in loaded
+    raw.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    assert "numpy" in Path(f"/proc/{raw.process.pid}/maps").read_text()
+
+
 @pytest.mark.contract("1.1", "1.2", "1.7", "4 ChangeResolution", "4 GetScenesInBuild")
 def test_launch_through_the_client(start):
     """Frame size of the command line, the log in its place, planes taken over, the first iTHOR scene if none is named."""

@@ -235,7 +235,7 @@ def test_initial_random_spawn_makes_duplicates(thor):
 # Paint
 
 
-@pytest.mark.contract("4 RandomizeMaterials")
+@pytest.mark.contract("4 RandomizeMaterials", "4 ResetMaterials")
 @pytest.mark.scenes(3)
 def test_randomize_materials(thor):
     """Another look of the same world: colours change, depth and ids do not. ResetMaterials and Reset undo it."""
