@@ -161,7 +161,10 @@ class Dynamics:
         return moved
 
     def _can_wake(self, body: Body) -> bool:
-        return body.dynamic and body.present and not body.kinematic and body.object_id not in self.awake | self._held
+        """Whether a body that is struck would be awake, or known to be held, then: a blow is struck once."""
+        if not body.dynamic or not body.present or body.kinematic:
+            return False
+        return body.object_id not in self.awake | self._held and self._reaches(body.box.centre)
 
     def _fall_asleep(self, name: str) -> None:
         """Fixed where it is, or where it was if it has but settled into the same place."""

@@ -234,6 +234,22 @@ def test_what_is_far_outside_stays_where_it_was_put() -> None:
     assert book.box.centre[1] < world.agent.position[1]
 
 
+def test_what_cannot_be_woken_is_struck_in_vain() -> None:
+    """A sofa whose middle is outside of where things move, and a vase that slides against it."""
+    world = World(floorplan.load("FloorPlan203"))
+    sofa, vase, (_, high) = named(world, "Sofa"), named(world, "Vase"), world.bounds()
+    floor_y, reach = world.plan.floor_y, sofa.box.bounds()[1] - sofa.box.centre
+    centre = np.array([high[0] + 0.35, floor_y + reach[1], 2.0])
+    world.teleport(sofa.object_id, centre + sofa.pose.position - sofa.box.centre, force=True)
+    beside = np.array([high[0] + 0.1, floor_y + vase.box.half[1] + 0.01, 2.0 - reach[2] - 0.3])
+    world.teleport(vase.object_id, beside + vase.pose.position - vase.box.centre, force=True)
+    pose = sofa.pose
+    vase.velocity = np.array([0.0, 0.0, 3.0, 0.0, 0.0, 0.0])
+    settle(world)
+    assert sofa.pose is pose
+    assert np.abs(vase.box.centre - sofa.box.centre).max() < 3.0
+
+
 def test_what_is_let_fall_onto_the_agent_or_is_stepped_into_does_not_move_the_agent() -> None:
     world = World(floorplan.load("FloorPlan203"))
     box, here = named(world, "Box"), world.agent.position.copy()
