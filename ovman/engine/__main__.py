@@ -46,9 +46,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _serve(wire: Wire, width: int, height: int) -> None:
+    from ovman.engine import kernels
     from ovman.engine.engine import Engine
 
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
+    if draws and not kernels.ready():
+        log.note("ovman-engine: compiling what draws, which happens once on a machine and takes about half a minute")
+        kernels.compile_all()
     engine = Engine(width, height, draws)
     wire.send(engine.first_message())
     while True:

@@ -33,7 +33,7 @@ def display(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 def started(**options: Any) -> Iterator[Any]:
     from ai2thor.controller import Controller
 
-    controller = Controller(local_executable_path=executable(), server_timeout=60, server_start_timeout=60, **options)
+    controller = Controller(local_executable_path=executable(), server_timeout=60, **options)
     try:
         yield controller
     finally:
