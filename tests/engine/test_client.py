@@ -102,10 +102,10 @@ def test_two_engines_beside_each_other_do_not_touch(start, small):
     assert np.array_equal(small.step("Pass").frame, alone.frame)
 
 
-def test_a_reset_lets_go_of_the_scene_before_and_keeps_a_bounded_number_of_plans(monkeypatch):
-    monkeypatch.setattr(scene_mesh, "PLANS_KEPT", 2)
-    served, former = engine.Engine(32, 32), []
-    for name in ("FloorPlan401", "FloorPlan402", "FloorPlan403", "FloorPlan401"):
+def test_resets_let_go_of_worlds_and_keep_a_bounded_number_of_plans():
+    """Also where the same few plans come again and again: what is made anew each time must not pile up."""
+    served, worlds, plans = engine.Engine(32, 32), [], []
+    for name in ("FloorPlan401", "FloorPlan402", "FloorPlan12", "FloorPlan403", "FloorPlan405", "FloorPlan406") * 2:
         calls = (
             {"action": "Reset", "sceneName": f"{name}_physics"},
             {"action": "Initialize", "renderInstanceSegmentation": True},
@@ -114,7 +114,9 @@ def test_a_reset_lets_go_of_the_scene_before_and_keeps_a_bounded_number_of_plans
         )
         for call in calls:
             served.answer(json.dumps(call).encode())
-        former.append(weakref.ref(served.world))
+        worlds.append(weakref.ref(served.world))
+        plans.append(weakref.ref(served.world.plan))
     gc.collect()
-    assert [world() is not None for world in former] == [False, False, False, True]
-    assert len(camera._plans) <= 2 and len(scene_mesh._plans) <= 2
+    assert sum(world() is not None for world in worlds) == 1
+    assert len({id(plan()) for plan in plans if plan() is not None}) <= 8
+    assert len(camera._plans) <= scene_mesh.PLANS_KEPT and len(scene_mesh._plans) <= scene_mesh.PLANS_KEPT
