@@ -12,7 +12,8 @@ LARGEST_EVENT_PX = 1 << 25
 def objection(width: int, height: int, pictures: int = 1) -> str:
     """What is wrong with events of so many pictures of `width` x `height` pixels; empty if nothing is."""
     if not (0 < width <= LONGEST_SIDE_PX and 0 < height <= LONGEST_SIDE_PX and width * height <= LARGEST_PICTURE_PX):
-        return f"Screen resolution must be within 1x1 and {LARGEST_PICTURE_PX} pixels, {LONGEST_SIDE_PX} on a side, not {width}x{height}."
+        limits = f"1x1 and {LARGEST_PICTURE_PX} pixels, {LONGEST_SIDE_PX} on a side"
+        return f"Screen resolution must be within {limits}, not {width}x{height}."
     if width * height * pictures > LARGEST_EVENT_PX:
         return f"{pictures} pictures of {width}x{height} are more than the {LARGEST_EVENT_PX} pixels that an event may have."
     return ""

@@ -1,4 +1,4 @@
-"""Lines of the engine's contract, and the tests that stand for each: `python -m tests.engine.conformance.lines` prints the table."""
+"""Lines of the engine's contract and the tests that stand for each; `python -m tests.engine.conformance.lines` prints them."""
 
 from __future__ import annotations
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.engine.conformance.conftest import xyz
+from tests.engine.conformance.conftest import BASE, xyz
+from tests.engine.test_house import house
 
 NOTHING = "Nothing|+00.00|+00.00|+00.00"
 FLAT = {"x": 0.0, "y": 0.0, "z": 0.0}
@@ -320,6 +321,21 @@ def test_change_resolution(thor):
 def test_quality_and_seed(thor):
     thor.ok("ChangeQuality", quality="Very Low")
     thor.ok("SetRandomSeed", seed=42)
+
+
+@pytest.mark.contract("1.7", "4 CreateHouse")
+@pytest.mark.scenes(1)
+def test_house_as_a_scene(thor):
+    """Reset, Initialize and CreateHouse, which the client sends for a scene that is a dict; then back to a scene by name."""
+    plan = house()
+    thor.controller.initialization_parameters = {**BASE, "snapToGrid": False, "renderImage": False}
+    event = thor.controller.reset(plan)
+    assert event, event.metadata["errorMessage"]
+    assert event.metadata["sceneName"] == "Procedural" and event.metadata["lastAction"] == "CreateHouse"
+    assert {o["id"] for o in plan["objects"]} <= set(thor.objects)
+    assert len(thor.reachable()) > 20 and thor.look().frame.std() > 3
+    thor.reset()
+    assert thor.metadata["sceneName"] == f"{thor.scene}_physics" and not {o["id"] for o in plan["objects"]} & set(thor.objects)
 
 
 @pytest.mark.contract("4 CreateHouse")
