@@ -2,8 +2,9 @@
 
     python bench/frame.py [--scene FloorPlan201] [--repeats 30]
 
-The measured kinds take turns, so that they share whatever else the machine does; each prints its least and its median time and
-the ratio of the least to that of the bare cast (measure/bare.py says what that is). MuJoCo draws the same triangles from the same
+The measured kinds take turns, so that they share whatever else the machine does; each prints its least and its median wall time,
+the least time of the processor that it and the process behind it took, and the ratio of that to the bare cast's (measure/bare.py
+says what that is). MuJoCo draws the same triangles from the same
 place, as it comes and as fast as it goes. The last table holds the figures against their bars.
 """
 
@@ -16,6 +17,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
+import numpy as np
 from measure import bare
 from measure.bars import Bar, show
 from measure.clock import processor, taken
@@ -48,9 +50,9 @@ def mover(world: World) -> Callable[[], object]:
 
 
 @contextmanager
-def controller_frame(scene: str, width: int, height: int) -> Iterator[Callable[[], object]]:
-    """A frame through the real Controller with RGB, depth and ids; the agent looks to and fro by half a degree: the engine draws
-    no view twice."""
+def controller_frame(scene: str, width: int, height: int) -> Iterator[tuple[Callable[[], object], int]]:
+    """(a call, the engine's process) for a frame through the real Controller with RGB, depth and ids; the agent looks to and fro
+    by half a degree: the engine draws no view twice."""
     from ai2thor.controller import Controller
 
     import ovman.engine
@@ -61,7 +63,7 @@ def controller_frame(scene: str, width: int, height: int) -> Iterator[Callable[[
     )  # fmt: skip
     turns = itertools.cycle(["RotateRight", "RotateLeft"])
     try:
-        yield lambda: controller.step(next(turns), degrees=0.5)
+        yield (lambda: controller.step(next(turns), degrees=0.5)), controller.unity_pid
     finally:
         controller.stop()
 
@@ -96,8 +98,9 @@ def measure(scene: str, size: tuple[int, int], repeats: int) -> list[Bar]:
             "Embree scene from scratch": lambda: rays.committed(scene_mesh.build(world)),
             "mesh of one move": lambda: (shift(), moved.names),
         }
+    helpers: dict[str, int] = {}
     with ExitStack() as stack:
-        kinds[CONTROLLER] = stack.enter_context(controller_frame(scene, width, height))
+        kinds[CONTROLLER], helpers[CONTROLLER] = stack.enter_context(controller_frame(scene, width, height))
         for name, plain in ((RIVAL, False), (RIVAL_PLAIN, True)):
             try:
                 rival = Rival(scene, width, height, plain)
@@ -105,16 +108,16 @@ def measure(scene: str, size: tuple[int, int], repeats: int) -> list[Bar]:
                 print(f"no frame of MuJoCo to compare with: {why}")
                 break
             stack.callback(rival.stop)
-            kinds[name], notes[name] = rival.draw, rival.about
-        times = taken(kinds, repeats)
+            kinds[name], helpers[name], notes[name] = rival.draw, rival.pid, rival.about
+        wall, busy = taken(kinds, repeats, helpers)
 
     triangles = len(scene_mesh.build(world).triangles)
     print(f"\n{scene}, {width} x {height}, {triangles} triangles; {processor()}, one core, {repeats} times")
-    print(f"{'':34s}{'least ms':>10s}{'median ms':>11s}{'x bare':>8s}")
-    least = {name: values.min() * 1e3 for name, values in times.items()}
-    for name, values in times.items():
-        ratio, middle = least[name] / least[CAST], sorted(values)[len(values) // 2] * 1e3
-        print(f"{name:34s}{least[name]:10.2f}{middle:11.2f}{ratio:8.2f}  {notes.get(name, '')}")
+    print(f"{'milliseconds':34s}{'least':>9s}{'median':>9s}{'processor':>11s}{'x bare':>8s}")
+    least = {name: values.min() * 1e3 for name, values in busy.items()}
+    for name, values in wall.items():
+        shown = f"{values.min() * 1e3:9.2f}{np.median(values) * 1e3:9.2f}{least[name]:11.2f}{least[name] / least[CAST]:8.2f}"
+        print(f"{name:34s}{shown}  {notes.get(name, '')}")
     share = least[CONTROLLER] - least[FRAME]
     print(f"shading and film {least[FRAME] - least[PACKETS]:.2f} ms; metadata, pipe and client {share:.2f} ms")
     found = [Bar(f"{width} x {height} through the Controller, x bare", least[CONTROLLER] / least[CAST], BARS[size], "x")]

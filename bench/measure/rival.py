@@ -54,6 +54,10 @@ class Rival:
         if not self._process.stdout.readline():
             raise RuntimeError("the process that draws with MuJoCo has ended")
 
+    @property
+    def pid(self) -> int:
+        return self._process.pid
+
     def stop(self) -> None:
         self._process.communicate()
 
