@@ -35,18 +35,20 @@ STRIDE = 37
 """Plans are gone through in steps of this, coprime to their number: neighbours in the list are variants of one another."""
 
 
-def best_view(renderer: Renderer, obj: SimObject, front: np.ndarray) -> tuple[View, float]:
-    """The view of `obj` where it stands that shows most of it, whole, and rather its front, (3,) unit, than its back; the share
-    of the picture that it covers."""
-    number = renderer.names.index(obj.object_id)
-    radius = 1.08 * float(np.linalg.norm(obj.box.half))
+def best_view(renderer: Renderer, object_id: str, quarter: int) -> tuple[View, float]:
+    """The view of an object where it is that shows most of it, whole, rather its front, `quarter` quarter turns from the +z of
+    its box, than its back; the share of the picture that it covers."""
+    box = renderer.world.box(object_id)
+    front = box.rotation @ surroundings.direction(quarter)
+    number = renderer.names.index(object_id)
+    radius = 1.08 * float(np.linalg.norm(box.half))
     away = float(np.clip(radius / np.sin(np.radians(FOV_DEG / 2)), 0.2, max(1.4 * radius, ROOM_M)))
     fov = float(max(2 * np.degrees(np.arcsin(radius / away)), 20.0))
     best, most = None, (-np.inf, 0.0)
     for horizon in (25.0, 8.0, 50.0):
         for yaw in np.arange(0.0, 360.0, 30.0) + 15.0:
             forward = View(np.zeros(3), float(yaw), horizon).axes()[2]
-            view = View(obj.box.centre - away * forward, float(yaw), horizon, fov, PROBE_PX, PROBE_PX, near_m=0.02)
+            view = View(box.centre - away * forward, float(yaw), horizon, fov, PROBE_PX, PROBE_PX, near_m=0.02)
             seen = renderer.frame(view, rgb=False, ids=True).ids == number
             cut = int(seen[0].any()) + int(seen[-1].any()) + int(seen[:, 0].any()) + int(seen[:, -1].any())
             score = seen.mean() * 0.6**cut * (1.0 - 0.35 * float(front @ forward))
@@ -56,14 +58,17 @@ def best_view(renderer: Renderer, obj: SimObject, front: np.ndarray) -> tuple[Vi
 
 
 def portrait(plan: FloorPlan, renderer: Renderer, obj: SimObject, size: int) -> np.ndarray:
-    """(size, size, 3) picture of `obj` where it stands; what lies hidden is shown without the things around it."""
-    front = obj.box.rotation @ surroundings.direction(surroundings.front(obj, plan))
-    view, share = best_view(renderer, obj, front)
+    """(size, size, 3) picture of `obj` where it stands; what lies hidden is shown where the agent starts."""
+    quarter = surroundings.front(obj, plan)
+    view, share = best_view(renderer, obj.object_id, quarter)
     if share < LEAST_SHARE:
         world = World(plan)
-        world.remove(*(o.object_id for o in plan.objects if o is not obj and o.type != "Floor"))
+        if obj.dynamic:
+            world.teleport(obj.object_id, plan.start + [0.0, -0.3, 0.0], force=True)
+        else:
+            world.remove(*(o.object_id for o in plan.objects if o is not obj and o.type != "Floor"))
         renderer = Renderer(world)
-        view, _ = best_view(renderer, obj, front)
+        view, _ = best_view(renderer, obj.object_id, quarter)
     fine = replace(view, width=2 * size, height=2 * size)
     return np.asarray(Image.fromarray(renderer.frame(fine).rgb).resize((size, size), Image.LANCZOS))
 
