@@ -299,13 +299,12 @@ class World:
         """List the scene's objects anew: what is not active is no more found, nor are copies of what is there no more."""
         for body in self.bodies.values():
             body.removed |= not body.active
-        gone = [
-            name
-            for name, b in self.bodies.items()
-            if b.removed and b.obj.object_id not in (name, b.object_id) and "_copy_" in b.name
-        ]
-        for name in gone:
-            del self.bodies[name]
+        gone = [object_id for object_id, b in self.bodies.items() if b.removed and b.name != b.obj.name]
+        for object_id in gone:
+            self._dynamics.still(object_id)
+            del self.bodies[object_id]
+        if gone:
+            self._dynamics.bodies_changed()
 
     def _advance(self, seconds: float, until_asleep: str | None = None) -> None:
         moved = self._dynamics.advance(seconds, lambda name: self._load(self.bodies[name]), until_asleep)

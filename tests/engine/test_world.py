@@ -199,6 +199,21 @@ def test_set_poses_is_the_whole_of_what_is_movable_then() -> None:
     assert not [b for b in world.bodies.values() if b.name.endswith("_copy_1")]
 
 
+def test_copies_leave_without_a_trace() -> None:
+    world = World(PLANS["FloorPlan311"])
+    body = next(b for b in world.bodies.values() if b.dynamic and b.obj.pickupable)
+    high = {"objectName": body.name, "position": world.agent.position + [0.0, 1.0, 0.0], "rotation": np.eye(3)}
+    before = len(world.bodies)
+    for _ in range(3):
+        world.set_poses([high, {**high, "position": world.agent.position}], stationary=False)
+        world.advance(0.04)
+        assert len(world.bodies) == before + 1 and not world.at_rest
+    copy = next(b for b in world.bodies.values() if b.name == f"{body.name}_copy_1")
+    world.remove(copy.object_id)
+    world.advance(0.1)
+    assert len(world.bodies) == before and copy.object_id not in world.bodies
+
+
 def test_object_ids_follow_positions_as_in_the_metadata() -> None:
     assert object_id("Sofa", np.array([-2.4, -0.001, 3.415])) == "Sofa|-02.40|00.00|+03.42"
     assert object_id("Mug", np.array([0.0, 10.125, -0.995])) == "Mug|+00.00|+10.13|-01.00"
