@@ -152,7 +152,7 @@ def test_a_portrait_is_taken_of_its_object_whole_and_from_before_it():
     renderer = Renderer(world)
     sofa = next(o for o in world.plan.objects if o.type == "Sofa")
     front = sofa.box.rotation @ surroundings.direction(surroundings.front(sofa, world.plan))
-    view, share = sheets.best_view(renderer, sofa, front)
+    view, share = sheets.best_view(renderer, sofa.object_id, surroundings.front(sofa, world.plan))
     assert share > 0.1
     assert (view.position - sofa.box.centre) @ front > 0
 
@@ -162,7 +162,7 @@ def test_what_lies_hidden_is_shown_alone():
     world = World(floorplan.load("FloorPlan1"))
     renderer = Renderer(world)
     hidden = next(
-        o for o in world.plan.objects if o.pickupable and sheets.best_view(renderer, o, np.zeros(3))[1] < sheets.LEAST_SHARE
+        o for o in world.plan.objects if o.pickupable and sheets.best_view(renderer, o.object_id, 0)[1] < sheets.LEAST_SHARE
     )
     picture = sheets.portrait(world.plan, renderer, hidden, 24)
     assert picture.std() > 3
