@@ -72,6 +72,9 @@ class Dynamics:
         """Call when bodies got other names or other parts, or when new ones came."""
         self.__dict__.pop("_pieces", None)
         self._model = None
+        self._held &= self._bodies.keys()
+        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._setting.room.solids)}
+        self._strangers = {pair for pair in self._strangers if known.issuperset(pair)}
 
     def speed(self, name: str) -> float:
         """v**2 + w**2 of a body, m/s and rad/s; 0 if it sleeps."""

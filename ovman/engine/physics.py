@@ -26,8 +26,8 @@ CAP_M_S, CAP_RAD_S = 4.0, 20.0
 DRAG_1_S = 0.05
 """Share of its speed that a body loses to the air in a second."""
 LEAST_KG = 0.01
-AGENT = "Agent"
-"""Name of the agent's capsule."""
+AGENT, BOUNDS = "Agent", "Bounds"
+"""Names of the agent's capsule and of what nothing gets past."""
 
 _ABSENT_GROUP, _AGENT_GROUP = 4, 3
 
@@ -269,7 +269,7 @@ class Model:
 
 def _enclose(spec: mujoco.MjSpec, low: np.ndarray, high: np.ndarray) -> None:
     """Invisible planes around the bounds, the floor apart."""
-    around = spec.worldbody.add_body(name="Bounds")
+    around = spec.worldbody.add_body(name=BOUNDS)
     low, high = low[SWAP], high[SWAP]
     for axis, corner, inwards in ((0, low, 1), (0, high, -1), (1, low, 1), (1, high, -1), (2, high, -1)):
         at, normal = np.zeros(3), np.zeros(3)
