@@ -70,8 +70,9 @@ def marks() -> Iterator[tuple[str, str, str]]:
 def table() -> str:
     """The lines and their tests in Markdown."""
     rows = ["| contract | about | tests |", "|---|---|---|"]
+    marked = list(marks())
     for line, about in LINES.items():
-        tests = [f"`{test}`" for of, _, test in marks() if of == line]
+        tests = [f"`{test}`" for of, _, test in marked if of == line]
         rows.append(f"| {line} | {about} | {', '.join(tests)} |")
     return "\n".join(rows) + "\n"
 

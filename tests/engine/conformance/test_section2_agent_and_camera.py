@@ -63,14 +63,14 @@ def test_depth_is_planar_and_in_metres(thor):
     all columns. Unity's is up to half a percent short."""
     thor.reset(snapToGrid=False)
     checked = 0
-    for cell in thor.random.sample(thor.reachable(), 4):
+    for cell in thor.random.sample(thor.reachable(), 20):
         event = thor.look(position=cell, rotation=thor.random.uniform(0, 360), horizon=0, standing=True)
         floors = [i for i in event.instance_masks if i.startswith("Floor")]
         if not floors:
             continue
         mask = np.logical_or.reduce([event.instance_masks[i] for i in floors])
         mask[:100] = False
-        if mask.sum() < 100:
+        if mask.sum() < 50:
             continue
         floor = thor.objects[floors[0]]["axisAlignedBoundingBox"]
         top = floor["center"]["y"] + floor["size"]["y"] / 2
@@ -79,6 +79,8 @@ def test_depth_is_planar_and_in_metres(thor):
         expected = np.broadcast_to((drop / np.maximum((rows + 0.5) / 75 - 1, 1e-9))[:, None], mask.shape)
         assert np.abs(event.depth_frame[mask] / expected[mask] - 1).max() < 0.04
         checked += 1
+        if checked == 3:
+            break
     assert checked
 
 
