@@ -11,7 +11,7 @@ import numpy as np
 from ovman.engine.body import Agent, Body, Pose
 from ovman.engine.carrying import RESTS_M
 from ovman.engine.floorplan import Box
-from ovman.engine.forms import feet, transferred, within
+from ovman.engine.forms import AGENT, BOUNDS, feet, transferred, within
 from ovman.engine.setting import Setting
 from ovman.engine.waking import OVERLAP_M, lift, supported
 
@@ -213,8 +213,6 @@ class Dynamics:
         if self._agent_at is not None and np.array_equal(self._agent_at, self._agent.position):
             return set()
         self._agent_at = self._agent.position.copy()
-        from ovman.engine.physics import AGENT
-
         deep = {(o.other, name) for name in model.free for o in model.overlaps(name) if o.depth > OVERLAP_M}
         return {pair for pair in deep if pair[0] == AGENT and pair not in self._strangers}
 

@@ -11,6 +11,8 @@ import numpy as np
 
 from ovman.engine.floorplan import Box
 
+AGENT, BOUNDS = "Agent", "Bounds"
+"""Names of the agent's capsule and of what nothing gets past."""
 FOOT_M = 0.002
 """A body whose pieces end farther above the bottom of its box gets feet."""
 FOOT_HALF_M = 0.01

@@ -14,6 +14,7 @@ import numpy as np
 
 from ovman.engine.contacts import Overlap, overlaps, struck, touching_pairs
 from ovman.engine.floorplan import Box
+from ovman.engine.forms import AGENT, BOUNDS
 from ovman.engine.geoms import FRICTION, SWAP, Piece, add, matrix, quaternion
 
 STEP_S = 0.005
@@ -26,8 +27,6 @@ CAP_M_S, CAP_RAD_S = 4.0, 20.0
 DRAG_1_S = 0.05
 """Share of its speed that a body loses to the air in a second."""
 LEAST_KG = 0.01
-AGENT, BOUNDS = "Agent", "Bounds"
-"""Names of the agent's capsule and of what nothing gets past."""
 
 _ABSENT_GROUP, _AGENT_GROUP = 4, 3
 
