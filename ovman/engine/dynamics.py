@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 MARGIN_M = 0.3
 """Nothing that moves gets farther than this beyond what is recorded."""
+TIRED_S = 20.0
+"""What has moved for this long sleeps: light things may tremble for ever where they lie."""
 STAYED_M, STAYED_RAD = 0.002, 0.01
 """A body that has moved no farther than this since it woke has not moved."""
 
@@ -39,6 +41,7 @@ class Dynamics:
         """Bodies that nothing known carries, but that the floor plan has where they are."""
         self._woken: dict[str, tuple[Pose, Pose]] = {}
         """Awake bodies: their poses when they woke, and when they had been lifted out of what they had sunk into."""
+        self._awake_s: dict[str, float] = {}
         self._model: Model | None = None
         self._embodiment = agent.embodiment
         self._written: dict[str, Pose] = {}
@@ -113,6 +116,7 @@ class Dynamics:
         self.awake.discard(name)
         self._fresh.discard(name)
         self._woken.pop(name, None)
+        self._awake_s.pop(name, None)
         self._strangers = {pair for pair in self._strangers if not self.awake.isdisjoint(pair)}
         self._bodies[name].velocity = np.zeros(6)
 
@@ -149,10 +153,13 @@ class Dynamics:
                 continue
             self._owed_s -= TICK_S
             model.watch()
-            if any(model.sleeps(name) for name in model.free):
+            for name in model.free:
+                self._awake_s[name] = self._awake_s.get(name, 0.0) + TICK_S
+            resting = {name for name in model.free if model.sleeps(name) or self._awake_s[name] > TIRED_S}
+            if resting:
                 self._read(model)
                 for heap in model.heaps():
-                    if all(model.sleeps(name) for name in heap):
+                    if heap <= resting:
                         for name in sorted(heap):
                             self._fall_asleep(name)
             if until_asleep is not None and until_asleep not in self.awake:
