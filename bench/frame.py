@@ -23,9 +23,10 @@ from measure.bars import Bar, show
 from measure.clock import processor, taken
 from measure.rival import Rival, Unavailable
 
-from ovman.engine import floorplan, rays, scene_mesh
-from ovman.engine.camera import Renderer, View
-from ovman.engine.world import World
+from ovman.engine.picture import rays, scene_mesh
+from ovman.engine.picture.camera import Renderer, View
+from ovman.engine.plan import floorplan
+from ovman.engine.world.world import World
 
 SMALL, LARGE = (300, 300), (640, 480)
 BARS = {SMALL: 2.2, LARGE: 3.0}

@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from ovman.engine import floorplan
-from ovman.engine.camera import Renderer, View
-from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.picture.camera import Renderer, View
+from ovman.engine.plan import floorplan
+from ovman.engine.plan.floorplan import FloorPlan, SimObject
 from ovman.engine.shapes import surroundings
-from ovman.engine.world import World
+from ovman.engine.world.world import World
 
 CELL_PX, COLUMNS = 140, 14
 FREQUENT, ASSETS = 24, 3

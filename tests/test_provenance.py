@@ -81,6 +81,6 @@ def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_
         modules = provenance.modules(provenance.script(stage))
         assert "ovman.constants" in modules and not provenance.BOUNDARY & set(modules)
         if stage in ("scenes", "trials", "certified", "executions"):
-            assert {"ovman.engine.__main__", "ovman.engine.physics", "ovman.sim.session"} <= set(modules)
+            assert {"ovman.engine.__main__", "ovman.engine.physics.physics", "ovman.sim.session"} <= set(modules)
         if stage in ("admissible", "episodes", "predictions", "runs", "metrics", "tables"):
             assert not any(name.startswith("ovman.engine") for name in modules)

@@ -11,9 +11,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ovman.engine import optics, rays, scene_mesh
-from ovman.engine.camera import View
-from ovman.engine.world import World
+from ovman.engine.picture import optics, rays, scene_mesh
+from ovman.engine.picture.camera import View
+from ovman.engine.world.world import World
 
 
 def _camera(view: View) -> tuple[object, ...]:

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
-    from ovman.engine.camera import View
-    from ovman.engine.world import World
+    from ovman.engine.picture.camera import View
+    from ovman.engine.world.world import World
 
 LIBRARIES = ("egl", "osmesa")
 TO_MUJOCO = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
@@ -67,7 +67,7 @@ def drawing(world: World, view: View, plain: bool = False) -> tuple[Callable[[],
     MuJoCo draws fastest; else as it comes."""
     import mujoco
 
-    from ovman.engine import scene_mesh
+    from ovman.engine.picture import scene_mesh
 
     mesh = scene_mesh.build(world)
     spec = mujoco.MjSpec()
@@ -117,9 +117,9 @@ def drawing(world: World, view: View, plain: bool = False) -> tuple[Callable[[],
 
 
 def main(scene: str, width: str, height: str, plain: str) -> int:
-    from ovman.engine import floorplan
-    from ovman.engine.camera import View
-    from ovman.engine.world import World
+    from ovman.engine.picture.camera import View
+    from ovman.engine.plan import floorplan
+    from ovman.engine.world.world import World
 
     world = World(floorplan.load(scene))
     view = View(world.agent.camera, world.agent.yaw_deg, width=int(width), height=int(height))

@@ -9,9 +9,9 @@ import threading
 import time
 from collections.abc import Sequence
 
-from ovman.engine import log
-from ovman.engine.resolution import objection
-from ovman.engine.wire import ClientGone, Wire
+from ovman.engine.client import log
+from ovman.engine.client.resolution import objection
+from ovman.engine.client.wire import ClientGone, Wire
 
 SERVER_PIPE, CLIENT_PIPE = "AI2THOR_FIFO_SERVER_PIPE_PATH", "AI2THOR_FIFO_CLIENT_PIPE_PATH"
 DEFAULT_SIZE = 300, 300

@@ -10,23 +10,23 @@ from typing import TYPE_CHECKING, Any
 
 import msgpack
 
-from ovman.engine import event
-from ovman.engine.embodiment import DEFAULT
-from ovman.engine.event import Outcome, thrown
-from ovman.engine.request import Unintelligible, decoded, sequence_id
-from ovman.engine.settings import Images, Settings
-from ovman.engine.wire import Field
+from ovman.engine.bodies.embodiment import DEFAULT
+from ovman.engine.client import event
+from ovman.engine.client.event import Outcome, thrown
+from ovman.engine.client.request import Unintelligible, decoded, sequence_id
+from ovman.engine.client.settings import Images, Settings
+from ovman.engine.client.wire import Field
 
 if TYPE_CHECKING:
     import numpy as np
 
-    from ovman.engine.camera import Onlooker, Renderer, View
-    from ovman.engine.floorplan import FloorPlan
-    from ovman.engine.map_view import MapView
-    from ovman.engine.metadata import SceneMetadata
-    from ovman.engine.third_party import ThirdPartyCamera
-    from ovman.engine.visibility import Sight
-    from ovman.engine.world import World
+    from ovman.engine.client.metadata import SceneMetadata
+    from ovman.engine.picture.camera import Onlooker, Renderer, View
+    from ovman.engine.picture.map_view import MapView
+    from ovman.engine.picture.third_party import ThirdPartyCamera
+    from ovman.engine.plan.floorplan import FloorPlan
+    from ovman.engine.sight.visibility import Sight
+    from ovman.engine.world.world import World
 
 ACTION_S = 0.1
 """Simulated time that an action takes while physics runs by itself. AI2-THOR's actions take as long as the frames that Unity
@@ -41,10 +41,10 @@ PROCEDURAL = "Procedural"
 
 @lru_cache(maxsize=SCENES_KEPT)
 def _plan(name: str) -> FloorPlan:
-    from ovman.engine import floorplan
+    from ovman.engine.plan import floorplan
 
     if name == PROCEDURAL:
-        from ovman.engine import house, houseplan
+        from ovman.engine.plan import house, houseplan
 
         return houseplan.plan_of(house.empty())
     return floorplan.read(name)
@@ -82,7 +82,7 @@ class Engine:
     def world(self) -> World:
         """Refused while no scene is loaded."""
         if self._world is None:
-            from ovman.engine.world import Refused
+            from ovman.engine.world.world import Refused
 
             raise Refused(f"No scene is loaded: {self._absence}")
         return self._world
@@ -100,8 +100,8 @@ class Engine:
 
     def load(self, scene_name: str) -> None:
         """A fresh world of the scene ("FloorPlan201_physics"), settings as before any Initialize. KeyError if there is none."""
-        from ovman.engine.metadata import SceneMetadata
-        from ovman.engine.world import World
+        from ovman.engine.client.metadata import SceneMetadata
+        from ovman.engine.world.world import World
 
         try:
             plan = _plan(scene_name.removesuffix(SCENE_SUFFIX))
@@ -120,8 +120,8 @@ class Engine:
 
     def furnish(self, plan: FloorPlan) -> None:
         """A fresh world of `plan` in the scene as it is: settings, cameras and the kind of agent stay."""
-        from ovman.engine.metadata import SceneMetadata
-        from ovman.engine.world import World
+        from ovman.engine.client.metadata import SceneMetadata
+        from ovman.engine.world.world import World
 
         world = World(plan, seed=self.seed)
         world.agent.embodiment = self.world.agent.embodiment
@@ -149,7 +149,7 @@ class Engine:
 
     def view(self) -> View:
         """What the agent's camera looks at."""
-        from ovman.engine.camera import View
+        from ovman.engine.picture.camera import View
 
         agent, s = self.world.agent, self.settings
         if self.map_view is not None:
@@ -167,7 +167,7 @@ class Engine:
 
     def onlooker(self) -> Onlooker:
         """What cameras see that are not the agent's eye."""
-        from ovman.engine.camera import Onlooker
+        from ovman.engine.picture.camera import Onlooker
 
         return Onlooker(agent=self.settings.agent_visible, ceiling=self.map_view is None)
 
@@ -199,7 +199,7 @@ class Engine:
         return [(Field.METADATA, msgpack.packb(event.message(event.agent(self, {}, outcome, None, None), self._sequence)))]
 
     def _perform(self, request: Mapping[str, Any]) -> Outcome:
-        from ovman.engine import dispatch
+        from ovman.engine.actions import dispatch
 
         outcome = dispatch.perform(self, request)
         if self._world is None:
@@ -250,8 +250,8 @@ class Engine:
         return (self._resets, world.version, pose, self.settings, self.width, self.height, self.cameras, self.map_view)
 
     def _draw(self, wanted: Images) -> tuple[list[tuple[Field, memoryview]], list[dict[str, Any]] | None]:
-        from ovman.engine.camera import Renderer
-        from ovman.engine.images import AGENT, THIRD_PARTY, colour_table, encoded
+        from ovman.engine.client.images import AGENT, THIRD_PARTY, colour_table, encoded
+        from ovman.engine.picture.camera import Renderer
 
         if self._renderer is None:
             self._renderer = Renderer(self.world)

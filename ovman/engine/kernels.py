@@ -55,7 +55,7 @@ def compile_all() -> None:
 def _mark() -> Path:
     """Beside what Numba keeps, so that whoever deletes that deletes this."""
     here = Path(__file__).parent
-    sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in sorted(here.glob("*.py"))]
+    sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in sorted(here.rglob("*.py"))]
     digest = hashlib.sha256(repr((sources, version("numba"), sys.version_info[:3], _processor())).encode()).hexdigest()[:16]
     kept = os.environ.get("NUMBA_CACHE_DIR")
     if kept:

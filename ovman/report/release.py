@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.engine import floorplan
+from ovman.engine.plan import floorplan
 from ovman.report.markdown import pipe_table
 from ovman.task import Episode, Rejection, Relation, read_episodes
 from ovman.task.record import read_records

@@ -12,8 +12,8 @@ import msgpack
 import pytest
 
 from ovman.engine import executable
+from ovman.engine.client.wire import Field
 from ovman.engine.engine import Engine
-from ovman.engine.wire import Field
 
 BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
 """What the benchmark initialises the engine with."""

@@ -9,8 +9,8 @@ import signal
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan
-from ovman.engine.images import colour
+from ovman.engine.client.images import colour
+from ovman.engine.plan import floorplan
 
 FIXTURES = ("Floor", "Window", "Painting", "LightSwitch")
 

@@ -7,10 +7,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import camera, corners, floorplan, lights, materials, painter, rays, scene_mesh, shading, textures
-from ovman.engine.camera import Renderer, View
+from ovman.engine.paint import materials, textures
+from ovman.engine.picture import camera, corners, lights, painter, rays, scene_mesh, shading
+from ovman.engine.picture.camera import Renderer, View
+from ovman.engine.plan import floorplan
 from ovman.engine.shapes import Part
-from ovman.engine.world import World
+from ovman.engine.world.world import World
 
 FEW = settings(max_examples=20, deadline=None, derandomize=True)
 SCENES = ("FloorPlan201", "FloorPlan7", "FloorPlan311", "FloorPlan410")

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine.camera import View
-from ovman.engine.floorplan import rotation_matrix
-from ovman.engine.third_party import normal_angles
+from ovman.engine.picture.camera import View
+from ovman.engine.picture.third_party import normal_angles
+from ovman.engine.plan.floorplan import rotation_matrix
 
 KINDS = {"renderDepthImage": True, "renderInstanceSegmentation": True}
 ALL_KINDS = {**KINDS, "renderSemanticSegmentation": True, "renderNormalsImage": True}

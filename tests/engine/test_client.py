@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 from ai2thor.server import DepthFormat
 
-from ovman.engine import camera, engine, floorplan, scene_mesh
+from ovman.engine import engine
+from ovman.engine.picture import camera, scene_mesh
+from ovman.engine.plan import floorplan
 
 
 @pytest.fixture(scope="module")

@@ -10,12 +10,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import dispatch
-from ovman.engine.actions import TABLE
+from ovman.engine.actions import TABLE, dispatch
 from ovman.engine.actions.registry import Action, Failed, Thrown, action
 from ovman.engine.actions.values import Inconvertible, Malformed, ObjectPose, PartialVector3, Vector3, converted
-from ovman.engine.floorplan import load
-from ovman.engine.world import Refused
+from ovman.engine.plan.floorplan import load
+from ovman.engine.world.world import Refused
 
 
 @pytest.fixture

@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan
-from ovman.engine.embodiment import DEFAULT, LOCOBOT
-from ovman.engine.world import World
+from ovman.engine.bodies.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.plan import floorplan
+from ovman.engine.world.world import World
 
 
 def pose(agent):

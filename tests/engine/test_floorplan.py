@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan
+from ovman.engine.plan import floorplan
 
 angles = st.floats(0, 360, exclude_max=True)
 

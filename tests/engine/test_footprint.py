@@ -6,8 +6,8 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine.floorplan import Box, rotation_matrix
-from ovman.engine.footprint import Boxes
+from ovman.engine.bodies.footprint import Boxes
+from ovman.engine.plan.floorplan import Box, rotation_matrix
 
 coordinate = st.floats(-2, 2, allow_nan=False)
 length = st.floats(0.01, 1, allow_nan=False)

@@ -12,10 +12,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan, log
 from ovman.engine.actions import TABLE
 from ovman.engine.actions.values import ObjectPose, PartialVector3, Vector3
+from ovman.engine.client import log
 from ovman.engine.engine import Engine
+from ovman.engine.plan import floorplan
 
 SCENES = ("FloorPlan403", "FloorPlan302", "FloorPlan28", "FloorPlan212")
 TAKE_AWAY = {

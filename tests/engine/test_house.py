@@ -8,10 +8,10 @@ import copy
 import numpy as np
 import pytest
 
-from ovman.engine.assets import asset
-from ovman.engine.blueprint import Malformed, read
-from ovman.engine.houseplan import plan_of
-from ovman.engine.world import Pose, World
+from ovman.engine.plan.assets import asset
+from ovman.engine.plan.blueprint import Malformed, read
+from ovman.engine.plan.houseplan import plan_of
+from ovman.engine.world.world import Pose, World
 
 HEIGHT = 2.7
 WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]

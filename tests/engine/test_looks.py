@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan, materials, scene_mesh, sunshine
-from ovman.engine.camera import Renderer, View
+from ovman.engine.paint import materials
+from ovman.engine.picture import scene_mesh, sunshine
+from ovman.engine.picture.camera import Renderer, View
+from ovman.engine.plan import floorplan
 from ovman.engine.shapes import Part, surroundings
-from ovman.engine.world import World
+from ovman.engine.world.world import World
 
 LOW, HIGH = np.array([-2.0, 0.0, -3.0]), np.array([4.0, 2.5, 5.0])
 SOFT_M = 0.3

@@ -7,7 +7,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan, materials, shapes, textures
+from ovman.engine import shapes
+from ovman.engine.paint import materials, textures
+from ovman.engine.plan import floorplan
 
 SCENES = floorplan.names()
 

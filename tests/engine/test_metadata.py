@@ -7,11 +7,11 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan
-from ovman.engine.body import Body, Pose
-from ovman.engine.floorplan import rotation_matrix
-from ovman.engine.images import BACKGROUND, colour, colour_table
-from ovman.engine.metadata import object_record
+from ovman.engine.bodies.body import Body, Pose
+from ovman.engine.client.images import BACKGROUND, colour, colour_table
+from ovman.engine.client.metadata import object_record
+from ovman.engine.plan import floorplan
+from ovman.engine.plan.floorplan import rotation_matrix
 
 SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan311", "FloorPlan423")
 AGENT_KEYS = """

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan
-from ovman.engine.floorplan import Box, rotation_matrix
-from ovman.engine.physics import SLEEP_S, TICK_S, Model, Solid
-from ovman.engine.world import Refused, World
+from ovman.engine.physics.physics import SLEEP_S, TICK_S, Model, Solid
+from ovman.engine.plan import floorplan
+from ovman.engine.plan.floorplan import Box, rotation_matrix
+from ovman.engine.world.world import Refused, World
 
 SCENES = ["FloorPlan1", "FloorPlan201", "FloorPlan215", "FloorPlan301", "FloorPlan406"]
 PLANS = {name: floorplan.load(name) for name in SCENES}

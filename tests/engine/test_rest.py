@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan
-from ovman.engine.body import Body
-from ovman.engine.world import Refused, World
+from ovman.engine.bodies.body import Body
+from ovman.engine.plan import floorplan
+from ovman.engine.world.world import Refused, World
 
 SAMPLE = [
     "FloorPlan2",

@@ -15,9 +15,10 @@ from pathlib import Path
 import msgpack
 import pytest
 
-from ovman.engine import executable, log
-from ovman.engine.event import thrown
-from ovman.engine.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
+from ovman.engine import executable
+from ovman.engine.client import log
+from ovman.engine.client.event import thrown
+from ovman.engine.client.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
 
 DEADLINE_S = 20.0
 END = struct.pack("!BI", 255, 0)

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan
-from ovman.engine.footprint import Boxes
-from ovman.engine.masonry import structures
-from ovman.engine.room import WALL_ITEMS, Room
+from ovman.engine.bodies.footprint import Boxes
+from ovman.engine.plan import floorplan
+from ovman.engine.room.masonry import structures
+from ovman.engine.room.room import WALL_ITEMS, Room
 
 SCENES = floorplan.names()
 

@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import counters, floorplan, shapes
+from ovman.engine import shapes
+from ovman.engine.plan import counters, floorplan
 from ovman.engine.shapes import part as parts_of
 from ovman.engine.shapes import surroundings
 from ovman.engine.shapes.collision import Piece

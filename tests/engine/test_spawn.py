@@ -6,10 +6,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.engine import floorplan
-from ovman.engine.placement import RECEPTACLES
-from ovman.engine.spawn import Wishes, points, spawn
-from ovman.engine.world import World
+from ovman.engine.plan import floorplan
+from ovman.engine.world.placement import RECEPTACLES
+from ovman.engine.world.spawn import Wishes, points, spawn
+from ovman.engine.world.world import World
 
 SCENES = ("FloorPlan11", "FloorPlan203", "FloorPlan310", "FloorPlan405")
 OPEN = ("CounterTop", "DiningTable", "CoffeeTable", "SideTable", "Desk", "Sofa", "Bed", "Shelf", "TVStand", "Dresser", "ArmChair")

@@ -7,9 +7,9 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from ovman.engine.camera import Renderer
-from ovman.engine.sightlines import TRANSPARENT
-from ovman.engine.visibility import directions
+from ovman.engine.picture.camera import Renderer
+from ovman.engine.sight.sightlines import TRANSPARENT
+from ovman.engine.sight.visibility import directions
 
 SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
 NEAR_M = 1.5

@@ -19,7 +19,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ovman.engine import executable
-from ovman.engine.wire import ClientGone, Field, Wire
+from ovman.engine.client.wire import ClientGone, Field, Wire
 
 DEADLINE_S = 20.0
 
@@ -178,7 +178,7 @@ def test_no_orphan_when_the_client_dies_before_it_opens_its_end(engine_environme
 
 
 def test_gives_up_on_a_client_that_it_never_saw(tmp_path, monkeypatch):
-    monkeypatch.setattr("ovman.engine.wire.OPENING_LIMIT_S", 0.05)
+    monkeypatch.setattr("ovman.engine.client.wire.OPENING_LIMIT_S", 0.05)
     os.mkfifo(tmp_path / "server")
     with pytest.raises(ClientGone):
         Wire(str(tmp_path / "server"), str(tmp_path / "client"))

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine import floorplan
-from ovman.engine.arrangement import object_id
-from ovman.engine.world import Refused, World
+from ovman.engine.bodies.arrangement import object_id
+from ovman.engine.plan import floorplan
+from ovman.engine.world.world import Refused, World
 
 SCENES = ["FloorPlan3", "FloorPlan201", "FloorPlan215", "FloorPlan311", "FloorPlan413", "FloorPlan425"]
 PLANS = {name: floorplan.load(name) for name in SCENES}

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.engine import floorplan
+from ovman.engine.plan import floorplan
 from ovman.language.noun import is_plural, noun
 
 

@@ -10,11 +10,11 @@ import numpy as np
 
 from ovman.engine.actions.registry import Thrown, action, out_of_range
 from ovman.engine.actions.values import FARTHEST, PartialVector3, Vector3
+from ovman.engine.client.resolution import objection
 from ovman.engine.engine import Engine
-from ovman.engine.map_view import MapView
-from ovman.engine.resolution import objection
-from ovman.engine.third_party import ThirdPartyCamera, normal_angles
-from ovman.engine.world import Refused
+from ovman.engine.picture.map_view import MapView
+from ovman.engine.picture.third_party import ThirdPartyCamera, normal_angles
+from ovman.engine.world.world import Refused
 
 LARGEST_M = 1000.0
 """Largest half height of an orthographic picture."""

@@ -13,9 +13,9 @@ import numpy as np
 from ovman.engine.actions.movement import full_circle
 from ovman.engine.actions.registry import Failed, action
 from ovman.engine.actions.values import Vector3
-from ovman.engine.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman.engine.engine import Engine
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 LOOK_DEG = 30.0
 """Angle of a LookUp or LookDown that names none."""

@@ -6,14 +6,14 @@ from typing import Any
 
 from ovman.engine.actions.registry import action
 from ovman.engine.engine import PROCEDURAL, Engine
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 
 @action("CreateHouse")
 def create_house(engine: Engine, house: Any) -> None:
     """Contract, section 4. The agent is put where the house says; if it says nothing, where most room is."""
-    from ovman.engine.blueprint import Malformed, read
-    from ovman.engine.houseplan import plan_of
+    from ovman.engine.plan.blueprint import Malformed, read
+    from ovman.engine.plan.houseplan import plan_of
 
     if engine.scene_name != PROCEDURAL:
         raise Refused(f"CreateHouse can only be called in the scene {PROCEDURAL}, not in {engine.scene_name or 'none'}.")

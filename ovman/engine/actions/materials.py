@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Any
 
 from ovman.engine.actions.registry import Thrown, action, out_of_range
-from ovman.engine.decor import Decor, Lighting, Range
 from ovman.engine.engine import SCENE_SUFFIX, Engine
+from ovman.engine.paint.decor import Decor, Lighting, Range
 
 ROOM_TYPES = {
     "kitchen": "Kitchen",

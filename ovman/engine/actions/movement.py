@@ -12,10 +12,10 @@ import numpy as np
 
 from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import FARTHEST, Vector3
-from ovman.engine.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.passage import heading
 from ovman.engine.engine import Engine
-from ovman.engine.passage import heading
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 NO_STRAFING = "Controller does not support horizontal movement by default. Set AllowHorizontalMovement to true on the Controller."
 

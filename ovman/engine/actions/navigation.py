@@ -18,14 +18,14 @@ import numpy as np
 from ovman.engine.actions.reach import reachable_positions
 from ovman.engine.actions.registry import Thrown, action, out_of_range
 from ovman.engine.actions.values import Vector3
-from ovman.engine.body import Agent
-from ovman.engine.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.body import Agent
+from ovman.engine.bodies.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.passage import reachable
 from ovman.engine.engine import Engine
-from ovman.engine.interactable import poses, reaching
-from ovman.engine.passage import reachable
-from ovman.engine.shortest_path import SNAP_M, Floor, shortest
-from ovman.engine.visibility import axes, in_picture
-from ovman.engine.world import Refused
+from ovman.engine.sight.interactable import poses, reaching
+from ovman.engine.sight.shortest_path import SNAP_M, Floor, shortest
+from ovman.engine.sight.visibility import axes, in_picture
+from ovman.engine.world.world import Refused
 
 HORIZONS_DEG = (-30.0, 0.0, 30.0, 60.0)
 """Horizons that are tried unless an action says otherwise."""

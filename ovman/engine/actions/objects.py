@@ -9,8 +9,8 @@ import numpy as np
 from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import ObjectPose, Vector3
 from ovman.engine.engine import Engine
-from ovman.engine.floorplan import rotation_matrix
-from ovman.engine.world import Refused, Unsettled
+from ovman.engine.plan.floorplan import rotation_matrix
+from ovman.engine.world.world import Refused, Unsettled
 
 
 def _turned(rotation: Vector3 | None) -> np.ndarray | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ovman.engine.actions.registry import action
 from ovman.engine.engine import Engine
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 LONGEST_STEP_S = 0.05
 LONGEST_S = 60.0

@@ -12,8 +12,8 @@ import numpy as np
 from ovman.engine.actions.registry import action, out_of_range
 from ovman.engine.actions.values import Vector3
 from ovman.engine.engine import Engine
-from ovman.engine.visibility import Eye, axes
-from ovman.engine.world import Refused
+from ovman.engine.sight.visibility import Eye, axes
+from ovman.engine.world.world import Refused
 
 
 def _met(engine: Engine, x: float, y: float) -> tuple[str | None, np.ndarray]:

@@ -7,7 +7,7 @@ import math
 from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import Vector3
 from ovman.engine.engine import Engine
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 MANY_STEPS = 10_000
 """Area in square metres within which reachable positions are looked for unless an action says otherwise."""

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-from ovman.engine.world import Refused
+from ovman.engine.world.world import Refused
 
 
 @dataclass(frozen=True)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ovman.engine import floorplan
 from ovman.engine.actions.registry import action
 from ovman.engine.actions.values import FARTHEST
-from ovman.engine.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
+from ovman.engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
+from ovman.engine.client.resolution import objection
+from ovman.engine.client.settings import Settings
 from ovman.engine.engine import PROCEDURAL, SCENE_SUFFIX, Engine
-from ovman.engine.resolution import objection
-from ovman.engine.settings import Settings
-from ovman.engine.world import Refused
+from ovman.engine.plan import floorplan
+from ovman.engine.world.world import Refused
 
 if TYPE_CHECKING:
     import numpy as np

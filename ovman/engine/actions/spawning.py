@@ -7,7 +7,7 @@ from typing import Any
 from ovman.engine.actions.registry import Thrown, action
 from ovman.engine.actions.values import Vector3
 from ovman.engine.engine import Engine
-from ovman.engine.world import Body, Refused
+from ovman.engine.world.world import Body, Refused
 
 MOST_COPIES = 100
 """Objects of one type that a scene may be given."""
@@ -24,7 +24,7 @@ def _found(engine: Engine, object_id: str) -> Body:
 def spawn_coordinates(engine: Engine, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
     """Contract, section 4. Points at which PlaceObjectAtPoint puts a small thing on the receptacle: above its surfaces, where
     nothing stands; unless `anywhere`, those that the agent sees."""
-    from ovman.engine.spawn import points, seen
+    from ovman.engine.world.spawn import points, seen
 
     body = _found(engine, objectId)
     if not body.obj.record["receptacle"]:
@@ -54,7 +54,7 @@ def initial_random_spawn(
 ) -> None:
     """Contract, section 4. Objects that find no place stay where they are."""
     from ovman.engine.shapes import FORMS, LOOSE
-    from ovman.engine.spawn import SETTLED_S, Wishes, spawn
+    from ovman.engine.world.spawn import SETTLED_S, Wishes, spawn
 
     if numPlacementAttempts <= 0:
         raise Refused("numPlacementAttempts must be a positive integer.")

@@ -10,7 +10,7 @@ import numpy as np
 from ovman.engine.actions.movement import full_circle
 from ovman.engine.actions.registry import Thrown, action, out_of_range
 from ovman.engine.actions.values import Vector3
-from ovman.engine.embodiment import DEFAULT, LOCOBOT
+from ovman.engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman.engine.engine import Engine
 
 GROUND_M = 0.05

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.plan.floorplan import FloorPlan, SimObject
 from ovman.engine.shapes import (
     appliances,
     bedding,

@@ -7,9 +7,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ovman.engine import counters
-from ovman.engine.counters import Rect
-from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.plan import counters
+from ovman.engine.plan.counters import Rect
+from ovman.engine.plan.floorplan import FloorPlan, SimObject
 from ovman.engine.shapes import surroundings
 from ovman.engine.shapes.fronts import handle
 from ovman.engine.shapes.part import Part, about, moved, rod, span

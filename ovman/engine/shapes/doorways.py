@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ovman.engine.floorplan import FloorPlan, SimObject
-from ovman.engine.house import rectangles
+from ovman.engine.plan.floorplan import FloorPlan, SimObject
+from ovman.engine.plan.house import rectangles
 from ovman.engine.shapes.part import Part, span
 
 JAMB_M = 0.05

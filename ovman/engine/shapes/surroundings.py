@@ -6,7 +6,7 @@ from collections import OrderedDict
 
 import numpy as np
 
-from ovman.engine.floorplan import FloorPlan, SimObject
+from ovman.engine.plan.floorplan import FloorPlan, SimObject
 from ovman.engine.shapes.part import about
 from ovman.engine.shapes.subject import Insert
 

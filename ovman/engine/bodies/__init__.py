@@ -1,0 +1,1 @@
+"""What can be moved, stood on, carried or bumped into, and the agent among it."""

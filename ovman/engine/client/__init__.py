@@ -1,0 +1,1 @@
+"""AI2-THOR's side of the engine: its protocol, its metadata, its settings."""

@@ -1,0 +1,1 @@
+"""What things are made of and how that looks: tones, finishes, materials, textures."""

@@ -1,0 +1,1 @@
+"""What stands around the objects: walls, doors, windows, ceilings, of floor plans and of houses."""

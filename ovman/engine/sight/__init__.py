@@ -1,0 +1,1 @@
+"""What an agent sees, from where, and how it gets there."""

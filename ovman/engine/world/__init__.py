@@ -1,0 +1,1 @@
+"""A floor plan and everything that has changed in it since Reset."""
