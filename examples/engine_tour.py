@@ -34,12 +34,18 @@ def cell(position: dict[str, float]) -> Cell:
     return round(position["x"] / STEP_M), round(position["z"] / STEP_M)
 
 
-def path(free: set[Cell], start: Cell, goal: Cell | None = None) -> list[Cell]:
-    """The shortest path from `start` to `goal`, or to what is farthest away."""
+def roomy(free: set[Cell]) -> set[Cell]:
+    """Cells with free cells all around, so that the walk does not end with its nose at a wall."""
+    around = [(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+    return {c for c in free if all((c[0] + i, c[1] + j) in free for i, j in around)}
+
+
+def path(free: set[Cell], start: Cell) -> list[Cell]:
+    """The shortest path from `start` to the cell that is farthest away."""
     came: dict[Cell, Cell] = {start: start}
     queue = deque([start])
     last = start
-    while queue and last != goal:
+    while queue:
         last = queue.popleft()
         for aside, ahead in ((1, 0), (-1, 0), (0, 1), (0, -1)):
             after = (last[0] + aside, last[1] + ahead)
@@ -79,10 +85,10 @@ def main() -> None:
     )  # fmt: skip
     try:
         free, frames = cells(controller), []
-        for corner in (min, max):  # to one end of the room, then to the other
-            goal = corner(free)
+        for _ in range(2):  # to the far end of the room, and to the far end from there
             start = cell(controller.last_event.metadata["agent"]["position"])
-            frames += [picture(event) for event in walk(controller, path(free, start, goal))]
+            frames += [picture(event) for event in walk(controller, path(roomy(free) | {start}, start))]
+            frames += [picture(controller.step("RotateRight")) for _ in range(round(360 / TURN_DEG) // 2)]
     finally:
         controller.stop()
     palette = [frame.quantize(128, dither=Image.Dither.NONE) for frame in frames]

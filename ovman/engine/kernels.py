@@ -17,6 +17,8 @@ from pathlib import Path
 
 SCENES = "FloorPlan212", "FloorPlan425"
 """With sunshine and lamps; with a mirror, glass and something that can be moved."""
+ROOMS = "paint", "picture"
+"""Where the loops are."""
 SIDE_PX = 48
 KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage")
 
@@ -48,14 +50,18 @@ def compile_all() -> None:
     do("AddThirdPartyCamera", position={"x": x, "y": y + 1, "z": z}, rotation={"x": 30, "y": 40, "z": 10}, fieldOfView=60)
     do("GetInteractablePoses", objectId=moved.object_id, maxPoses=1)
     with suppress(OSError):  # a place that cannot be written: the next engine looks again
-        _mark().parent.mkdir(parents=True, exist_ok=True)
-        _mark().touch()
+        mark = _mark()
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        for old in mark.parent.glob("kernels-*"):
+            old.unlink()
+        mark.touch()
 
 
 def _mark() -> Path:
     """Beside what Numba keeps, so that whoever deletes that deletes this."""
     here = Path(__file__).parent
-    sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in sorted(here.rglob("*.py"))]
+    files = sorted(p for room in ROOMS for p in (here / room).glob("*.py"))
+    sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in files]
     digest = hashlib.sha256(repr((sources, version("numba"), sys.version_info[:3], _processor())).encode()).hexdigest()[:16]
     kept = os.environ.get("NUMBA_CACHE_DIR")
     if kept:

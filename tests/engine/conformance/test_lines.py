@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from tests.engine.conformance.lines import LINES, marks, table
+import re
+
+from tests.engine.conformance.lines import LINES, PAGE, marks, written
 
 
 def test_every_line_has_a_test():
@@ -16,5 +18,13 @@ def test_every_test_stands_for_something(request):
             assert (item.path.name, item.originalname) in marked, item.nodeid
 
 
-def test_the_table_has_a_row_for_each_line():
-    assert table().count("\n") == len(LINES) + 2 and "| `" in table()
+def test_the_page_has_the_table():
+    page = PAGE.read_text()
+    assert page == written(page), "python -m tests.engine.conformance.lines writes it anew"
+
+
+def test_the_page_names_every_action_that_there_is():
+    from ovman.engine.actions import TABLE
+
+    named = set(re.findall(r"`(\w+)`", PAGE.read_text()))
+    assert set(TABLE) <= named, set(TABLE) - named
