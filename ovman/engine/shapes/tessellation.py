@@ -11,6 +11,9 @@ from ovman.engine.shapes.part import Part, cross
 Mesh = tuple[np.ndarray, np.ndarray]
 
 _AXIS_M = 1e-9
+MESHES_KEPT = 1000
+"""Forms of parts that are kept: those of one scene."""
+_made: dict[tuple[object, ...], Mesh] = {}
 
 
 def _facets(part: Part) -> int:
@@ -24,28 +27,23 @@ def _facets(part: Part) -> int:
 def revolved(profile: np.ndarray, segments: int) -> Mesh:
     """Surface of `profile` (N, 2) = (radius, y) turned about y. Closed if the profile ends on the axis or where it began."""
     angle = 2 * np.pi * np.arange(segments) / segments
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     closed = bool(np.allclose(profile[0], profile[-1])) and profile[0, 0] > _AXIS_M
-    rows, vertices = [], []
-    for radius, y in profile[:-1] if closed else profile:
-        first = len(vertices)
-        if radius <= _AXIS_M:
-            vertices.append((0.0, y, 0.0))
-            rows.append(np.full(segments, first))
-        else:
-            vertices.extend((radius * c, y, radius * s) for c, s in ring)
-            rows.append(np.arange(first, first + segments))
+    radius, height = (profile[:-1] if closed else profile).T
+    around = radius > _AXIS_M
+    rings = np.empty((len(radius), segments, 3))
+    rings[..., 0] = np.where(around, radius, 0.0)[:, None] * np.cos(angle)
+    rings[..., 1] = height[:, None]
+    rings[..., 2] = np.where(around, radius, 0.0)[:, None] * np.sin(angle)
+    here = around[:, None] | (np.arange(segments) == 0)  # a point on the axis stands for its ring
+    start = np.cumsum([0, *np.where(around, segments, 1)])[:-1]
+    rows = start[:, None] + np.where(around[:, None], np.arange(segments), 0)
     if closed:
-        rows.append(rows[0])
-    faces = []
-    for lower, upper in zip(rows[:-1], rows[1:], strict=True):
-        a, b = lower, np.roll(lower, -1)
-        c, d = upper, np.roll(upper, -1)
-        if lower[0] != lower[1]:
-            faces.append(np.stack([a, d, b], axis=1))
-        if upper[0] != upper[1]:
-            faces.append(np.stack([a, c, d], axis=1))
-    return np.array(vertices), np.concatenate(faces).astype(np.int32)
+        rows, around = np.concatenate([rows, rows[:1]]), np.append(around, around[0])
+    on = np.concatenate([rows[:, 1:], rows[:, :1]], axis=1)
+    a, b, c, d = rows[:-1], on[:-1], rows[1:], on[1:]
+    faces = np.stack([np.stack([a, d, b], axis=2), np.stack([a, c, d], axis=2)], axis=1)
+    kept = np.stack([around[:-1], around[1:]], axis=1)
+    return rings[here], faces[kept].reshape(-1, 3).astype(np.int32)
 
 
 def _half_circle(count: int) -> np.ndarray:
@@ -236,7 +234,22 @@ def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 
 def local_mesh(part: Part) -> Mesh:
-    """Mesh of `part` in its own axes, origin at its centre: vertices (V, 3) float64 metres, triangles (T, 3) int32."""
+    """Mesh of `part` in its own axes, origin at its centre: vertices (V, 3) float64 metres, triangles (T, 3) int32.
+
+    Shared by all parts of the form, which come in numbers and are asked for while they are fitted and when they are drawn: not to
+    be written to.
+    """
+    points = None if part.points is None else part.points.tobytes()
+    form = (part.kind, part.size.tobytes(), part.bevel, part.ratio, part.crown, points, part.segments)
+    found = _made.get(form)
+    if found is None:
+        while len(_made) >= MESHES_KEPT:
+            del _made[next(iter(_made))]
+        found = _made[form] = _made_of(part)
+    return found
+
+
+def _made_of(part: Part) -> Mesh:
     if part.kind == "box":
         return _box(part.size, part.bevel)
     if part.kind == "prism":
