@@ -17,6 +17,9 @@ from ovman.engine.bodies.passage import heading
 from ovman.engine.engine import Engine
 from ovman.engine.world.world import Refused
 
+TOWARDS_DEG = {"MoveAhead": 0.0, "MoveBack": 180.0, "MoveLeft": 270.0, "MoveRight": 90.0}
+"""Where a move goes, relative to the agent's yaw."""
+CLOCKWISE = {"RotateRight": 1, "RotateLeft": -1}
 NO_STRAFING = "Controller does not support horizontal movement by default. Set AllowHorizontalMovement to true on the Controller."
 
 
@@ -56,72 +59,28 @@ def _too_far(engine: Engine, object_id: str, limit_m: float) -> str:
     return f"Agent movement would bring it beyond the max distance of {object_id}" if np.hypot(*gap) > limit_m else ""
 
 
-@action("MoveAhead", mode=DEFAULT.mode)
-def move_ahead(
-    engine: Engine,
-    moveMagnitude: float | None = None,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-    forceAction: bool = False,
-    manualInteract: bool = False,
-    allowAgentsToIntersect: bool = False,
-    speed: float = 1.0,
-    fixedDeltaTime: float | None = None,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-) -> None:
-    _move(engine, 0.0, moveMagnitude, objectId, maxAgentsDistance)
+def _walker(name: str, towards_deg: float) -> None:
+    """Registers the default agent's move of a direction relative to its own."""
+
+    @action(name, mode=DEFAULT.mode)
+    def walk(
+        engine: Engine,
+        moveMagnitude: float | None = None,
+        objectId: str = "",
+        maxAgentsDistance: float = -1.0,
+        forceAction: bool = False,
+        manualInteract: bool = False,
+        allowAgentsToIntersect: bool = False,
+        speed: float = 1.0,
+        fixedDeltaTime: float | None = None,
+        returnToStart: bool = True,
+        disableRendering: bool = True,
+    ) -> None:
+        _move(engine, towards_deg, moveMagnitude, objectId, maxAgentsDistance)
 
 
-@action("MoveBack", mode=DEFAULT.mode)
-def move_back(
-    engine: Engine,
-    moveMagnitude: float | None = None,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-    forceAction: bool = False,
-    manualInteract: bool = False,
-    allowAgentsToIntersect: bool = False,
-    speed: float = 1.0,
-    fixedDeltaTime: float | None = None,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-) -> None:
-    _move(engine, 180.0, moveMagnitude, objectId, maxAgentsDistance)
-
-
-@action("MoveLeft", mode=DEFAULT.mode)
-def move_left(
-    engine: Engine,
-    moveMagnitude: float | None = None,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-    forceAction: bool = False,
-    manualInteract: bool = False,
-    allowAgentsToIntersect: bool = False,
-    speed: float = 1.0,
-    fixedDeltaTime: float | None = None,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-) -> None:
-    _move(engine, 270.0, moveMagnitude, objectId, maxAgentsDistance)
-
-
-@action("MoveRight", mode=DEFAULT.mode)
-def move_right(
-    engine: Engine,
-    moveMagnitude: float | None = None,
-    objectId: str = "",
-    maxAgentsDistance: float = -1.0,
-    forceAction: bool = False,
-    manualInteract: bool = False,
-    allowAgentsToIntersect: bool = False,
-    speed: float = 1.0,
-    fixedDeltaTime: float | None = None,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-) -> None:
-    _move(engine, 90.0, moveMagnitude, objectId, maxAgentsDistance)
+for _name, _towards_deg in TOWARDS_DEG.items():
+    _walker(_name, _towards_deg)
 
 
 def _turn(engine: Engine, degrees: float) -> None:
@@ -143,34 +102,24 @@ def _rotate(engine: Engine, degrees: float | None, sign: int) -> None:
     _turn(engine, sign * (engine.settings.turn_deg if degrees is None else degrees))
 
 
-@action("RotateRight", mode=DEFAULT.mode)
-def rotate_right(
-    engine: Engine,
-    degrees: float | None = None,
-    manualInteract: bool = False,
-    forceAction: bool = False,
-    speed: float = 1.0,
-    waitForFixedUpdate: bool = False,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-    fixedDeltaTime: float = 0.02,
-) -> None:
-    _rotate(engine, degrees, 1)
+def _rotator(name: str, sign: int) -> None:
+    @action(name, mode=DEFAULT.mode)
+    def rotate(
+        engine: Engine,
+        degrees: float | None = None,
+        manualInteract: bool = False,
+        forceAction: bool = False,
+        speed: float = 1.0,
+        waitForFixedUpdate: bool = False,
+        returnToStart: bool = True,
+        disableRendering: bool = True,
+        fixedDeltaTime: float = 0.02,
+    ) -> None:
+        _rotate(engine, degrees, sign)
 
 
-@action("RotateLeft", mode=DEFAULT.mode)
-def rotate_left(
-    engine: Engine,
-    degrees: float | None = None,
-    manualInteract: bool = False,
-    forceAction: bool = False,
-    speed: float = 1.0,
-    waitForFixedUpdate: bool = False,
-    returnToStart: bool = True,
-    disableRendering: bool = True,
-    fixedDeltaTime: float = 0.02,
-) -> None:
-    _rotate(engine, degrees, -1)
+for _name, _sign in CLOCKWISE.items():
+    _rotator(_name, _sign)
 
 
 # The locobot
