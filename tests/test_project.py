@@ -64,7 +64,8 @@ def third_party(path: Path) -> set[str]:
             names |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             names.add(node.module.partition(".")[0])
-    return names - sys.stdlib_module_names - {"ovman", "tests"}
+    beside = {p.stem for p in path.parent.iterdir()} | {path.parent.name}
+    return names - sys.stdlib_module_names - beside - {"ovman", "tests"}
 
 
 @pytest.mark.parametrize(
