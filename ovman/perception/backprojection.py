@@ -1,0 +1,67 @@
+"""From the depth of a mask's pixels to a place in the world (Eq. backproj of the paper).
+
+World frame: Unity's, left-handed, y up, metres; yaw 0 looks along +z and 90 along +x, a positive horizon looks down. Images have
+row 0 at the top and square pixels, whose centres lie at +0.5.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True)
+class Camera:
+    """Pose and lens of a frame: position (x, y, z) in metres, yaw and horizon in degrees, vertical field of view in degrees."""
+
+    position: tuple[float, float, float]
+    yaw_deg: float
+    horizon_deg: float
+    field_of_view_deg: float
+
+    def axes(self) -> np.ndarray:
+        """Columns right, up and forward (3, 3): R of Eq. backproj, for a camera that looks along its own +z with +y up."""
+        sin_yaw, cos_yaw = math.sin(math.radians(self.yaw_deg)), math.cos(math.radians(self.yaw_deg))
+        sin_tilt, cos_tilt = math.sin(math.radians(self.horizon_deg)), math.cos(math.radians(self.horizon_deg))
+        return np.array(
+            [
+                [cos_yaw, sin_yaw * sin_tilt, sin_yaw * cos_tilt],
+                [0.0, cos_tilt, -sin_tilt],
+                [-sin_yaw, cos_yaw * sin_tilt, cos_yaw * cos_tilt],
+            ]
+        )
+
+
+def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """World points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): metres along the optical axis."""
+    rows, columns = np.nonzero(mask)
+    return _rays(rows + 0.5, columns + 0.5, depth.shape, camera) * depth[rows, columns, None] + np.array(camera.position)
+
+
+def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """Component-wise median (3,) of a mask's world points. ValueError for an empty mask. Source: Eq. backproj."""
+    if not mask.any():
+        raise ValueError("an empty mask has no place")
+    return np.median(world_points(depth, mask, camera), axis=0)
+
+
+def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
+    """The point (3,) on the ray through the middle of a mask at its median depth. ValueError for an empty mask.
+
+    What the paper's self-check warns of: it lies on no surface where a mask is not convex or its depth jumps.
+    """
+    rows, columns = np.nonzero(mask)
+    if not len(rows):
+        raise ValueError("an empty mask has no place")
+    ray = _rays(np.array([rows.mean() + 0.5]), np.array([columns.mean() + 0.5]), depth.shape, camera)[0]
+    return ray * np.median(depth[rows, columns]) + np.array(camera.position)
+
+
+def _rays(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, ...], camera: Camera) -> np.ndarray:
+    """R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
+    height, width = shape
+    focal_px = height / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2)
+    aside, up = (columns - width / 2) / focal_px, (height / 2 - rows) / focal_px
+    return np.stack([aside, up, np.ones_like(aside)], axis=1) @ camera.axes().T

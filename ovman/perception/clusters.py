@@ -1,0 +1,75 @@
+"""The map of a visit: detections of one tour, clustered on the floor plane."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Detection:
+    """One instance in one view.
+
+    view: index in the tour; point (3,): its place in the world, metres (`backprojection.median_point`); feature (K,): unit
+    embedding of its crop.
+    """
+
+    view: int
+    point: np.ndarray
+    feature: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Cluster:
+    """One instance as a map has it: (p, f, T) of the paper.
+
+    position (2,): x and z of the median of its points, metres; feature (K,): mean of its embeddings, of unit length;
+    track (T, 2): x and z of its detections in the order they were seen; views (T,): the views they were seen in.
+    """
+
+    position: np.ndarray
+    feature: np.ndarray
+    track: np.ndarray
+    views: np.ndarray
+
+    @property
+    def last_seen(self) -> int:
+        return int(self.views[-1])
+
+
+def clusters(detections: Sequence[Detection], radius_m: float) -> tuple[Cluster, ...]:
+    """Greedy clustering: each detection, in the order of the tour, joins the nearest cluster whose median lies within `radius_m`
+    on the floor plane, or begins one. ValueError for a radius that is not positive or views that are out of order.
+
+    Source: the paper's perception stage; epsilon of Table params.
+    """
+    if not radius_m > 0:
+        raise ValueError(f"radius_m must be positive, not {radius_m}")
+    if any(a.view > b.view for a, b in zip(detections, detections[1:], strict=False)):
+        raise ValueError("detections come in the order of the tour")
+    members: list[list[Detection]] = []
+    centres: list[np.ndarray] = []
+    for detection in detections:
+        here = detection.point[[0, 2]]
+        gaps = np.linalg.norm(np.array(centres) - here, axis=1) if centres else np.array([np.inf])
+        nearest = int(gaps.argmin())
+        if gaps[nearest] <= radius_m:
+            members[nearest].append(detection)
+            centres[nearest] = np.median([d.point[[0, 2]] for d in members[nearest]], axis=0)
+        else:
+            members.append([detection])
+            centres.append(here)
+    return tuple(_cluster(group, centre) for group, centre in zip(members, centres, strict=True))
+
+
+def _cluster(group: Sequence[Detection], centre: np.ndarray) -> Cluster:
+    feature = np.mean([d.feature for d in group], axis=0)
+    length = np.linalg.norm(feature)
+    return Cluster(
+        position=centre,
+        feature=feature / length if length > 0 else feature,
+        track=np.array([d.point[[0, 2]] for d in group]),
+        views=np.array([d.view for d in group]),
+    )

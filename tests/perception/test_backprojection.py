@@ -1,0 +1,91 @@
+"""Places of masks in the world, on synthetic depth and on frames of the engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
+from ovman.sim import controller
+
+SIDE_PX, FIELD_OF_VIEW_DEG = 200, 90.0
+SLACK_M = 0.02
+
+
+@settings(derandomize=True, max_examples=100)
+@given(yaw=st.floats(0, 360), horizon=st.floats(-80, 80))
+def test_the_camera_looks_where_its_angles_say(yaw, horizon):
+    axes = Camera((0, 0, 0), yaw, horizon, 90.0).axes()
+    assert axes.T @ axes == pytest.approx(np.eye(3), abs=1e-12)
+    assert np.linalg.det(axes) == pytest.approx(1.0), "right, up, forward as the world's x, y, z"
+    right, up, forward = axes.T
+    assert right[1] == pytest.approx(0.0), "it does not roll"
+    assert forward[1] == pytest.approx(-math.sin(math.radians(horizon)))
+    assert up[1] >= 0
+
+
+def test_the_middle_of_the_picture_is_straight_ahead():
+    depth, mask = np.full((3, 3), 2.0), np.zeros((3, 3), bool)
+    mask[1, 1] = True
+    camera = Camera((1.0, 1.5, -1.0), 90.0, 0.0, 90.0)
+    assert world_points(depth, mask, camera) == pytest.approx(np.array([[3.0, 1.5, -1.0]]))
+
+
+def test_pixels_to_the_right_and_up():
+    camera = Camera((0.0, 0.0, 0.0), 0.0, 0.0, 90.0)
+    depth = np.full((2, 4), 1.0)
+    points = world_points(depth, np.ones((2, 4), bool), camera).reshape(2, 4, 3)
+    assert (np.diff(points[..., 0], axis=1) > 0).all() and (points[0, :, 1] > points[1, :, 1]).all()
+    assert points[0, :, 0] == pytest.approx([-1.5, -0.5, 0.5, 1.5]), "square pixels: twice as wide as high"
+
+
+def test_the_median_is_on_the_object_where_a_single_ray_misses_it():
+    depth = np.full((9, 9), 1.0)
+    depth[:, 5:] = 9.0  # a rim that the mask takes from what is far behind
+    depth[:, 4] = 5.0
+    mask = np.ones((9, 9), bool)
+    mask[:, 6:] = False
+    camera = Camera((0.0, 0.0, 0.0), 0.0, 0.0, 90.0)
+    points = world_points(depth, mask, camera)
+    median = median_point(depth, mask, camera)
+    assert (points.min(axis=0) <= median).all() and (median <= points.max(axis=0)).all()
+    assert median[2] == 1.0
+    assert single_ray_point(depth, mask, camera)[0] == pytest.approx((2.5 + 0.5 - 4.5) / 4.5)
+
+
+@pytest.mark.parametrize("place", [median_point, single_ray_point])
+def test_nothing_has_no_place(place):
+    with pytest.raises(ValueError, match="empty"):
+        place(np.ones((2, 2)), np.zeros((2, 2), bool), Camera((0, 0, 0), 0, 0, 90.0))
+
+
+@pytest.fixture(scope="module")
+def simulator() -> Iterator[Any]:
+    started = controller.start("embedded", "FloorPlan203", SIDE_PX, SIDE_PX, FIELD_OF_VIEW_DEG, 0.25, 90.0)
+    yield started
+    started.stop()
+
+
+@pytest.mark.parametrize(("yaw_deg", "horizon_deg"), [(0.0, 0.0), (90.0, 30.0), (200.0, 0.0), (285.0, 60.0)])
+def test_masks_of_a_frame_lie_in_the_boxes_of_their_objects(simulator, yaw_deg, horizon_deg):
+    agent = simulator.last_event.metadata["agent"]
+    event = simulator.step(
+        "TeleportFull", position=agent["position"], rotation={"x": 0, "y": yaw_deg, "z": 0}, horizon=horizon_deg, standing=True
+    )
+    at = event.metadata["cameraPosition"]
+    camera = Camera((at["x"], at["y"], at["z"]), yaw_deg, horizon_deg, FIELD_OF_VIEW_DEG)
+    boxes = {o["objectId"]: np.array(o["axisAlignedBoundingBox"]["cornerPoints"]) for o in event.metadata["objects"]}
+    seen = [name for name in event.instance_masks if name in boxes and event.instance_masks[name].sum() > 50]
+    assert seen
+    for name in seen:
+        low, high = boxes[name].min(axis=0) - SLACK_M, boxes[name].max(axis=0) + SLACK_M
+        points = world_points(event.depth_frame, event.instance_masks[name], camera)
+        assert ((points >= low) & (points <= high)).all(axis=1).mean() > 0.99, name
+        median = median_point(event.depth_frame, event.instance_masks[name], camera)
+        assert ((median >= low) & (median <= high)).all(), name
