@@ -22,7 +22,7 @@ from ovman.task import Relation, read_episodes, referents
 ROOT = Path(__file__).parent.parent
 DATA = ROOT / "data" / "ovman-embedded-v1"
 CONFIG = load(ROOT / "config.yaml")
-REGENERATED = "FloorPlan323"
+REGENERATED = "FloorPlan318"
 
 
 def constants(stage: str) -> StageConstants:

@@ -13,6 +13,9 @@ INSIDE = 0.5
 """Share of a part's box that lies inside its carrier's."""
 RESTS_M = 0.05
 """What lies this close to a surface, above or below, rests on it: recorded boxes are not exact."""
+RISES_M = 0.005
+"""What rests on a body has its underside this far above the body's, or half as far as the body is high: of two thin things beside
+each other, both have their undersides on the table."""
 STANDS_M = 0.01
 """What is this close to the floor stands on it."""
 PARTS = frozenset(["Cabinet", "Drawer", "Shelf"])
@@ -61,7 +64,8 @@ def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> 
     over = np.abs(low[:, None, 1] - piece_high[None, :, 1]) <= RESTS_M
     for axis in (0, 2):
         over &= (low[:, None, axis] < piece_high[None, :, axis]) & (high[:, None, axis] > piece_low[None, :, axis])
-    rests = over.any(axis=1) & (low[:, 1] > floor_y + STANDS_M)
+    foot, top = piece_low[:, 1].min(), piece_high[:, 1].max()
+    rests = over.any(axis=1) & (low[:, 1] > max(floor_y + STANDS_M, foot + min(RISES_M, (top - foot) / 2)))
     return {b.object_id for b, yes in zip(others, rests, strict=True) if yes}
 
 
