@@ -1,7 +1,7 @@
 """Conformance to AI2-THOR 5.0.0, driven through the unmodified Controller.
 
 A test names the lines of the contract that it stands for with `@pytest.mark.contract("4 MoveAhead")`: section, then item or
-action; lines.py has them all. The variable CONFORMANCE_SEED draws other scenes, poses and objects.
+action; lines.py has them all. CONFORMANCE_SEED draws other scenes, poses and objects, CONFORMANCE_SCENES more scenes a test.
 """
 
 from __future__ import annotations
@@ -39,17 +39,19 @@ BASE = {
     "agentMode": "default",
 }
 SEED = int(os.environ.get("CONFORMANCE_SEED", "0"))
+USUAL_SCENES = int(os.environ.get("CONFORMANCE_SCENES", "1"))
+"""Scenes that a test runs on if it does not say."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "contract(line, ...): lines of the engine's contract that a test stands for")
-    config.addinivalue_line("markers", "scenes(count): number of scenes that a test runs on, two if not given")
+    config.addinivalue_line("markers", "scenes(count): number of scenes that a test runs on")
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     if "scene" in metafunc.fixturenames:
         marker = metafunc.definition.get_closest_marker("scenes")
-        count = marker.args[0] if marker else 2
+        count = marker.args[0] if marker else USUAL_SCENES
         metafunc.parametrize("scene", random.Random(f"{SEED} {metafunc.function.__name__}").sample(SCENES, count))
 
 
