@@ -1,0 +1,140 @@
+"""Stage `detector`: trains the class-agnostic detector with ultralytics' own trainer, from random weights."""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Sequence
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+from ovman.perception.detector import Detector
+from ovman.perception.overlap import Found, found, intersection_over_union
+from ovman.training.recorded import read, recorded
+
+CHUNK = 16
+"""Pictures that are shown to the detector at a time."""
+WARM_UP_EPOCHS = 0.25
+FINAL_RATE = 0.01
+"""Learning rate at the end as a share of the peak."""
+AUGMENTATION = {
+    "hsv_h": 0.03,
+    "hsv_s": 0.5,
+    "hsv_v": 0.4,
+    "degrees": 0.0,
+    "translate": 0.1,
+    "scale": 0.4,
+    "fliplr": 0.5,
+    "mosaic": 0.5,
+    "close_mosaic": 1,
+    "erasing": 0.0,
+}
+"""By ultralytics' names."""
+
+
+def judged(detector: Detector, folders: Sequence[Path], least_px: int, every: int = 1) -> Found:
+    """Recall and precision of a detector on recorded pictures: masks of at least `least_px`, IoU at least 0.5."""
+    chosen = recorded(folders, every)
+    total = Found()
+    for start in range(0, len(chosen), CHUNK):
+        pictures = list(read(chosen[start : start + CHUNK]))
+        for picture, seen in zip(pictures, detector.detect([p.rgb for p in pictures]), strict=True):
+            large = seen.masks[seen.masks.sum(axis=(1, 2)) >= least_px]
+            iou, sizes = intersection_over_union(large, picture.ids, len(picture.objects))
+            total += found(iou, sizes, least_px)
+    return total
+
+
+def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: Path, weights: Path, curve: Path) -> None:
+    """Trains on the recorded scenes `taught`. Writes weights (.safetensors, half precision) and the curve (JSON lines)."""
+    import torch
+    import ultralytics
+    from safetensors.torch import save_file
+    from ultralytics.models.yolo.segment import SegmentationTrainer
+
+    torch.set_num_threads(1)
+    ultralytics.settings.update({"sync": False})
+    settings = constants.training.detector
+    perception = constants.perception
+    work.mkdir(parents=True, exist_ok=True)
+    data = work / "data.yaml"
+    lists = {"train": taught, "val": held_out}
+    for name, folders in lists.items():
+        (work / f"{name}.txt").write_text("".join(f"{one.image.resolve()}\n" for one in recorded(folders)))
+    data.write_text(f"path: {work.resolve()}\ntrain: train.txt\nval: val.txt\nnames:\n  0: object\n")
+    trainer = SegmentationTrainer(
+        overrides={
+            "model": f"{perception.detector.architecture}.yaml",
+            "pretrained": False,
+            "data": str(data),
+            "imgsz": perception.detector.side_px,
+            "epochs": settings.epochs,
+            "batch": settings.batch,
+            "nbs": settings.batch,
+            "workers": 0,
+            "cache": "ram",
+            "device": "cuda" if torch.cuda.is_available() else "cpu",
+            "amp": "bf16",
+            "optimizer": "AdamW",
+            "lr0": settings.rate,
+            "lrf": FINAL_RATE,
+            "warmup_epochs": WARM_UP_EPOCHS,
+            "warmup_bias_lr": 0.0,
+            "weight_decay": settings.weight_decay,
+            "seed": constants.training.seed,
+            "deterministic": True,
+            "single_cls": True,
+            "val": False,
+            "plots": False,
+            "project": str(work.resolve()),
+            "name": "ultralytics",
+            "exist_ok": True,
+            **AUGMENTATION,
+        }
+    )
+    watch = _Watch(held_out, constants, curve)
+    trainer.add_callback("on_train_batch_start", watch.rate)
+    trainer.add_callback("on_train_batch_end", watch.look)
+    trainer.train()
+    state = {name: value.half().contiguous() for name, value in trainer.ema.ema.state_dict().items()}
+    save_file(state, weights)
+    watch.look(trainer, last=True)
+
+
+class _Watch:
+    """The learning rate of every step, and looks at the held-out scenes between them."""
+
+    def __init__(self, held_out: Sequence[Path], constants: Any, curve: Path) -> None:
+        self._held_out, self._constants, self._curve = held_out, constants, curve
+        self._step, self._began = 0, time.monotonic()
+        curve.write_text("")
+
+    def rate(self, trainer: Any) -> None:
+        """A cosine over all steps: the trainer's own schedule would stand still for an epoch, of which there are few."""
+        whole = trainer.epochs * len(trainer.train_loader)
+        cosine = 0.5 * (1 + math.cos(math.pi * min(self._step / whole, 1.0)))
+        for group in trainer.optimizer.param_groups:
+            group["lr"] = self._constants.training.detector.rate * (FINAL_RATE + (1 - FINAL_RATE) * cosine)
+
+    def look(self, trainer: Any, last: bool = False) -> None:
+        self._step += not last
+        settings = self._constants.training.detector
+        if not last and self._step % settings.look_every:
+            return
+        perception = self._constants.perception.detector
+        detector = Detector(deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
+        total = judged(detector, self._held_out, perception.minimum_mask_px, 1 if last else settings.look_at_one_in)
+        losses = {} if trainer.tloss is None else {name: round(float(value), 4) for name, value in trainer.tloss.items()}
+        record = {
+            "step": self._step,
+            "minutes": round((time.monotonic() - self._began) / 60, 1),
+            "loss": losses,
+            "recall": round(total.recall, 4),
+            "precision": round(total.precision, 4),
+        }
+        line = json.dumps(record)
+        with self._curve.open("a", encoding="utf-8") as file:
+            file.write(line + "\n")
+        print(line, flush=True)

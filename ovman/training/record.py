@@ -1,0 +1,53 @@
+"""Stage `pictures`: a scene's pictures as files that the trainings read.
+
+`{scene}/images/0000.png`, `{scene}/labels/0000.txt` (outlines, as ultralytics reads them), `{scene}/ids/0000.png` (16 bit; 0 is
+nothing, k the k-th object of this picture) and `{scene}/objects.jsonl` (one line a picture).
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ovman.seeds import generator
+from ovman.sim import controller
+from ovman.training.outlines import labels
+from ovman.training.pictures import pictures
+
+
+def run(scene: str, constants: Any, output: Path) -> None:
+    """Records training.views pictures of a scene into the directory `output`."""
+    camera = constants.camera
+    simulator = controller.start(
+        constants.benchmark.backend,
+        scene,
+        camera.width_px,
+        camera.height_px,
+        camera.field_of_view_deg,
+        constants.primitives.step_m,
+        constants.primitives.turn_deg,
+    )
+    for kind in ("images", "labels", "ids"):
+        (output / kind).mkdir(parents=True, exist_ok=True)
+    try:
+        rng = generator(constants.training.seed, "pictures", scene)
+        with (output / "objects.jsonl").open("w", encoding="utf-8") as objects:
+            for number, picture in enumerate(pictures(simulator, scene, constants.training.views, rng)):
+                name = f"{number:04d}"
+                _write(output / "images" / f"{name}.png", picture.rgb[..., ::-1])
+                _write(output / "ids" / f"{name}.png", (picture.ids + 1).astype(np.uint16))
+                (output / "labels" / f"{name}.txt").write_text("".join(f"{line}\n" for line in labels(picture.ids)))
+                objects.write(json.dumps([asdict(shown) for shown in picture.objects], separators=(",", ":")) + "\n")
+    finally:
+        simulator.stop()
+    print(f"{scene}: {number + 1} pictures", flush=True)
+
+
+def _write(path: Path, image: np.ndarray) -> None:
+    if not cv2.imwrite(str(path), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+        raise OSError(f"{path}: could not be written; is the disk full?")

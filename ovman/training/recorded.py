@@ -1,0 +1,45 @@
+"""Recorded pictures of many scenes, read again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ovman.training.pictures import Picture, Shown
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """One picture on disk: where its image is, and its place in the scene's list of objects."""
+
+    folder: Path
+    number: int
+
+    @property
+    def image(self) -> Path:
+        return self.folder / "images" / f"{self.number:04d}.png"
+
+
+def recorded(folders: Sequence[Path], every: int = 1) -> list[Recorded]:
+    """All pictures of the folders that `record` wrote, one in `every` of each."""
+    return [
+        Recorded(folder, number) for folder in folders for number in range(0, len(list((folder / "images").glob("*.png"))), every)
+    ]
+
+
+def read(pictures: Sequence[Recorded]) -> Iterator[Picture]:
+    """The pictures themselves, in their order."""
+    objects: dict[Path, list[str]] = {}
+    for one in pictures:
+        if one.folder not in objects:
+            objects = {one.folder: (one.folder / "objects.jsonl").read_text(encoding="utf-8").splitlines()}
+        shown = tuple(
+            Shown(o["type"], o["asset"], tuple(o["size_m"])) for o in json.loads(objects[one.folder][one.number])
+        )
+        ids = cv2.imread(str(one.folder / "ids" / one.image.name), cv2.IMREAD_UNCHANGED)
+        yield Picture(cv2.imread(str(one.image))[..., ::-1], ids.astype(np.int16) - 1, shown)
