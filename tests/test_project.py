@@ -118,6 +118,13 @@ def test_no_file_names_a_place_of_one_machine() -> None:
     assert found == []
 
 
+def test_all_that_the_snakefile_imports_is_known_to_start_fast() -> None:
+    (contract,) = (c for c in PROJECT["tool"]["importlinter"]["contracts"] if "Snakefile" in c["name"])
+    files = [ROOT / "Snakefile", *(ROOT / "workflow" / "rules").iterdir()]
+    imported = {name for path in files for name in re.findall(r"^from (ovman\S*) import", path.read_text(), re.MULTILINE)}
+    assert imported and imported <= set(contract["source_modules"])
+
+
 def test_arrows_of_the_design() -> None:
     from importlinter.cli import EXIT_STATUS_SUCCESS, lint_imports
 
