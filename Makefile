@@ -69,7 +69,7 @@ $(READY): requirements.lock pyproject.toml
 		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
 		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
-	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; about a minute, 1.2 GB)"
+	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; two to four minutes, 6.6 GB, most of it PyTorch with its CUDA libraries)"
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
