@@ -87,7 +87,7 @@ def test_predictions_judgements_rates_and_tables_follow_from_the_released_record
     for name in ("static_rates.csv", "embodied_rates.csv"):
         assert (tmp_path / name).read_bytes() == (DATA / "metrics" / name).read_bytes()
     rates = [tmp_path / "static_rates.csv", tmp_path / "embodied_rates.csv", DATA / "metrics" / "rejections.csv"]
-    tables.run(*rates, constants("tables"), tmp_path / "tables")
+    tables.run(rates, constants("tables"), tmp_path / "tables")
     for path in sorted((DATA / "tables").iterdir()):
         assert (tmp_path / "tables" / path.name).read_bytes() == path.read_bytes(), path.name
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,31 +14,36 @@ from ovman.report.rates import embodied_table, static_table
 from ovman.report.rejections import rejections_table
 from ovman.report.table import Table, csv_text
 
+# What the csv reader gives.
+Rows = Sequence[Mapping[str, str]]
 
-def run(static_rates: Path, embodied_rates: Path, rejections: Path, constants: Any, output_dir: Path) -> None:
-    """Writes constants, static, embodied and rejections into output_dir, which is made if need be. Byte-stable.
+# From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
+TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
+    "static_rates": lambda rows, constants: static_table(rows, constants.success.radius_m, constants.evaluation.confidence),
+    "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence),
+    "rejections": lambda rows, constants: rejections_table(rows),
+}
 
-    static_rates, embodied_rates: what the stage "metrics" wrote; rejections: the audit of the stage "episodes".
-    constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
-    Raises ValueError in one line for a file whose rows contradict themselves, naming the file.
+
+def run(metrics: Sequence[Path], constants: Any, output_dir: Path) -> None:
+    """Writes the table of each file of metrics, and that of the constants, into output_dir, which is made if need be. Byte-stable.
+
+    metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
+    Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    confidence = constants.evaluation.confidence
-    tables = [
-        constants_table(constants),
-        _named(static_rates, lambda rows: static_table(rows, constants.success.radius_m, confidence)),
-        _named(embodied_rates, lambda rows: embodied_table(rows, confidence)),
-        _named(rejections, rejections_table),
-    ]
+    tables = [constants_table(constants), *(_table(path, constants) for path in metrics)]
     output_dir.mkdir(parents=True, exist_ok=True)
     for table in tables:
         for suffix, render in ((".csv", csv_text), (".md", markdown), (".tex", latex)):
             (output_dir / f"{table.name}{suffix}").write_text(render(table), encoding="utf-8", newline="\n")
 
 
-def _named(path: Path, table_of: Any) -> Table:
+def _table(path: Path, constants: Any) -> Table:
+    if path.stem not in TABLES:
+        raise ValueError(f"{path}: no table shows it; those that are shown are {', '.join(TABLES)}")
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     try:
-        return table_of(rows)
+        return TABLES[path.stem](rows, constants)
     except (ValueError, KeyError) as error:
         raise ValueError(f"{path}: {error.args[0]}") from None

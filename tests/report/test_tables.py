@@ -88,7 +88,7 @@ def read(path):
 
 def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_path):
     for where in ("one", "other"):
-        tables.run(*metrics, constants, tmp_path / where)
+        tables.run(metrics, constants, tmp_path / where)
     names = {
         f"{table}.{suffix}" for table in ("constants", "static", "embodied", "rejections") for suffix in ("csv", "md", "tex")
     }
@@ -97,7 +97,7 @@ def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_
 
 
 def test_the_static_table_on_a_page(metrics, constants, tmp_path):
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
     caption, table = page.split("\n\n")
     assert " ".join(caption.split()).startswith(
@@ -118,7 +118,7 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
 
 
 def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tmp_path):
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     single, two = read(tmp_path / "tables" / "static.csv")
     design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n"]
     assert [key for key in single if not key.endswith(("_low", "_high")) and key != "interval"] == design
@@ -131,7 +131,7 @@ def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tm
 
 
 def test_the_embodied_csv(metrics, constants, tmp_path):
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     (row,) = read(tmp_path / "tables" / "embodied.csv")
     assert [row[key] for key in ("agent", "sr", "spl", "n", "seeds")] == ["oracle check", "0.833", "0.750", "12", "3"]
     assert float(row["sr_low"]) < 0.833 < float(row["sr_high"])
@@ -140,7 +140,7 @@ def test_the_embodied_csv(metrics, constants, tmp_path):
 def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if not line.startswith("positions_single_visit")))
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     assert [row["memory"] for row in read(tmp_path / "tables" / "static.csv")] == ["two visits"]
     assert "†" not in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
@@ -148,7 +148,7 @@ def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
 def test_a_relation_without_episodes_is_empty_not_zero(metrics, constants, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     assert all(row["stable"] == row["stable_low"] == "" for row in read(tmp_path / "tables" / "static.csv"))
     assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
@@ -156,11 +156,11 @@ def test_a_relation_without_episodes_is_empty_not_zero(metrics, constants, tmp_p
 def test_an_arm_in_the_wrong_table_is_refused(metrics, constants, tmp_path):
     metrics[1].write_text(metrics[1].read_text().replace("oracle_check", "positions_two_visits"))
     with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is no embodied arm"):
-        tables.run(*metrics, constants, tmp_path / "tables")
+        tables.run(metrics, constants, tmp_path / "tables")
 
 
 def test_the_audit_adds_up(metrics, constants, tmp_path):
-    tables.run(*metrics, constants, tmp_path / "tables")
+    tables.run(metrics, constants, tmp_path / "tables")
     assert (tmp_path / "tables" / "rejections.md").read_text(encoding="utf-8") == REJECTIONS_MD
     rows = read(tmp_path / "tables" / "rejections.csv")
     drawn, *rejected, certified, released = rows
