@@ -141,6 +141,80 @@ class Association(_Section):
     track_spread_m: Annotated[float, Field(ge=0)] = Field(description="metres, tau_trk")
 
 
+class DetectorNetwork(_Section):
+    """The class-agnostic detector."""
+
+    architecture: str = Field(min_length=1, description="segmentation network by ultralytics' name")
+    weights: str = Field(min_length=1, description="file of weights, or ultralytics' name of released ones")
+    side_px: Annotated[Whole, Field(ge=32, le=4096, multiple_of=32)] = Field(
+        description="pixels, side that pictures are scaled to"
+    )
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
+    minimum_mask_px: Some = Field(description="pixels, smallest mask that is kept")
+
+
+class EncoderNetwork(_Section):
+    """The image and text towers."""
+
+    model: str = Field(min_length=1, description="open_clip's name of a model, or the file of its configuration (.json)")
+    weights: str = Field(min_length=1, description="file of weights, or open_clip's tag of released ones")
+    crop_padding: Annotated[float, Field(ge=0)] = Field(description="share of a mask's longer side that is added around it")
+
+
+class Perception(_Section):
+    """From pictures to detections."""
+
+    device: Literal["cpu", "cuda"] = Field(description="where the networks run")
+    trust_pickles: bool = Field(description="whether weights may be loaded that can run code of whoever made them (.pt)")
+    detector: DetectorNetwork
+    encoder: EncoderNetwork
+
+
+class Maps(_Section):
+    """From detections to a visit's map."""
+
+    cluster_radius_m: Metres = Field(description="metres, epsilon")
+
+
+class Grounding(_Section):
+    """Which map objects a noun means."""
+
+    band: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+
+
+class DetectorTraining(_Section):
+    """How the detector of the default configuration is made."""
+
+    epochs: Some = Field(description="passes over all pictures")
+    batch: Some = Field(description="pictures a step")
+    rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
+    look_every: Some = Field(description="steps between two looks at the held-out scenes")
+    look_at_one_in: Some = Field(description="one in so many held-out pictures is looked at meanwhile")
+
+
+class EncoderTraining(_Section):
+    """How the encoder of the default configuration is made."""
+
+    steps: Some = Field(description="steps on the crops of true masks")
+    further_steps: Some = Field(description="steps on the crops of true and of detected masks after that")
+    batch: Some = Field(description="crops a step")
+    rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further steps")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
+    look_every: Some = Field(description="steps between two looks at the held-out scenes")
+
+
+class Training(_Section):
+    """How the networks of the default configuration are made; no part of the main job."""
+
+    seed: Count = Field(description="root of every random number of the trainings")
+    views: Some = Field(description="pictures of a floor plan that is learned from")
+    held_out_views: Some = Field(description="pictures of a floor plan that is held out")
+    detector: DetectorTraining
+    encoder: EncoderTraining
+
+
 class SingleVisit(_Section):
     """The single-visit baseline."""
 
@@ -175,6 +249,10 @@ class Config(_Section):
     measurement: Measurement
     admissibility: Admissibility
     success: Success
+    perception: Perception
+    maps: Maps
+    grounding: Grounding
     association: Association
     single_visit: SingleVisit
     evaluation: Evaluation
+    training: Training

@@ -51,8 +51,8 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
     """Trains on the recorded scenes `taught`. Writes weights (.safetensors, half precision) and the curve (JSON lines)."""
     import torch
     import ultralytics
-    from safetensors.torch import save_file
-    from ultralytics.models.yolo.segment import SegmentationTrainer
+
+    from ovman.training.half import HalfTrainer
 
     torch.set_num_threads(1)
     ultralytics.settings.update({"sync": False})
@@ -64,7 +64,7 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
     for name, folders in lists.items():
         (work / f"{name}.txt").write_text("".join(f"{one.image.resolve()}\n" for one in recorded(folders)))
     data.write_text(f"path: {work.resolve()}\ntrain: train.txt\nval: val.txt\nnames:\n  0: object\n")
-    trainer = SegmentationTrainer(
+    trainer = HalfTrainer(
         overrides={
             "model": f"{perception.detector.architecture}.yaml",
             "pretrained": False,
@@ -76,7 +76,7 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
             "workers": 0,
             "cache": "ram",
             "device": "cuda" if torch.cuda.is_available() else "cpu",
-            "amp": "bf16",
+            "amp": False,
             "optimizer": "AdamW",
             "lr0": settings.rate,
             "lrf": FINAL_RATE,
@@ -94,20 +94,18 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
             **AUGMENTATION,
         }
     )
-    watch = _Watch(held_out, constants, curve)
+    watch = _Watch(held_out, constants, weights, curve)
     trainer.add_callback("on_train_batch_start", watch.rate)
     trainer.add_callback("on_train_batch_end", watch.look)
     trainer.train()
-    state = {name: value.half().contiguous() for name, value in trainer.ema.ema.state_dict().items()}
-    save_file(state, weights)
     watch.look(trainer, last=True)
 
 
 class _Watch:
     """The learning rate of every step, and looks at the held-out scenes between them."""
 
-    def __init__(self, held_out: Sequence[Path], constants: Any, curve: Path) -> None:
-        self._held_out, self._constants, self._curve = held_out, constants, curve
+    def __init__(self, held_out: Sequence[Path], constants: Any, weights: Path, curve: Path) -> None:
+        self._held_out, self._constants, self._weights, self._curve = held_out, constants, weights, curve
         self._step, self._began = 0, time.monotonic()
         curve.write_text("")
 
@@ -119,10 +117,15 @@ class _Watch:
             group["lr"] = self._constants.training.detector.rate * (FINAL_RATE + (1 - FINAL_RATE) * cosine)
 
     def look(self, trainer: Any, last: bool = False) -> None:
+        """Writes the weights and how good they are, every so many steps: a training that is broken off leaves something."""
+        from safetensors.torch import save_file
+
         self._step += not last
         settings = self._constants.training.detector
         if not last and self._step % settings.look_every:
             return
+        state = {name: value.half().contiguous() for name, value in trainer.ema.ema.state_dict().items()}
+        save_file(state, self._weights)
         perception = self._constants.perception.detector
         detector = Detector(deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
         total = judged(detector, self._held_out, perception.minimum_mask_px, 1 if last else settings.look_at_one_in)

@@ -12,7 +12,7 @@ SPECK_PX = 20
 
 
 def outline(mask: np.ndarray) -> np.ndarray | None:
-    """One closed polygon (N, 2) in pixels around all pieces of a mask (H, W) bool, joined by seams of no width; None if it is a speck."""
+    """One closed polygon (N, 2) in pixels around all pieces of a mask (H, W) bool, joined by seams; None for a speck."""
     pieces = [
         c[:, 0].astype(float)
         for c in cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)[0]

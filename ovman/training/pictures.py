@@ -1,4 +1,4 @@
-"""Pictures to learn from: a scene seen from many places and heights, its finishes, lights and clutter drawn anew every few views."""
+"""Pictures to learn from: a scene seen from many places and heights, its finishes, lights and clutter drawn anew now and then."""
 
 from __future__ import annotations
 
@@ -28,10 +28,11 @@ UNSEEN = frozenset(["Floor"])
 
 @dataclass(frozen=True, slots=True)
 class Shown:
-    """An object in a picture: its type and asset, and the size (3,) of its box in metres along x, y and z."""
+    """An object in a picture: type, asset and materials by AI2-THOR's names, and the size of its box along x, y and z, metres."""
 
     type: str
     asset: str
+    materials: tuple[str, ...]
     size_m: tuple[float, float, float]
 
 
@@ -107,5 +108,6 @@ def picture_of(event: Any) -> Picture:
         if found is not None:
             table[i] = len(objects)
             size = found["axisAlignedBoundingBox"]["size"]
-            objects.append(Shown(found["objectType"], found["assetId"], (size["x"], size["y"], size["z"])))
+            materials = tuple(found["salientMaterials"] or ())
+            objects.append(Shown(found["objectType"], found["assetId"], materials, (size["x"], size["y"], size["z"])))
     return Picture(event.frame.copy(), table[inverse].reshape(code.shape), tuple(objects))

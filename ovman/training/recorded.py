@@ -38,8 +38,7 @@ def read(pictures: Sequence[Recorded]) -> Iterator[Picture]:
     for one in pictures:
         if one.folder not in objects:
             objects = {one.folder: (one.folder / "objects.jsonl").read_text(encoding="utf-8").splitlines()}
-        shown = tuple(
-            Shown(o["type"], o["asset"], tuple(o["size_m"])) for o in json.loads(objects[one.folder][one.number])
-        )
+        lines = json.loads(objects[one.folder][one.number])
+        shown = tuple(Shown(o["type"], o["asset"], tuple(o["materials"]), tuple(o["size_m"])) for o in lines)
         ids = cv2.imread(str(one.folder / "ids" / one.image.name), cv2.IMREAD_UNCHANGED)
         yield Picture(cv2.imread(str(one.image))[..., ::-1], ids.astype(np.int16) - 1, shown)

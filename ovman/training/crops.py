@@ -1,0 +1,104 @@
+"""What the encoder learns from: the crops of recorded pictures, around true masks and around those that the detector finds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ovman.perception.crop import crop
+from ovman.perception.overlap import intersection_over_union
+from ovman.training.pictures import Picture
+from ovman.training.recorded import read, recorded
+
+LEAST_PX = 150
+"""Smallest true mask that is learned from; the agent encodes larger ones alone."""
+LEAST_IOU = 0.5
+"""A detected mask shows the instance that it overlaps by at least this."""
+CHUNK = 16
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Crops:
+    """N crops. images: (N, S, S, 3) uint8; types, materials ("Wood|Metal"): (N,) by AI2-THOR's names; colours: (N, 3) mean of the
+    mask's pixels, 0 to 255; sizes_m: (N, 3) of the instances' boxes; pixels: (N,) of the masks; scenes: (N,)."""
+
+    images: np.ndarray
+    types: np.ndarray
+    materials: np.ndarray
+    colours: np.ndarray
+    sizes_m: np.ndarray
+    pixels: np.ndarray
+    scenes: np.ndarray
+
+    @staticmethod
+    def joined(parts: Sequence[Crops]) -> Crops:
+        """One after the other."""
+        return Crops(*(np.concatenate([getattr(part, name) for part in parts]) for name in Crops.__slots__))
+
+    @staticmethod
+    def read(path: Path) -> Crops:
+        """From a file of `write`."""
+        with np.load(path) as arrays:
+            return Crops(*(arrays[name] for name in Crops.__slots__))
+
+    def write(self, path: Path) -> None:
+        """As an .npz file."""
+        with path.open("wb") as file:
+            np.savez(file, **{name: getattr(self, name) for name in Crops.__slots__})
+
+
+def true_crops(folder: Path, padding: float, side_px: int) -> Crops:
+    """Around the true masks of a recorded scene."""
+    return _crops(folder.name, _true(folder), padding, side_px)
+
+
+def detected_crops(folder: Path, detector: Any, least_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
+    """Around the masks that a detector finds in one in `every` pictures, as far as they show an instance."""
+    return _crops(folder.name, _detected(folder, detector, least_px, every), padding, side_px)
+
+
+def _true(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:
+    for picture in read(recorded([folder])):
+        sizes = np.bincount(picture.ids[picture.ids >= 0], minlength=len(picture.objects))
+        for number in np.flatnonzero(sizes >= LEAST_PX).tolist():
+            yield picture, picture.ids == number, number
+
+
+def _detected(folder: Path, detector: Any, least_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
+    chosen = recorded([folder], every)
+    for start in range(0, len(chosen), CHUNK):
+        pictures = list(read(chosen[start : start + CHUNK]))
+        for picture, seen in zip(pictures, detector.detect([p.rgb for p in pictures]), strict=True):
+            masks = seen.masks[seen.masks.sum(axis=(1, 2)) >= least_px]
+            overlaps, _ = intersection_over_union(masks, picture.ids, len(picture.objects))
+            for mask, row in zip(masks, overlaps, strict=True):
+                if row.max(initial=0.0) >= LEAST_IOU:
+                    yield picture, mask, int(row.argmax())
+
+
+def _crops(scene: str, shown: Iterator[tuple[Picture, np.ndarray, int]], padding: float, side_px: int) -> Crops:
+    cv2.setNumThreads(1)
+    rows = []
+    for picture, mask, number in shown:
+        thing = picture.objects[number]
+        rows.append(
+            (
+                crop(picture.rgb, mask, padding, side_px),
+                thing.type,
+                "|".join(thing.materials),
+                picture.rgb[mask].mean(axis=0),
+                thing.size_m,
+                int(mask.sum()),
+                scene,
+            )
+        )
+    if not rows:
+        empty = np.zeros(0, "<U1")
+        images = np.zeros((0, side_px, side_px, 3), np.uint8)
+        return Crops(images, empty, empty, np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.int64), empty)
+    return Crops(*(np.array(column) for column in zip(*rows, strict=True)))

@@ -1,0 +1,221 @@
+"""Stage `encoder`: trains the small image and text towers on crops with captions, from random weights or from what there is.
+
+Every noun that is right for a crop is a target, and every crop that a noun is right for; a part of the batch also learns which
+attribute ("a blue chair") is right.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from ovman.language.vocabulary import SYNONYMS, nouns
+from ovman.training.augmentation import augmented
+from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
+from ovman.training.crops import Crops
+
+MODEL: Mapping[str, Any] = {
+    "embed_dim": 128,
+    "vision_cfg": {"image_size": 64, "layers": [2, 2, 2, 2], "width": 24, "patch_size": None},
+    "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 2, "layers": 3},
+}
+"""open_clip's words: an image tower for crops of 64 px and a small text tower, 7.2 M parameters."""
+WARM_STEPS, BETAS, CLIPPED, MEMORY = 200, (0.9, 0.98), 1.0, 0.998
+"""MEMORY: of the moving average of the weights, which is what is kept."""
+REVERSE, ATTRIBUTE, ATTRIBUTED = 0.3, 0.3, 96
+"""Weights of the two lesser losses, and on how many crops of a batch the second is computed."""
+SMALL_PX, SMALL_SHARE = 600, 0.3
+"""Crops of masks below SMALL_PX are drawn less often, down to this share."""
+CHUNK = 512
+MEAN, DEVIATION = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)
+"""Of the pictures that CLIP was trained on, which open_clip's towers expect (open_clip.constants)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ranks:
+    """Retrieval among the categories that a scene has: how often the right one is first, or among the first five."""
+
+    top_1: float
+    top_5: float
+    synonyms_top_1: float
+    """The same with another noun of the right category in place of its own."""
+
+
+class Lessons:
+    """Crops, what is right for each, and the tokens of all captions."""
+
+    def __init__(self, crops: Crops, categories: Sequence[str]) -> None:
+        from open_clip.tokenizer import SimpleTokenizer
+
+        tokenise = SimpleTokenizer(context_length=MODEL["text_cfg"]["context_length"])
+        number = {category: k for k, category in enumerate(categories)}
+        self.images = torch.from_numpy(crops.images)
+        self.labels = torch.tensor([number[category] for category in crops.types.tolist()])
+        words = attributes(crops.types, crops.materials, crops.colours, crops.sizes_m)
+        self.words = torch.from_numpy(words)
+        names, right = vocabulary(categories)
+        self.nouns, self.right = names, torch.from_numpy(right)
+        self.plain = torch.stack([tokenise([template.format(name) for name in names]) for template in TEMPLATES])
+        self.attributed = torch.stack([tokenise([f"a {word} {name}" for name in names]) for word in WORDS])
+        counts = np.bincount(self.labels.numpy(), minlength=len(categories))
+        small = np.clip(crops.pixels / SMALL_PX, SMALL_SHARE, 1.0)
+        self.chance = torch.from_numpy(small / np.sqrt(counts[self.labels.numpy()])).double()
+
+
+def build() -> Any:
+    """The towers with random weights."""
+    from open_clip.model import CLIP
+
+    return CLIP(MODEL["embed_dim"], dict(MODEL["vision_cfg"]), dict(MODEL["text_cfg"]))
+
+
+def prepared(images: torch.Tensor) -> torch.Tensor:
+    """Images (B, 3, S, S) in 0 to 1 as the image tower wants them."""
+    mean, deviation = (torch.tensor(v, device=images.device).view(1, 3, 1, 1) for v in (MEAN, DEVIATION))
+    return ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
+
+
+def run(
+    taught: Sequence[Path], held_out: Mapping[str, Sequence[Path]], constants: Any, start: Path | None, weights: Path, curve: Path
+) -> None:
+    """Trains on the crops of the files `taught`, from the weights `start` if they are given.
+
+    held_out: files of crops by what they show, e.g. "true" and "detected"; looked at, never learned from. Writes weights
+    (.safetensors, half precision) and the curve (JSON lines).
+    """
+    from safetensors.torch import load_file, save_file
+
+    torch.set_num_threads(1)
+    settings, seed = constants.training.encoder, constants.training.seed
+    steps, peak = (settings.steps, settings.rate) if start is None else (settings.further_steps, settings.further_rate)
+    torch.manual_seed(seed)
+    generator = torch.Generator().manual_seed(seed)
+    crops = Crops.joined([Crops.read(path) for path in taught])
+    shown = {name: [Crops.read(path) for path in files] for name, files in held_out.items()}
+    categories = sorted(
+        {*SYNONYMS, *crops.types.tolist(), *(t for parts in shown.values() for c in parts for t in c.types.tolist())}
+    )
+    lessons = Lessons(crops, categories)
+    model = build()
+    if start is not None:
+        model.load_state_dict({name: value.float() for name, value in load_file(start).items()}, strict=False)
+    model.visual.to(memory_format=torch.channels_last)
+    average = {name: value.detach().clone().float() for name, value in model.state_dict().items()}
+    optimiser = _optimiser(model, peak, settings.weight_decay)
+    parameters = sum(p.numel() for p in model.parameters())
+    print(f"{len(crops.types)} crops, {len(lessons.nouns)} nouns, {parameters / 1e6:.2f} M parameters", flush=True)
+    curve.write_text("")
+    began = time.monotonic()
+    for step in range(1, steps + 1):
+        for group in optimiser.param_groups:
+            group["lr"] = peak * min(1.0, step / WARM_STEPS) * 0.5 * (1 + math.cos(math.pi * step / steps))
+        batch = torch.multinomial(lessons.chance, settings.batch, replacement=True, generator=generator)
+        optimiser.zero_grad(set_to_none=True)
+        loss = _loss(model, lessons, batch, generator)
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(model.parameters(), CLIPPED)
+        optimiser.step()
+        keep = min(MEMORY, step / (step + 10))
+        with torch.no_grad():
+            for name, value in model.state_dict().items():
+                average[name].lerp_(value.float(), 1 - keep)
+        if step % settings.look_every == 0 or step == steps:
+            kept = build()
+            kept.load_state_dict({name: value.to(kept.state_dict()[name].dtype) for name, value in average.items()})
+            save_file({k: v.half().contiguous() for k, v in kept.state_dict().items() if k != "attn_mask"}, weights)
+            looks = {name: ranks(kept, parts) for name, parts in shown.items()}
+            record = {
+                "step": step,
+                "minutes": round((time.monotonic() - began) / 60, 1),
+                "loss": round(loss.item(), 4),
+                **{
+                    name: {"top1": round(r.top_1, 4), "top5": round(r.top_5, 4), "synonyms_top1": round(r.synonyms_top_1, 4)}
+                    for name, r in looks.items()
+                },
+            }
+            line = json.dumps(record)
+            with curve.open("a", encoding="utf-8") as file:
+                file.write(line + "\n")
+            print(line, flush=True)
+
+
+def _optimiser(model: Any, peak: float, weight_decay: float) -> torch.optim.Optimizer:
+    decayed = [p for p in model.parameters() if p.ndim >= 2]
+    plain = [p for p in model.parameters() if p.ndim < 2]
+    groups = [{"params": decayed, "weight_decay": weight_decay}, {"params": plain, "weight_decay": 0.0}]
+    return torch.optim.AdamW(groups, lr=peak, betas=BETAS)
+
+
+def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
+    images = augmented(lessons.images[batch].permute(0, 3, 1, 2).float() / 255, generator)
+    labels = lessons.labels[batch]
+    with torch.autocast("cpu", torch.bfloat16):
+        seen = model.encode_image(prepared(images))
+    seen = F.normalize(seen.float(), dim=-1)
+    scale = model.logit_scale.exp().clamp(max=100)
+    template = torch.randint(len(TEMPLATES), (len(lessons.nouns),), generator=generator)
+    said = F.normalize(model.encode_text(lessons.plain[template, torch.arange(len(lessons.nouns))]), dim=-1)
+    logits = scale * seen @ said.T
+    right = lessons.right[:, labels].T.float()
+    loss = -(right / right.sum(1, keepdim=True) * logits.log_softmax(1)).sum(1).mean()
+    there = right.sum(0) > 0
+    loss = loss - REVERSE * (right[:, there] / right[:, there].sum(0) * logits[:, there].log_softmax(0)).sum(0).mean()
+    few = slice(0, ATTRIBUTED)
+    words = lessons.words[batch[few]]
+    word = torch.multinomial(words.float(), 1, generator=generator)[:, 0]
+    noun = torch.multinomial(right[few], 1, generator=generator)[:, 0]
+    said = F.normalize(model.encode_text(lessons.attributed[word, noun]), dim=-1)
+    true = (lessons.right[noun][:, labels[few]].T & words[:, word]).float()
+    own = (scale * seen[few] @ said.T).log_softmax(1)
+    return loss - ATTRIBUTE * (true / true.sum(1, keepdim=True) * own).sum(1).mean()
+
+
+@torch.no_grad()
+def ranks(model: Any, scenes: Sequence[Crops]) -> Ranks:
+    """Retrieval of the right category among all that a scene's crops have, over the crops of all scenes.
+
+    A synonym that several categories share is right for each of them.
+    """
+    from open_clip.tokenizer import SimpleTokenizer
+
+    model.eval()
+    tokenise = SimpleTokenizer(context_length=MODEL["text_cfg"]["context_length"])
+    first = fifth = total = 0
+    synonym_first = synonym_total = 0.0
+    for crops in scenes:
+        if not len(crops.types):
+            continue
+        categories = np.unique(crops.types).tolist()
+        own = _texts(model, tokenise, [nouns(category)[0] for category in categories])
+        seen = torch.cat([_seen(model, crops.images[k : k + CHUNK]) for k in range(0, len(crops.images), CHUNK)])
+        labels = torch.tensor([categories.index(category) for category in crops.types.tolist()])
+        similar = seen @ own.T
+        rank = (similar > similar.gather(1, labels[:, None])).sum(1)
+        first, fifth, total = first + int((rank < 1).sum()), fifth + int((rank < 5).sum()), total + len(rank)
+        for number, category in enumerate(categories):
+            here = labels == number
+            for synonym in nouns(category)[1:]:
+                others = [k for k, c in enumerate(categories) if k != number and synonym not in nouns(c)]
+                said = _texts(model, tokenise, [synonym])[0]
+                best = similar[here][:, others].max(dim=1).values if others else torch.full((int(here.sum()),), -1.0)
+                synonym_first += float((seen[here] @ said > best).sum()) / len(nouns(category)[1:])
+            synonym_total += float(here.sum()) if len(nouns(category)) > 1 else 0.0
+    return Ranks(first / max(total, 1), fifth / max(total, 1), synonym_first / max(synonym_total, 1.0))
+
+
+def _texts(model: Any, tokenise: Any, names: Sequence[str]) -> torch.Tensor:
+    return F.normalize(model.encode_text(tokenise(list(names))), dim=-1)
+
+
+def _seen(model: Any, images: np.ndarray) -> torch.Tensor:
+    tensor = torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255
+    return F.normalize(model.encode_image(prepared(tensor)), dim=-1)
