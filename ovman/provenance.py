@@ -8,14 +8,21 @@ from __future__ import annotations
 
 import ast
 import hashlib
-from collections.abc import Iterator
+import json
+import os
+import sys
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "ovman"
 BOUNDARY = frozenset({"ovman.config", "ovman.provenance", "ovman.sections", "ovman.stages"})
 """Not followed: they choose the parameter of a stage, which is compared itself. A new line in STAGES is no new code."""
+
+Parsed = tuple[str, tuple[tuple[str, int], ...]]
+"""Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
 
 
 def script(stage: str, root: Path = ROOT) -> Path:
@@ -25,53 +32,74 @@ def script(stage: str, root: Path = ROOT) -> Path:
 
 @cache
 def code_digest(stage: str, root: Path = ROOT) -> str:
-    """Digest of the code that a stage runs, as the files were when it was first asked for."""
-    return digest(script(stage, root), root)
+    """Digest of the code that a stage runs, as the files were when any stage's was first asked for."""
+    return _sources(root).digest(script(stage, root))
 
 
 def digest(entry: Path, root: Path = ROOT) -> str:
     """Hexadecimal digest of the file `entry` and of its transitive imports from the package under `root`."""
-    parts = [_content(entry)] + [f"{name}:{_content(path)}" for name, path in sorted(modules(entry, root).items())]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+    return _Sources(root).digest(entry)
 
 
 def modules(entry: Path, root: Path = ROOT) -> dict[str, Path]:
     """Every module of the package that `entry` imports, directly or not, by its dotted name."""
-    found: dict[str, Path] = {}
-    waiting = [name for imported in _imports(entry, "") for name in _resolved(imported, root)]
-    while waiting:
-        name = waiting.pop()
-        if name in found or name in BOUNDARY:
-            continue
-        path = _file(name, root)
-        if path is None:
-            continue
-        found[name] = path
-        package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-        waiting += [n for imported in _imports(path, package) for n in _resolved(imported, root)]
-        # A package that can be run is imported by those who start it as a process.
-        if path.name == "__init__.py" and (path.parent / "__main__.py").exists():
-            waiting.append(f"{name}.__main__")
-    return found
+    return _Sources(root).modules(entry)
 
 
-def _resolved(name: str, root: Path) -> Iterator[str]:
-    """`name` and the packages around it; `name` may be an attribute of a module, in which case there is no file for it."""
-    parts = name.split(".")
-    if parts[0] == PACKAGE:
-        yield from (".".join(parts[:k]) for k in range(1, len(parts) + 1) if _file(".".join(parts[:k]), root) is not None)
+class _Sources:
+    """The package under a root; each of its files is looked for and read once."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._places: dict[str, Path | None] = {}
+        self._read: dict[Path, Parsed] = {}
+
+    def digest(self, entry: Path) -> str:
+        parts = [self._parsed(entry)[0]]
+        parts += [f"{name}:{self._parsed(path)[0]}" for name, path in sorted(self.modules(entry).items())]
+        _memory.save()
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+    def modules(self, entry: Path) -> dict[str, Path]:
+        found: dict[str, Path] = {}
+        waiting = self._imports(entry, "")
+        while waiting:
+            name = waiting.pop()
+            if name in found or name in BOUNDARY:
+                continue
+            path = self._place(name)
+            if path is None:
+                continue
+            found[name] = path
+            package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+            waiting += self._imports(path, package)
+            # A package that can be run is imported by those who start it as a process.
+            if path.name == "__init__.py":
+                waiting.append(f"{name}.__main__")
+        return found
+
+    def _imports(self, path: Path, package: str) -> list[str]:
+        """What a file imports of the package, and the packages around that. For an attribute there is no file."""
+        names = {_absolute(name, level, package) for name, level in self._parsed(path)[1]}
+        ours = [name.split(".") for name in names if name.split(".")[0] == PACKAGE]
+        return [".".join(parts[:k]) for parts in ours for k in range(1, len(parts) + 1)]
+
+    def _place(self, name: str) -> Path | None:
+        if name not in self._places:
+            base = self._root.joinpath(*name.split("."))
+            places = (base / "__init__.py", base.with_suffix(".py"))
+            self._places[name] = next((path for path in places if path.is_file()), None)
+        return self._places[name]
+
+    def _parsed(self, path: Path) -> Parsed:
+        if path not in self._read:
+            self._read[path] = _memory.parsed(path.read_bytes())
+        return self._read[path]
 
 
-def _file(name: str, root: Path) -> Path | None:
-    base = root.joinpath(*name.split("."))
-    for path in (base / "__init__.py", base.with_suffix(".py")):
-        if path.is_file():
-            return path
-    return None
-
-
-def _imports(path: Path, package: str) -> tuple[str, ...]:
-    return tuple(_absolute(name, level, package) for name, level in _read(path)[1])
+@cache
+def _sources(root: Path) -> _Sources:
+    return _Sources(root)
 
 
 def _absolute(name: str, level: int, package: str) -> str:
@@ -81,17 +109,57 @@ def _absolute(name: str, level: int, package: str) -> str:
     return ".".join(base[: len(base) - level + 1] + ([name] if name else []))
 
 
-def _content(path: Path) -> str:
-    return _read(path)[0]
+class _Memory:
+    """What was found in files, by their content. Parsing all takes longer than all else that a job of the workflow does before it
+    works, so that processes hand it on in a file if they are given one.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[str, Parsed] = {}
+        self._handed: dict[str, Any] = {}
+        self._path: Path | None = None
+
+    def keep(self, path: Path) -> None:
+        self._path = path
+        with suppress(OSError, ValueError, AttributeError):  # not there, or cut off
+            self._handed = json.loads(path.read_bytes()).get(_reader(), {})
+
+    def parsed(self, source: bytes) -> Parsed:
+        key = hashlib.sha256(source).hexdigest()
+        if key not in self._found:
+            if key in self._handed:
+                digest, imports = self._handed[key]
+                self._found[key] = digest, tuple((name, level) for name, level in imports)
+            else:
+                self._found[key] = _parsed(source)
+        return self._found[key]
+
+    def save(self) -> None:
+        """Write what this process has needed, if there was anything new in it."""
+        if self._path is None or self._found.keys() <= self._handed.keys():
+            return
+        self._handed = dict(self._found)
+        partial = self._path.with_suffix(f".{os.getpid()}")
+        with suppress(OSError):
+            partial.write_text(json.dumps({_reader(): self._found}))
+            partial.replace(self._path)
 
 
-def _read(path: Path) -> tuple[str, tuple[tuple[str, int], ...]]:
-    """Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
-    return _parsed(path.read_bytes())
+_memory = _Memory()
+
+
+def remember(path: Path) -> None:
+    """Hand on in the file `path` what is found in sources, to processes that are given the same file. It may be deleted."""
+    _memory.keep(path)
 
 
 @cache
-def _parsed(source: bytes) -> tuple[str, tuple[tuple[str, int], ...]]:
+def _reader() -> str:
+    """Who reads sources: another Python or another version of this module may find something else."""
+    return hashlib.sha256(sys.version.encode() + Path(__file__).read_bytes()).hexdigest()
+
+
+def _parsed(source: bytes) -> Parsed:
     tree = ast.parse(source)
     imports: list[tuple[str, int]] = []
     for node in ast.walk(tree):

@@ -10,10 +10,13 @@ import os
 from pathlib import Path
 from typing import Any, TextIO
 
+from ovman import provenance
 from ovman.job import WORKFLOW_PID
 
 ALIVE = Path(".snakemake", "ovman.alive")
 """Every Snakemake that works in a directory shares a lock on this file; the kernel takes it away from those that die."""
+SOURCES = Path(".snakemake", "ovman.sources.json")
+"""What the first process found in the code's files; each job would read them again."""
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 _kept: list[TextIO] = []
 
@@ -25,6 +28,7 @@ def prepare(workflow: Any) -> None:
     paths = [str(workflow.basedir), *filter(None, [os.environ.get("PYTHONPATH")])]
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
     os.environ[WORKFLOW_PID] = str(os.getpid())
+    provenance.remember(Path.cwd() / SOURCES)
     limit_gpu(workflow)
     if workflow.is_main_process:
         release_stale_locks(Path.cwd())

@@ -75,6 +75,31 @@ def test_a_module_that_moves_counts(root):
     assert digest(root) != before
 
 
+def test_what_one_process_found_in_a_file_the_next_one_need_not_find_again(root, tmp_path, monkeypatch):
+    def process():
+        monkeypatch.setattr(provenance, "_memory", provenance._Memory())
+        provenance.remember(kept)
+        return digest(root)
+
+    kept = tmp_path / "kept.json"
+    found = process()
+    assert kept.exists()
+    with monkeypatch.context() as patch:
+        patch.setattr(provenance, "_parsed", None)
+        assert process() == found
+    (root / "ovman/c/five.py").write_text("y = 2\n")
+    changed = process()
+    assert changed != found
+    (root / "ovman/c/five.py").write_text(FILES["ovman/c/five.py"])
+    assert process() == found
+    for spoiled in (b"", b'{"', b"[]", kept.read_bytes().replace(provenance._reader().encode(), b"another")):
+        kept.write_bytes(spoiled)
+        assert process() == found
+    monkeypatch.setattr(provenance, "_reader", lambda: "another")
+    monkeypatch.setattr(provenance, "_parsed", lambda source: (str(len(source)), ()))
+    assert process() != found, "another reader trusts no findings of this one"
+
+
 def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_it():
     for stage in STAGES:
         assert provenance.script(stage).is_file()
