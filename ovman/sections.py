@@ -196,6 +196,8 @@ class DetectorTraining(_Section):
 class EncoderTraining(_Section):
     """How the encoder of the default configuration is made."""
 
+    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(description="pixels, side of a crop")
+    detected_one_in: Some = Field(description="one in so many pictures is shown to the detector for its crops")
     steps: Some = Field(description="steps on the crops of true masks")
     further_steps: Some = Field(description="steps on the crops of true and of detected masks after that")
     batch: Some = Field(description="crops a step")
@@ -228,6 +230,7 @@ class Evaluation(_Section):
         description="embodied runs per arm"
     )
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
+    near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
 
     @field_validator("seeds")
     @classmethod

@@ -60,6 +60,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "training.held_out_views",
         "benchmark.scenes",
     ),
+    "crops": ("perception.encoder.crop_padding", "training.encoder.crop_px"),
     "detector": (
         "training.seed",
         "training.detector.*",
@@ -68,10 +69,21 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "perception.detector.confidence",
         "perception.detector.minimum_mask_px",
     ),
+    "detected": (
+        "perception.detector.architecture",
+        "perception.detector.side_px",
+        "perception.detector.confidence",
+        "perception.detector.minimum_mask_px",
+        "perception.encoder.crop_padding",
+        "training.encoder.crop_px",
+        "training.encoder.detected_one_in",
+    ),
+    "encoder": ("training.seed", "training.encoder.*"),
+    "models": ("training.*", "benchmark.scenes"),
     "predictions": ("association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
     "executions": (*_RUNNING, "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
     "runs": ("success.*",),
-    "metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence", "evaluation.near_miss_m"),
     "figures": ("camera.*", "admissibility.minimum_mask_px"),
     "tables": (
         "tour.*",
@@ -84,6 +96,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "mover.*",
         "single_visit.samples",
         "evaluation.confidence",
+        "evaluation.near_miss_m",
     ),
 }
 

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from ovman.perception.crop import crop
+from ovman.perception.detector import Detector, network_of
 from ovman.perception.overlap import intersection_over_union
 from ovman.training.pictures import Picture
 from ovman.training.recorded import read, recorded
@@ -60,6 +61,27 @@ def true_crops(folder: Path, padding: float, side_px: int) -> Crops:
 def detected_crops(folder: Path, detector: Any, least_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
     """Around the masks that a detector finds in one in `every` pictures, as far as they show an instance."""
     return _crops(folder.name, _detected(folder, detector, least_px, every), padding, side_px)
+
+
+def run_true(folder: Path, constants: Any, output: Path) -> None:
+    """Writes the crops of a recorded scene around its true masks."""
+    made = true_crops(folder, constants.perception.encoder.crop_padding, constants.training.encoder.crop_px)
+    made.write(output)
+    print(f"{folder.name}: {len(made.types)} crops", flush=True)
+
+
+def run_detected(folders: Sequence[Path], weights: Path, constants: Any, outputs: Sequence[Path]) -> None:
+    """Writes the crops of recorded scenes around the masks of the detector with these weights, one file a scene."""
+    import torch
+
+    torch.set_num_threads(1)
+    settings, padding = constants.perception.detector, constants.perception.encoder.crop_padding
+    training = constants.training.encoder
+    detector = Detector(network_of(weights, settings.architecture), settings.side_px, settings.confidence)
+    for folder, output in zip(folders, outputs, strict=True):
+        made = detected_crops(folder, detector, settings.minimum_mask_px, padding, training.crop_px, training.detected_one_in)
+        made.write(output)
+        print(f"{folder.name}: {len(made.types)} crops", flush=True)
 
 
 def _true(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:

@@ -16,13 +16,16 @@ import numpy as np
 
 from ovman.seeds import generator
 from ovman.sim import controller
+from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import pictures
 
 
 def run(scene: str, constants: Any, output: Path) -> None:
-    """Records training.views pictures of a scene into the directory `output`."""
-    camera = constants.camera
+    """Records the pictures of a scene into the directory `output`: training.views of them, or training.held_out_views."""
+    camera, training = constants.camera, constants.training
+    taught = scene in floor_plans(constants.benchmark.scenes).taught
+    views = training.views if taught else training.held_out_views
     simulator = controller.start(
         constants.benchmark.backend,
         scene,
@@ -35,9 +38,9 @@ def run(scene: str, constants: Any, output: Path) -> None:
     for kind in ("images", "labels", "ids"):
         (output / kind).mkdir(parents=True, exist_ok=True)
     try:
-        rng = generator(constants.training.seed, "pictures", scene)
+        rng = generator(training.seed, "pictures", scene)
         with (output / "objects.jsonl").open("w", encoding="utf-8") as objects:
-            for number, picture in enumerate(pictures(simulator, scene, constants.training.views, rng)):
+            for number, picture in enumerate(pictures(simulator, scene, views, rng)):
                 name = f"{number:04d}"
                 _write(output / "images" / f"{name}.png", picture.rgb[..., ::-1])
                 _write(output / "ids" / f"{name}.png", (picture.ids + 1).astype(np.uint16))
@@ -45,7 +48,7 @@ def run(scene: str, constants: Any, output: Path) -> None:
                 objects.write(json.dumps([asdict(shown) for shown in picture.objects], separators=(",", ":")) + "\n")
     finally:
         simulator.stop()
-    print(f"{scene}: {number + 1} pictures", flush=True)
+    print(f"{scene}: {views} pictures", flush=True)
 
 
 def _write(path: Path, image: np.ndarray) -> None:

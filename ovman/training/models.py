@@ -1,0 +1,45 @@
+"""Stage `models`: what the trainings made, gathered under the names that config.yaml and the model cards know."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ovman.training.crops import Crops
+from ovman.training.encoder import MODEL
+from ovman.training.floorplans import floor_plans
+from ovman.training.recorded import recorded
+
+LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
+
+
+def run(files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: Any, output: Path) -> None:
+    """Writes the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the three curves and
+    training.json, which says what they were made from.
+
+    files: "detector", "encoder" (weights), "detector_curve", "encoder_true_curve", "encoder_curve".
+    """
+    output.mkdir(parents=True, exist_ok=True)
+    for name in ("detector", "encoder"):
+        shutil.copyfile(files[name], output / f"{name}.safetensors")
+    for name in ("detector_curve", "encoder_true_curve", "encoder_curve"):
+        shutil.copyfile(files[name], output / f"{name}.jsonl")
+    (output / "encoder.json").write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
+    plans = floor_plans(constants.benchmark.scenes)
+    counts = {folder.name: len(recorded([folder])) for folder in pictures}
+    shown: dict[str, int] = {}
+    for path in crops:
+        shown[path.parent.name] = shown.get(path.parent.name, 0) + len(Crops.read(path).types)
+    facts = {
+        "schema": "ovman-training/1",
+        "floor_plans": {"taught": list(plans.taught), "held_out": list(plans.held_out)},
+        "pictures": {name: sum(counts[scene] for scene in getattr(plans, name)) for name in ("taught", "held_out")},
+        "crops": shown,
+        "settings": json.loads(constants.canonical)["constants"],
+        "libraries": {name: version(name) for name in LIBRARIES},
+    }
+    (output / "training.json").write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")

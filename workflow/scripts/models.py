@@ -1,0 +1,9 @@
+"""Stage `models`: both networks, their curves and what they were made from, in one folder."""
+
+from ovman.job import job
+from ovman.training import models
+
+with job(snakemake) as work:
+    names = ("detector", "detector_curve", "encoder", "encoder_true_curve", "encoder_curve")
+    files = {name: work.input(name) for name in names}
+    models.run(files, work.inputs("pictures"), work.inputs("crops"), work.constants, work.output("models"))
