@@ -7,6 +7,7 @@ nothing, k the k-th object of this picture) and `{scene}/objects.jsonl` (one lin
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -18,7 +19,7 @@ from ovman.seeds import generator
 from ovman.sim import controller
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
-from ovman.training.pictures import pictures
+from ovman.training.pictures import Picture, pictures
 
 
 def run(scene: str, constants: Any, output: Path) -> None:
@@ -35,20 +36,27 @@ def run(scene: str, constants: Any, output: Path) -> None:
         constants.primitives.step_m,
         constants.primitives.turn_deg,
     )
-    for kind in ("images", "labels", "ids"):
-        (output / kind).mkdir(parents=True, exist_ok=True)
     try:
         rng = generator(training.seed, "pictures", scene)
-        with (output / "objects.jsonl").open("w", encoding="utf-8") as objects:
-            for number, picture in enumerate(pictures(simulator, scene, views, rng)):
-                name = f"{number:04d}"
-                _write(output / "images" / f"{name}.png", picture.rgb[..., ::-1])
-                _write(output / "ids" / f"{name}.png", (picture.ids + 1).astype(np.uint16))
-                (output / "labels" / f"{name}.txt").write_text("".join(f"{line}\n" for line in labels(picture.ids)))
-                objects.write(json.dumps([asdict(shown) for shown in picture.objects], separators=(",", ":")) + "\n")
+        count = write(output, pictures(simulator, scene, views, rng))
     finally:
         simulator.stop()
-    print(f"{scene}: {views} pictures", flush=True)
+    print(f"{scene}: {count} pictures", flush=True)
+
+
+def write(folder: Path, views: Iterable[Picture]) -> int:
+    """Writes pictures as they come; how many there were. OSError where the disk is full."""
+    for kind in ("images", "labels", "ids"):
+        (folder / kind).mkdir(parents=True, exist_ok=True)
+    count = 0
+    with (folder / "objects.jsonl").open("w", encoding="utf-8") as objects:
+        for count, picture in enumerate(views, start=1):
+            name = f"{count - 1:04d}"
+            _write(folder / "images" / f"{name}.png", picture.rgb[..., ::-1])
+            _write(folder / "ids" / f"{name}.png", (picture.ids + 1).astype(np.uint16))
+            (folder / "labels" / f"{name}.txt").write_text("".join(f"{line}\n" for line in labels(picture.ids)))
+            objects.write(json.dumps([asdict(shown) for shown in picture.objects], separators=(",", ":")) + "\n")
+    return count
 
 
 def _write(path: Path, image: np.ndarray) -> None:

@@ -1,0 +1,28 @@
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.sections import FLOOR_PLANS
+from ovman.training.floorplans import EVERY, floor_plans
+
+
+def test_every_floor_plan_is_known_to_the_settings():
+    assert EVERY == FLOOR_PLANS
+
+
+@given(st.sets(st.sampled_from(EVERY), max_size=100))
+def test_no_floor_plan_of_the_benchmark_is_learned_from_or_looked_at(benchmark):
+    plans = floor_plans(benchmark)
+    assert not benchmark & {*plans.taught, *plans.held_out}
+    assert not {*plans.taught} & {*plans.held_out}
+    assert len(plans.taught) + len(plans.held_out) + len(benchmark) == len(EVERY)
+
+
+def test_every_kind_of_room_is_held_out():
+    kinds = {name.removeprefix("FloorPlan")[:-2] or "0" for name in floor_plans([]).held_out}
+    assert kinds >= {"2", "3", "4"} and any(len(name) <= len("FloorPlan30") for name in floor_plans([]).held_out)
+
+
+def test_a_benchmark_of_all_floor_plans_leaves_nothing():
+    with pytest.raises(ValueError, match="nothing to learn from"):
+        floor_plans(EVERY)
