@@ -31,6 +31,9 @@ MODEL: Mapping[str, Any] = {
 """open_clip's words: an image tower for crops of 64 px and a small text tower, 7.2 M parameters."""
 WARM_STEPS, BETAS, CLIPPED, MEMORY = 200, (0.9, 0.98), 1.0, 0.998
 """MEMORY: of the moving average of the weights, which is what is kept."""
+SCALES, SCALED_AFTER = (14.0, 100.0), 0.6
+"""Of similarities to logits: raised over this share of the steps to where CLIP's own stands, so that a band of similarity, as
+delta_g is one, is as wide for these towers as for those of the paper."""
 REVERSE, ATTRIBUTE, ATTRIBUTED = 0.3, 0.3, 96
 """Weights of the two lesser losses, and on how many crops of a batch the second is computed."""
 SMALL_PX, SMALL_SHARE = 600, 0.3
@@ -108,6 +111,7 @@ def run(
     model = build()
     if start is not None:
         model.load_state_dict({name: value.float() for name, value in load_file(start).items()}, strict=False)
+    model.logit_scale.requires_grad_(False)
     model.visual.to(memory_format=torch.channels_last)
     average = {name: value.detach().clone().float() for name, value in model.state_dict().items()}
     optimiser = _optimiser(model, peak, settings.weight_decay)
@@ -119,6 +123,9 @@ def run(
         for group in optimiser.param_groups:
             group["lr"] = peak * min(1.0, step / WARM_STEPS) * 0.5 * (1 + math.cos(math.pi * step / steps))
         batch = torch.multinomial(lessons.chance, settings.batch, replacement=True, generator=generator)
+        rise = 1.0 if start is not None else min(1.0, step / (SCALED_AFTER * steps))
+        with torch.no_grad():
+            model.logit_scale.fill_(math.log(SCALES[0]) + rise * math.log(SCALES[1] / SCALES[0]))
         optimiser.zero_grad(set_to_none=True)
         loss = _loss(model, lessons, batch, generator)
         loss.backward()
@@ -149,8 +156,9 @@ def run(
 
 
 def _optimiser(model: Any, peak: float, weight_decay: float) -> torch.optim.Optimizer:
-    decayed = [p for p in model.parameters() if p.ndim >= 2]
-    plain = [p for p in model.parameters() if p.ndim < 2]
+    learned = [p for p in model.parameters() if p.requires_grad]
+    decayed = [p for p in learned if p.ndim >= 2]
+    plain = [p for p in learned if p.ndim < 2]
     groups = [{"params": decayed, "weight_decay": weight_decay}, {"params": plain, "weight_decay": 0.0}]
     return torch.optim.AdamW(groups, lr=peak, betas=BETAS)
 
@@ -161,7 +169,7 @@ def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Ge
     with torch.autocast("cpu", torch.bfloat16):
         seen = model.encode_image(prepared(images))
     seen = F.normalize(seen.float(), dim=-1)
-    scale = model.logit_scale.exp().clamp(max=100)
+    scale = model.logit_scale.exp()
     template = torch.randint(len(TEMPLATES), (len(lessons.nouns),), generator=generator)
     said = F.normalize(model.encode_text(lessons.plain[template, torch.arange(len(lessons.nouns))]), dim=-1)
     logits = scale * seen @ said.T
