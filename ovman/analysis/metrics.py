@@ -10,25 +10,42 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents import prediction
-from ovman.agents.arms import ARMS
+from ovman.agents.arms import ARMS, Arm, Kind
+from ovman.analysis.budget import Step, budget
+from ovman.analysis.difficulty import Difficulty, difficulty
+from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.significance import Comparison, significance
+from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
 STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
+TAXONOMY, SIGNIFICANCE, NAVIGATION = "taxonomy.csv", "significance.csv", "navigation.csv"
+DIFFICULTY, BUDGET = "difficulty.csv", "budget.csv"
+
+# Six decimals would make nothing of them.
+P_VALUES = frozenset({"p", "p_holm"})
 
 
 def run(
-    episodes_file: Path, prediction_files: Sequence[Path], run_files: Sequence[Path], constants: Any, output_dir: Path
+    episodes_file: Path,
+    prediction_files: Sequence[Path],
+    run_files: Sequence[Path],
+    constants: Any,
+    output_dir: Path,
+    arms: Sequence[Arm] = ARMS,
 ) -> None:
-    """Writes the four csv files named above into output_dir, which is made if need be. Either list of files may be empty.
+    """Writes the csv files named above into output_dir, which is made if need be. Either list of files may be empty.
 
     Rows are in the order of the arms' table, then of the seeds, then of the episodes, whatever the order of the files. Numbers
-    have six decimals, counts none, what does not apply is empty.
+    have six decimals, p-values six digits, counts none, what does not apply is empty. Pairs of arms of which one does not exist
+    are not compared, and a line says so.
 
-    constants: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence.
-    Raises ValueError in one line that names the file or the episode and the remedy.
+    arms: all arms that there are; a list of files that is not empty has all arms of its kind. constants: success.radius_m,
+    single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
+    Raises ValueError in one line that names the file, the arm or the episode and the remedy.
     """
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases)]
@@ -41,25 +58,50 @@ def run(
         seed=constants.benchmark.seed,
     )
     embodied = embodied_outcomes(cases, runs)
+    _whole(Kind.STATIC, static, arms)
+    _whole(Kind.EMBODIED, embodied, arms)
     place = {case.id: index for index, case in enumerate(cases)}
-    arms = [arm.name for arm in ARMS]
+    names = [arm.name for arm in arms]
 
     def order(outcome: StaticOutcome | EmbodiedOutcome) -> tuple[int, int, int]:
-        if outcome.arm not in arms:
-            raise ValueError(f"{outcome.arm!r} is not an arm; there are {', '.join(arms)}")
-        return arms.index(outcome.arm), outcome.seed, place[outcome.episode]
+        return names.index(outcome.arm), outcome.seed, place[outcome.episode]
 
     static, embodied = sorted(static, key=order), sorted(embodied, key=order)
-    confidence = constants.evaluation.confidence
+    confidence, radius = constants.evaluation.confidence, constants.success.radius_m
+    rates = static_rates(static, confidence)
+    compared, left_out = significance(static, embodied)
+    navigations = navigation(static, embodied, arms)
+    for line in left_out:
+        print(line, flush=True)
     output_dir.mkdir(parents=True, exist_ok=True)
     for name, kind, rows in (
         (STATIC_OUTCOMES, StaticOutcome, static),
         (EMBODIED_OUTCOMES, EmbodiedOutcome, embodied),
-        (STATIC_RATES, Rate, static_rates(static, confidence)),
+        (STATIC_RATES, Rate, rates),
         (EMBODIED_RATES, Rate, embodied_rates(embodied, confidence)),
+        (TAXONOMY, TaxonomyCount, taxonomy(static, navigations, radius, constants.evaluation.near_miss_m)),
+        (SIGNIFICANCE, Comparison, compared),
+        (NAVIGATION, Navigation, navigations),
+        (DIFFICULTY, Difficulty, difficulty(static, confidence)),
+        (BUDGET, Step, budget(rates, compared)),
     ):
         header = [field.name for field in fields(kind)]
-        (output_dir / name).write_text(csv_text(header, map(asdict, rows)), encoding="utf-8")
+        (output_dir / name).write_text(csv_text(header, map(record, rows)), encoding="utf-8")
+
+
+def record(row: Any) -> dict[str, Any]:
+    """The cells of a row, a dataclass: its p-values as text with six digits, however small."""
+    cells = asdict(row)
+    return cells | {key: f"{cells[key]:.6g}" for key in P_VALUES & cells.keys() if cells[key] is not None}
+
+
+def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms: Sequence[Arm]) -> None:
+    there = {outcome.arm for outcome in outcomes}
+    names = [arm.name for arm in arms if arm.kind is kind]
+    if strangers := sorted(there - set(names)):
+        raise ValueError(f"{strangers[0]!r} is not an arm that is {kind}; there are {', '.join(names)}")
+    if there and (absent := [name for name in names if name not in there]):
+        raise ValueError(f"no records of the {kind} arm {absent[0]!r}; make them, or take it out of the arms' table")
 
 
 def read_cases(episodes_file: Path) -> list[Case]:

@@ -21,7 +21,8 @@ RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
 @dataclass(frozen=True, slots=True)
 class Case:
     """What judging a prediction needs of an episode. answer: floor-plane (x, z) in metres, for MOVING where the mover was last
-    seen; instances: how many instances the category has."""
+    seen; instances: how many instances the category has; others: where the instances of the category other than the target were
+    recorded in the visit that the answer belongs to, the first for past relations and the second for current ones."""
 
     id: str
     scene: str
@@ -29,18 +30,24 @@ class Case:
     category: str
     instances: int
     answer: tuple[float, float]
+    others: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Case:
         """From an episode record. Raises ValueError that names the key."""
         try:
+            relation, category = Relation(record["relation"]), record["category"]
+            world = record["world_1" if relation.past else "world_2"]
             return cls(
                 id=record["id"],
                 scene=record["scene"],
-                relation=Relation(record["relation"]),
-                category=record["category"],
+                relation=relation,
+                category=category,
                 instances=int(record["instances_in_category"]),
                 answer=(float(record["answer"]["x"]), float(record["answer"]["z"])),
+                others=tuple(
+                    (float(k["x"]), float(k["z"])) for k in world if k["category"] == category and k["id"] != record["target"]
+                ),
             )
         except KeyError as missing:
             raise ValueError(f"{missing} is missing from the episode; add it") from None
@@ -51,6 +58,7 @@ class StaticOutcome:
     """A prediction judged. outcome: "answered", "abstained" (reason says why) or "expected", where the arm is a stochastic pick.
 
     distance_m: from the predicted point to the answer, None unless answered. success: 1 or 0; for "expected" its probability.
+    other_m: from the predicted point to the nearest of ``Case.others``, None unless answered and there is one.
     """
 
     episode: str
@@ -64,6 +72,7 @@ class StaticOutcome:
     reason: str | None
     distance_m: float | None
     success: float
+    other_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,10 +108,11 @@ def static_outcomes(
     outcomes = []
     for prediction in predictions:
         case = _case(by_id, prediction.episode, prediction.arm)
-        reason, distance = None, None
+        reason, distance, other = None, None, None
         match prediction.outcome:
             case Answer(x, z):
-                distance = math.hypot(x - case.answer[0], z - case.answer[1])
+                distance = math.dist((x, z), case.answer)
+                other = min((math.dist((x, z), point) for point in case.others), default=None)
                 outcome, success = "answered", float(distance <= radius_m)
             case Abstention(why):
                 outcome, reason, success = "abstained", str(why), 0.0
@@ -123,6 +133,7 @@ def static_outcomes(
                 reason=reason,
                 distance_m=distance,
                 success=success,
+                other_m=other,
             )
         )
     _complete(by_id, outcomes)

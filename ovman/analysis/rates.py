@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import TypeVar
+
+import numpy as np
 
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
+from ovman.analysis.statistics import poisson_binomial, wilson_interval
 from ovman.task import Relation
 
 ALL = "all"
+
+Outcome = TypeVar("Outcome", StaticOutcome, EmbodiedOutcome)
 
 
 class Interval(StrEnum):
     """What the numbers beside a rate are.
 
-    WILSON: Wilson's score interval of successes in trials. An arm with several seeds pools them: its trials are episodes times
-    seeds, which the interval takes as independent though the seeds share their episodes, so it is about the spread of single
-    runs and narrower than one for new episodes would be. POISSON_BINOMIAL: for the expectation over a stochastic pick, which is
-    no count of successes: the central range in which the rate of one realised pass over these very episodes falls.
+    WILSON: Wilson's score interval of a rate over n episodes. Runs of the same episodes under several seeds are no further
+    episodes: the rate is their mean, and the interval is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a
+    stochastic pick, which is no count of successes: the central range in which the rate of one realised pass over these very
+    episodes falls.
     """
 
     WILSON = "wilson"
@@ -51,24 +57,50 @@ class Rate:
 
 def static_rates(outcomes: Sequence[StaticOutcome], confidence: float) -> list[Rate]:
     """The rates of every static arm: by arm in the order of the outcomes, then by relation in the order of the task, then all."""
+    return [
+        static_rate(arm, relation, group, confidence)
+        for arm, of_arm in by_arm(outcomes).items()
+        for relation, group in by_relation(of_arm)
+    ]
 
-    def rate(arm: str, relation: str, group: Sequence[StaticOutcome]) -> Rate:
-        probabilities = [outcome.success for outcome in group]
-        expected = any(outcome.outcome == "expected" for outcome in group)
-        interval = poisson_binomial_range(probabilities, confidence) if expected else None
-        return _rate(arm, relation, group, probabilities, interval, confidence)
 
-    return _grouped(outcomes, rate)
+def static_rate(arm: str, relation: str, group: Sequence[StaticOutcome], confidence: float) -> Rate:
+    """The rate of one arm over a group of episodes, which is not empty."""
+    probabilities = [outcome.success for outcome in group]
+    expected = any(outcome.outcome == "expected" for outcome in group)
+    interval = poisson_binomial_range(probabilities, confidence) if expected else None
+    return _rate(arm, relation, group, probabilities, interval, confidence)
 
 
 def embodied_rates(outcomes: Sequence[EmbodiedOutcome], confidence: float) -> list[Rate]:
-    """The rates of every embodied arm, its seeds pooled; ordered as ``static_rates`` orders them."""
+    """The rates of every embodied arm, means over its seeds; ordered as ``static_rates`` orders them."""
+    return [
+        _rate(
+            arm,
+            relation,
+            group,
+            [float(outcome.success) for outcome in group],
+            None,
+            confidence,
+            math.fsum(outcome.spl for outcome in group) / len(group),
+        )
+        for arm, of_arm in by_arm(outcomes).items()
+        for relation, group in by_relation(of_arm)
+    ]
 
-    def rate(arm: str, relation: str, group: Sequence[EmbodiedOutcome]) -> Rate:
-        spl = sum(outcome.spl for outcome in group) / len(group)
-        return _rate(arm, relation, group, [float(outcome.success) for outcome in group], None, confidence, spl)
 
-    return _grouped(outcomes, rate)
+def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
+    """The outcomes of each arm, arms in the order in which they come."""
+    arms: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        arms.setdefault(outcome.arm, []).append(outcome)
+    return arms
+
+
+def by_relation(outcomes: Sequence[Outcome]) -> list[tuple[str, list[Outcome]]]:
+    """The outcomes of each relation that has some, in the order of the task, and then "all" of them."""
+    parts = [(relation.value, [o for o in outcomes if o.relation is relation]) for relation in Relation]
+    return [*((relation, group) for relation, group in parts if group), (ALL, list(outcomes))]
 
 
 def poisson_binomial_range(probabilities: Sequence[float], confidence: float) -> tuple[float, float]:
@@ -78,22 +110,12 @@ def poisson_binomial_range(probabilities: Sequence[float], confidence: float) ->
     to the spacing 1 / n of the rates that can be realised.
     """
     n, outside = len(probabilities), (1.0 - confidence) / 2.0
-    tails = [poisson_binomial_tail(probabilities, successes) for successes in range(n + 1)] + [0.0]
+    # From the far end inwards, so that small tails are added before large ones.
+    tails = [*np.minimum(np.cumsum(poisson_binomial(probabilities)[::-1])[::-1], 1.0).tolist(), 0.0]
+    tails[0] = 1.0
     low = max(k for k in range(n + 1) if tails[k] >= 1.0 - outside)
     high = min(k for k in range(n + 1) if tails[k + 1] <= outside)
     return low / n, high / n
-
-
-def _grouped(outcomes: Sequence, rate: Callable[[str, str, list], Rate]) -> list[Rate]:
-    rates = []
-    for arm in dict.fromkeys(outcome.arm for outcome in outcomes):
-        of_arm = [outcome for outcome in outcomes if outcome.arm == arm]
-        for relation in Relation:
-            group = [outcome for outcome in of_arm if outcome.relation is relation]
-            if group:
-                rates.append(rate(arm, relation.value, group))
-        rates.append(rate(arm, ALL, of_arm))
-    return rates
 
 
 def _rate(
@@ -105,13 +127,14 @@ def _rate(
     confidence: float,
     spl: float | None = None,
 ) -> Rate:
-    total = sum(successes)
-    low, high = interval or wilson_interval(round(total), len(group), confidence)
+    total = math.fsum(successes)
+    n, seeds = len({outcome.episode for outcome in group}), len({outcome.seed for outcome in group})
+    low, high = interval or wilson_interval(total / seeds, n, confidence)
     return Rate(
         arm=arm,
         relation=relation,
-        n=len({outcome.episode for outcome in group}),
-        seeds=len({outcome.seed for outcome in group}),
+        n=n,
+        seeds=seeds,
         trials=len(group),
         successes=total,
         rate=total / len(group),

@@ -6,12 +6,15 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import binom, norm
+from statsmodels.stats.contingency_tables import mcnemar
+from statsmodels.stats.multitest import multipletests
+from statsmodels.stats.proportion import proportion_confint
 
 
-def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tuple[float, float]:
-    """Wilson's score interval of a rate, without continuity correction: (low, high) in [0, 1].
+def wilson_interval(successes: float, trials: int, confidence: float = 0.95) -> tuple[float, float]:
+    """Wilson's score interval of a rate, without continuity correction: (low, high) in [0, 1], around the rate.
 
+    successes: a count, or the mean of the counts of several passes over the same trials.
     Raises ValueError unless 0 <= successes <= trials, trials >= 1 and 0 < confidence < 1.
     Source: Wilson, J. Am. Stat. Assoc. 22 (1927).
     """
@@ -19,31 +22,26 @@ def wilson_interval(successes: int, trials: int, confidence: float = 0.95) -> tu
         raise ValueError(f"{successes} successes of {trials} trials are no rate")
     if not 0.0 < confidence < 1.0:
         raise ValueError(f"a confidence lies between 0 and 1, not at {confidence}")
-    z = float(norm.ppf(0.5 + confidence / 2.0))
-    rate = successes / trials
-    shrink = 1.0 + z * z / trials
-    middle = (rate + z * z / (2.0 * trials)) / shrink
-    half = z / shrink * math.sqrt(rate * (1.0 - rate) / trials + z * z / (4.0 * trials * trials))
-    # At the ends the bound is the rate itself, which the last bit of the subtraction would miss.
-    low = 0.0 if successes == 0 else middle - half
-    high = 1.0 if successes == trials else middle + half
-    return low, high
+    low, high = proportion_confint(successes, trials, alpha=1.0 - confidence, method="wilson")
+    # At the ends the bound is the rate itself, which the last bit of a subtraction would miss.
+    return 0.0 if successes == 0 else float(low), 1.0 if successes == trials else float(high)
 
 
 def mcnemar_exact(wins: int, losses: int) -> float:
     """Two-sided p of the exact McNemar test: `wins` and `losses` are the discordant pairs. 1 where there are none.
 
-    Raises ValueError for a negative count.
+    Raises ValueError for a negative count. Source: McNemar, Psychometrika 12 (1947), with the exact binomial distribution.
     """
     if wins < 0 or losses < 0:
         raise ValueError(f"{wins} wins and {losses} losses: a count is at least 0")
-    return min(1.0, 2.0 * float(binom.cdf(min(wins, losses), wins + losses, 0.5)))
+    return float(mcnemar([[0, wins], [losses, 0]], exact=True).pvalue)
 
 
-def poisson_binomial_tail(probabilities: Sequence[float], successes: int) -> float:
-    """P[X >= successes] for X the number of successes of independent trials with the given probabilities (n,), exact.
+def poisson_binomial(probabilities: Sequence[float]) -> np.ndarray:
+    """P[X = k] for k = 0 .. n, float64 (n + 1,): X successes of independent trials with the given probabilities (n,), exact.
 
-    The distribution is built one trial at a time. No term is ever subtracted, so that small tails keep their relative precision.
+    Convolved one trial at a time. Nothing is ever subtracted, so that each term keeps its relative precision however small it
+    is; scipy's survival function is 1 - P[X < k], which is noise below 1e-16.
     Raises ValueError for a probability outside [0, 1].
     """
     distribution = np.ones(1)
@@ -51,6 +49,15 @@ def poisson_binomial_tail(probabilities: Sequence[float], successes: int) -> flo
         if not 0.0 <= probability <= 1.0:
             raise ValueError(f"{probability} is no probability")
         distribution = np.append(distribution * (1.0 - probability), 0.0) + np.append(0.0, distribution * probability)
+    return distribution
+
+
+def poisson_binomial_tail(probabilities: Sequence[float], successes: int) -> float:
+    """P[X >= successes], one-sided, for X as in `poisson_binomial`; relatively precise far out in the tail.
+
+    Raises ValueError for a probability outside [0, 1]. Source: the paper's test of a realised agent against the single-visit arm.
+    """
+    distribution = poisson_binomial(probabilities)
     return 1.0 if successes <= 0 else min(1.0, math.fsum(distribution[successes:]))
 
 
@@ -62,9 +69,4 @@ def holm(p_values: Sequence[float]) -> tuple[float, ...]:
     for p in p_values:
         if not 0.0 <= p <= 1.0:
             raise ValueError(f"{p} is no p-value")
-    adjusted = [0.0] * len(p_values)
-    largest = 0.0
-    for rank, k in enumerate(sorted(range(len(p_values)), key=lambda k: p_values[k])):
-        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[k]))
-        adjusted[k] = largest
-    return tuple(adjusted)
+    return tuple(float(p) for p in multipletests(p_values, method="holm")[1]) if len(p_values) else ()

@@ -78,8 +78,8 @@ def embodied_table(rates: Sequence[Record], confidence: float) -> Table:
     return Table(
         name="embodied",
         caption=(
-            "Embodied evaluation: success rate (SR) at the stop and mean SPL over n episodes, runs of all seeds pooled. "
-            f"{_wilson(confidence)} Pooled runs are taken as independent trials though seeds share their episodes."
+            "Embodied evaluation: success rate (SR) at the stop and SPL over n episodes, means over the seeds. "
+            f"{_wilson(confidence)} They are as wide as for one pass over the n episodes: seeds add no episodes."
         ),
         columns=(
             Column("agent", "agent"),

@@ -26,7 +26,7 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
 
 
 def run(metrics: Sequence[Path], constants: Any, output_dir: Path) -> None:
-    """Writes the table of each file of metrics, and that of the constants, into output_dir, which is made if need be. Byte-stable.
+    """Writes the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
 
     metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.

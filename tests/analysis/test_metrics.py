@@ -2,12 +2,14 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.agents import arms
 from ovman.analysis import metrics
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, embodied_rates, poisson_binomial_range, static_rates
@@ -18,7 +20,7 @@ CONSTANTS = SimpleNamespace(
     success=SimpleNamespace(radius_m=1.0),
     single_visit=SimpleNamespace(samples=2000),
     benchmark=SimpleNamespace(seed=0),
-    evaluation=SimpleNamespace(confidence=0.95),
+    evaluation=SimpleNamespace(confidence=0.95, near_miss_m=2.0),
 )
 
 
@@ -66,19 +68,27 @@ def test_an_expectation_is_not_given_a_wilson_interval():
     assert rates[-1].successes == 2.0 and rates[-1].rate == 0.25
 
 
-def test_seeds_are_pooled_and_spl_is_a_mean():
+def test_rates_over_seeds_are_means_and_their_interval_is_that_of_one_pass():
     outcomes = [embodied(0, 0, True, 0.8), embodied(1, 0, False, 0.0), embodied(0, 1, True, 0.6), embodied(1, 1, True, 1.0)]
     rate = embodied_rates(outcomes, 0.95)[-1]
     assert (rate.n, rate.seeds, rate.trials, rate.successes, rate.rate) == (2, 2, 4, 3.0, 0.75)
     assert rate.spl == pytest.approx(0.6)
-    assert (rate.low, rate.high) == wilson_interval(3, 4, 0.95)
+    assert (rate.low, rate.high) == wilson_interval(1.5, 2, 0.95)
+    again = [replace(outcome, seed=seed) for outcome in outcomes if outcome.seed == 0 for seed in range(9)]
+    one, nine = (embodied_rates(some, 0.95)[-1] for some in (outcomes[:2], again))
+    assert (one.low, one.high) == pytest.approx((nine.low, nine.high)) and nine.trials == 9 * one.trials
+
+
+EVERY = [arms.named(name) for name in ("positions_single_visit", "positions_two_visits", "oracle_check")]
+WORLD = [{"id": "a", "category": "Chair", "x": 1.0, "z": 0.0}, {"id": "b", "category": "Chair", "x": -4.0, "z": 0.0}]
 
 
 def records(tmp_path, reverse=False):
-    """Two episodes, two static arms, one embodied arm of two seeds, as files."""
+    """Two episodes, two static arms, one embodied arm of two seeds, as files; ``EVERY`` is all arms that there are."""
     episodes = [
         {"id": f"FloorPlan1/{relation}/0000", "scene": "FloorPlan1", "relation": relation, "category": "Chair",
-         "instances_in_category": 2, "answer": {"x": 1.0, "z": 0.0}} for relation in ("moved", "former")
+         "instances_in_category": 2, "answer": {"x": 1.0, "z": 0.0}, "target": "a", "world_1": WORLD, "world_2": WORLD}
+        for relation in ("moved", "former")
     ]  # fmt: skip
 
     def prediction(episode, arm, **form):
@@ -112,8 +122,9 @@ def records(tmp_path, reverse=False):
 def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(tmp_path):
     for name, reverse in (("one", False), ("other", True)):
         (tmp_path / name).mkdir()
-        metrics.run(*records(tmp_path / name, reverse), CONSTANTS, tmp_path / name / "metrics")
-    names = (metrics.STATIC_OUTCOMES, metrics.EMBODIED_OUTCOMES, metrics.STATIC_RATES, metrics.EMBODIED_RATES)
+        metrics.run(*records(tmp_path / name, reverse), CONSTANTS, tmp_path / name / "metrics", EVERY)
+    names = sorted(path.name for path in (tmp_path / "one" / "metrics").iterdir())
+    assert len(names) == 9
     for name in names:
         one, other = ((tmp_path / where / "metrics" / name).read_bytes() for where in ("one", "other"))
         assert one == other and b"\r" not in one
@@ -134,7 +145,7 @@ def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(
 
 def test_no_runs_leave_no_rows(tmp_path):
     episodes, predictions, _ = records(tmp_path)
-    metrics.run(episodes, predictions, [], CONSTANTS, tmp_path / "metrics")
+    metrics.run(episodes, predictions, [], CONSTANTS, tmp_path / "metrics", EVERY)
     assert len((tmp_path / "metrics" / metrics.EMBODIED_RATES).read_text().splitlines()) == 1
 
 
@@ -142,18 +153,38 @@ def test_an_arm_that_answered_nothing_is_not_an_arm_that_does_not_exist(tmp_path
     episodes, predictions, runs = records(tmp_path)
     predictions[0].write_text("")
     with pytest.raises(ValueError, match="no predictions for 2 episodes"):
-        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics", EVERY)
 
 
 def test_an_arm_of_another_name_is_refused(tmp_path):
     episodes, predictions, runs = records(tmp_path)
     predictions[0].write_text(predictions[0].read_text().replace("positions_two_visits", "mine"))
-    with pytest.raises(ValueError, match="'mine' is not an arm"):
-        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")
+    with pytest.raises(ValueError, match="'mine' is not an arm that is static"):
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics", EVERY)
+
+
+def test_an_arm_without_records_does_not_leave_the_tables_silently(tmp_path):
+    episodes, predictions, runs = records(tmp_path)
+    with pytest.raises(ValueError, match="no records of the static arm 'positions_single_visit'"):
+        metrics.run(episodes, predictions[:1], runs, CONSTANTS, tmp_path / "metrics", EVERY)
+
+
+def test_small_p_values_are_written_with_their_digits_and_pairs_without_an_arm_are_named(tmp_path, capsys):
+    metrics.run(*records(tmp_path), CONSTANTS, tmp_path / "metrics", EVERY)
+    assert "not compared: two visits against one, embodied; there is no arm two_visits_embodied" in capsys.readouterr().out
+    with (tmp_path / "metrics" / metrics.SIGNIFICANCE).open() as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["relation"], row["p_holm"] == "") for row in rows] == [("moved", False), ("former", False), ("all", True)]
+    assert metrics.csv_text(["p"], [metrics.record(Row(1.5e-23))]) == "p\n1.5e-23\n"
+
+
+@dataclass
+class Row:
+    p: float
 
 
 def test_an_id_that_is_there_twice_is_refused(tmp_path):
     episodes, predictions, runs = records(tmp_path)
     episodes.write_text(episodes.read_text() * 2)
     with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is there twice"):
-        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics")
+        metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics", EVERY)

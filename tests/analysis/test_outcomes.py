@@ -99,4 +99,4 @@ def test_a_wrong_run_is_named(change, message):
 
 def test_an_episode_without_its_answer_is_named():
     with pytest.raises(ValueError, match="'answer' is missing"):
-        Case.of({"id": "a", "scene": "b", "relation": "moved", "category": "Chair", "instances_in_category": 2})
+        Case.of({"id": "a", "scene": "b", "relation": "moved", "category": "Chair", "instances_in_category": 2, "world_2": []})

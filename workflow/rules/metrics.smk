@@ -8,6 +8,11 @@ rule metrics:
         embodied_outcomes="results/metrics/embodied_outcomes.csv",
         static_rates="results/metrics/static_rates.csv",
         embodied_rates="results/metrics/embodied_rates.csv",
+        taxonomy="results/metrics/taxonomy.csv",
+        significance="results/metrics/significance.csv",
+        navigation="results/metrics/navigation.csv",
+        difficulty="results/metrics/difficulty.csv",
+        budget="results/metrics/budget.csv",
     log:
         "logs/metrics.log",
     benchmark:

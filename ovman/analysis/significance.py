@@ -1,0 +1,108 @@
+"""Arm against arm on the same episodes: wins, losses, and a test for each relation and over all (Table significance)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+from ovman.analysis.comparisons import Pair, among
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.rates import ALL, by_arm, by_relation
+from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
+
+
+class Method(StrEnum):
+    """MCNEMAR: exact, two-sided, on the discordant episodes of two arms that were both realised. POISSON_BINOMIAL: exact,
+    one-sided: how likely the stochastic pick that the baseline stands for succeeds at least as often as the arm did."""
+
+    MCNEMAR = "mcnemar"
+    POISSON_BINOMIAL = "poisson_binomial"
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One pair of arms on one relation, or on ``all``, under one seed.
+
+    n: episodes. successes, wins, losses: counts; where the baseline is a stochastic pick, baseline_successes, wins and losses are
+    their expectations over it. wins - losses = successes - baseline_successes. p_holm: p corrected for the relations of the same
+    pair and seed, a family of up to six; None over all, which is one test.
+    """
+
+    title: str
+    arm: str
+    baseline: str
+    seed: int
+    relation: str
+    n: int
+    successes: int
+    baseline_successes: float
+    wins: float
+    losses: float
+    test: Method
+    p: float
+    p_holm: float | None
+
+
+def significance(static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome]) -> tuple[list[Comparison], list[str]]:
+    """Every pair of ``comparisons.PAIRS`` whose arms have outcomes, by pair, seed, relation, then all; and the pairs left out.
+
+    Seeds are paired: arms are compared under each seed that both have. Raises ValueError where both arms have outcomes but share
+    no seed or not the same episodes, or where an arm that is to be tested is itself a stochastic pick.
+    """
+    arms: Mapping[str, Sequence[StaticOutcome | EmbodiedOutcome]] = {**by_arm(static), **by_arm(embodied)}
+    pairs, left_out = among(arms)
+    return [row for pair in pairs for row in _of_pair(pair, arms[pair.arm], arms[pair.baseline])], left_out
+
+
+def _of_pair(pair: Pair, arm: Sequence, baseline: Sequence) -> list[Comparison]:
+    seeds = sorted({outcome.seed for outcome in arm} & {outcome.seed for outcome in baseline})
+    if not seeds:
+        raise ValueError(f"{pair.arm} and {pair.baseline} share no seed; make their records again under the same seeds")
+    rows = []
+    for seed in seeds:
+        theirs = {outcome.episode: outcome for outcome in baseline if outcome.seed == seed}
+        ours = [outcome for outcome in arm if outcome.seed == seed]
+        if theirs.keys() != {outcome.episode for outcome in ours}:
+            raise ValueError(f"{pair.arm} and {pair.baseline} are not over the same episodes; make their records again")
+        family = [
+            _compare(pair, seed, relation, group, [theirs[outcome.episode] for outcome in group])
+            for relation, group in by_relation(ours)
+        ]
+        corrected = holm([row.p for row in family if row.relation != ALL])
+        *relations, whole = family
+        rows += [replace(row, p_holm=p) for row, p in zip(relations, corrected, strict=True)] + [whole]
+    return rows
+
+
+def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequence) -> Comparison:
+    if any(_expected(outcome) for outcome in arm):
+        raise ValueError(f"{pair.arm} is a stochastic pick, which no exact test sets against {pair.baseline}")
+    ours = [bool(outcome.success) for outcome in arm]
+    theirs = [float(outcome.success) for outcome in baseline]
+    wins = math.fsum(1.0 - p for hit, p in zip(ours, theirs, strict=True) if hit)
+    losses = math.fsum(p for hit, p in zip(ours, theirs, strict=True) if not hit)
+    if any(_expected(outcome) for outcome in baseline):
+        test, p = Method.POISSON_BINOMIAL, poisson_binomial_tail(theirs, sum(ours))
+    else:
+        test, p = Method.MCNEMAR, mcnemar_exact(int(wins), int(losses))
+    return Comparison(
+        title=pair.title,
+        arm=pair.arm,
+        baseline=pair.baseline,
+        seed=seed,
+        relation=relation,
+        n=len(ours),
+        successes=sum(ours),
+        baseline_successes=math.fsum(theirs),
+        wins=wins,
+        losses=losses,
+        test=test,
+        p=p,
+        p_holm=None,
+    )
+
+
+def _expected(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
+    return outcome.outcome == "expected"
