@@ -1,0 +1,89 @@
+"""The true instances of recorded tours: what every pixel shows, and where the objects of a scene are.
+
+The room's shell is no instance: the floor is none though the simulator lists it as an object, and walls, ceilings and other
+pieces that are no objects have no entry in the scene's record. The detector is taught the same.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ovman.sim.visit import MILLIMETRES, Visit
+
+SHELL = frozenset({"Floor"})
+
+
+@dataclass(frozen=True, slots=True)
+class TrueObject:
+    """An object of a scene before anything changes: centre and size (x, y, z) of its axis-aligned box, metres."""
+
+    id: str
+    category: str
+    centre: tuple[float, float, float]
+    size: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class TrueScene:
+    """The objects of a scene that are instances, by the order of its record."""
+
+    name: str
+    objects: tuple[TrueObject, ...]
+
+    @staticmethod
+    def of(record: Mapping[str, Any]) -> TrueScene:
+        """From the record of the stage "scenes"."""
+
+        def point(values: Mapping[str, float]) -> tuple[float, float, float]:
+            return values["x"], values["y"], values["z"]
+
+        return TrueScene(
+            record["scene"],
+            tuple(
+                TrueObject(o["id"], o["category"], point(o["position"]), point(o["size"]))
+                for o in record["objects"]
+                if o["category"] not in SHELL
+            ),
+        )
+
+    @staticmethod
+    def load(path: Path) -> TrueScene:
+        return TrueScene.of(json.loads(path.read_text(encoding="utf-8")))
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """The categories present, each once, sorted."""
+        return tuple(sorted({o.category for o in self.objects}))
+
+    def ids(self, index: np.ndarray, instances: Sequence[str]) -> np.ndarray:
+        """(H, W) int32 of a view: the pixel's object as an index into `objects`, -1 where there is none.
+
+        index (H, W): as the visit's ids image has it, 0 for nothing and k for the k-th of `instances`.
+        """
+        place = {o.id: i for i, o in enumerate(self.objects)}
+        table = np.array([-1, *(place.get(name, -1) for name in instances)], np.int32)
+        return table[index]
+
+
+def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
+    """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. FileNotFoundError names an image that is not there."""
+    return scene.ids(_image(directory / f"{view:02d}_ids.png"), visit.views[view]["instances"])
+
+
+def depth_m(directory: Path, view: int) -> np.ndarray:
+    """(H, W) of a view of a recorded visit, metres along the optical axis. FileNotFoundError as `true_ids`."""
+    return _image(directory / f"{view:02d}_depth.png") / MILLIMETRES
+
+
+def _image(path: Path) -> np.ndarray:
+    image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    if image is None:
+        raise FileNotFoundError(f"{path}: no such image; record the visit again: remove its directory and make the trials again")
+    return image

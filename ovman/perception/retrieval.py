@@ -1,0 +1,74 @@
+"""Retrieval: where the right category stands among all categories of a scene, by similarity of crops and nouns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ranks:
+    """Of N crops. own (N,): how many categories come before the right one when each goes by its own noun; 0 is first.
+
+    synonyms: for each crop the same with each synonym of the right category in the place of its own noun (S,); S is 0 for a
+    category without synonyms. choices (N,): how many categories there were.
+    """
+
+    own: np.ndarray
+    synonyms: tuple[np.ndarray, ...]
+    choices: np.ndarray
+
+    def top(self, k: int) -> np.ndarray:
+        """(N,) 1.0 where the right category is among the first k."""
+        return (self.own < k).astype(float)
+
+    def top_by_synonym(self, k: int) -> np.ndarray:
+        """(N,) share of the synonyms by which the right category is among the first k; NaN where there are none."""
+        return np.array([np.mean(ranks < k) if len(ranks) else np.nan for ranks in self.synonyms])
+
+    def chance(self, k: int) -> np.ndarray:
+        """(N,) what guessing gives."""
+        return np.minimum(k / self.choices, 1.0)
+
+
+def ranks(
+    features: np.ndarray,
+    categories: Sequence[str],
+    present: Sequence[str],
+    nouns: Mapping[str, Sequence[str]],
+    text: Mapping[str, np.ndarray],
+) -> Ranks:
+    """Ranks of the right categories of N crops, whether of true or of detected masks.
+
+    features (N, K): unit embeddings of the crops, categories: what each shows; present: the categories to choose from. nouns: of
+    each category, its own noun first, then the synonyms; text: unit embedding (K,) of every noun. A category that is as similar
+    as the right one comes before it, unless it goes by the same phrase: a noun that several categories share is right for each.
+
+    Raises ValueError for a category that is not among `present`, KeyError for a noun that `text` lacks.
+    """
+    order = sorted(set(present))
+    strangers = sorted(set(categories) - set(order))
+    if strangers:
+        raise ValueError(f"{strangers[0]} is not among the {len(order)} categories to choose from")
+    features = np.asarray(features, float)
+    of_noun = np.stack([text[nouns[category][0]] for category in order]).astype(float) if order else np.zeros((0, 0))
+    own = np.zeros(len(features), int)
+    by_synonym: list[np.ndarray] = [np.zeros(0, int)] * len(features)
+    labels = np.array(categories, object)
+    for category in sorted(set(categories)):
+        rows = np.flatnonzero(labels == category)
+        others = [i for i, other in enumerate(order) if other != category]
+        against = features[rows] @ of_noun[others].T
+        phrases = [nouns[order[i]][0] for i in others]
+
+        def before(phrase: str, rows=rows, against=against, phrases=phrases) -> np.ndarray:
+            rival = np.array([other != phrase for other in phrases], bool)
+            return (against[:, rival] >= (features[rows] @ text[phrase].astype(float))[:, None]).sum(axis=1)
+
+        own[rows] = before(nouns[category][0])
+        renamed = np.stack([before(phrase) for phrase in nouns[category][1:]] or [np.zeros(len(rows), int)], axis=1)
+        for row, of_row in zip(rows, renamed[:, : len(nouns[category]) - 1], strict=True):
+            by_synonym[row] = of_row
+    return Ranks(own, tuple(by_synonym), np.full(len(features), len(order)))

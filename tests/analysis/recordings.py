@@ -1,0 +1,94 @@
+"""A small recorded scene, written as the stages write theirs: three objects on a floor in front of a wall."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+SIDE = 60
+OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}
+NAMES = ("Floor|1", "Sofa|1", "Vase|1", "Vase|2", "wall|1")
+RECTANGLES = {"Floor|1": (40, 60, 0, 60), "Sofa|1": (10, 34, 4, 34), "Vase|1": (10, 30, 40, 58), "Vase|2": (36, 39, 40, 50)}
+"""Rows and columns; all else is wall."""
+LEAST_PX = 50
+
+
+@dataclass
+class Detected:
+    """What the reader of detections gives, in memory."""
+
+    view: np.ndarray
+    point: np.ndarray
+    feature: np.ndarray
+    confidence: np.ndarray
+    seen: np.ndarray
+    content: str
+
+    def masks(self):
+        return self.seen
+
+
+def index_image():
+    image = np.full((SIDE, SIDE), NAMES.index("wall|1") + 1, np.uint16)
+    for name, (top, bottom, left, right) in RECTANGLES.items():
+        image[top:bottom, left:right] = NAMES.index(name) + 1
+    return image
+
+
+def mask(name, shift=0):
+    top, bottom, left, right = RECTANGLES[name]
+    whole = np.zeros((SIDE, SIDE), bool)
+    whole[top:bottom, left + shift : right + shift] = True
+    return whole
+
+
+def write_scene(path, name="FloorPlan1"):
+    def point(x, y, z):
+        return {"x": x, "y": y, "z": z}
+
+    objects = [
+        {"id": k, "category": c, "position": point(float(i), 0.5, 2.0), "size": point(0.8, 1.0, 0.6)}
+        for i, (k, c) in enumerate(OBJECTS.items())
+    ]
+    path.mkdir(parents=True, exist_ok=True)
+    (path / f"{name}.json").write_text(json.dumps({"scene": name, "objects": objects}))
+    return path / f"{name}.json"
+
+
+def write_visit(directory, views=2, alterations=(), moved=None, present=None):
+    directory.mkdir(parents=True)
+    record = {
+        "visit": directory.name,
+        "alterations": list(alterations),
+        "present": present or {},
+        "views": [
+            {
+                "pose": {"x": 0.0, "z": 0.0, "yaw_deg": 0.0, "horizon_deg": 0.0},
+                "camera": {"x": 0.0, "y": 1.0, "z": 0.0},
+                "instances": list(NAMES),
+                "seen": {},
+                "moved": moved or {},
+            }
+        ]
+        * views,
+    }
+    (directory / "visit.json").write_text(json.dumps(record))
+    for view in range(views):
+        cv2.imwrite(str(directory / f"{view:02d}_ids.png"), index_image())
+        cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((SIDE, SIDE), 2000, np.uint16))
+    return directory
+
+
+def detected(masks, features=None, views=None, content="a", confidence=None, points=None):
+    count = len(masks)
+    return Detected(
+        view=np.zeros(count, int) if views is None else np.array(views),
+        point=np.zeros((count, 3)) if points is None else np.array(points, float),
+        feature=np.zeros((count, 4)) if features is None else np.array(features, float),
+        confidence=np.linspace(0.9, 0.3, count) if confidence is None else np.array(confidence),
+        seen=np.array(masks, bool).reshape(count, SIDE, SIDE),
+        content=content,
+    )

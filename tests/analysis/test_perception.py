@@ -1,0 +1,130 @@
+from __future__ import annotations
+
+import csv
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ovman.analysis import perception
+from ovman.analysis.instances import TrueScene
+from ovman.analysis.scores import CATEGORY, SCENE, SIZE, scores
+from ovman.language.vocabulary import nouns
+from tests.analysis.recordings import LEAST_PX, detected, mask, write_scene, write_visit
+
+PHRASES = sorted({phrase for category in ("Sofa", "Vase") for phrase in nouns(category)})
+TEXT = {phrase: np.eye(len(PHRASES))[i] for i, phrase in enumerate(PHRASES)}
+LARGE = ("Sofa|1", "Vase|1")
+
+
+def feature(name):
+    return TEXT[nouns(name.split("|")[0])[0]]
+
+
+def perfect(views=2, content="a", names=LARGE, shift=0, **changes):
+    shown = [(view, name) for view in range(views) for name in names]
+    masks = [mask(name, shift) for _, name in shown]
+    settings = {"features": [feature(name) for _, name in shown], "views": [view for view, _ in shown], "content": content}
+    return detected(masks, **(settings | changes))
+
+
+@pytest.fixture
+def scene(tmp_path):
+    write_visit(tmp_path / "visits" / "FloorPlan1" / "untouched")
+    return TrueScene.load(write_scene(tmp_path / "scenes"))
+
+
+def seen(scene, tmp_path, tours):
+    return perception.seen_in(scene, tours, TEXT, tmp_path / "visits" / "FloorPlan1", LEAST_PX)
+
+
+def all_of(scene, tmp_path, detections):
+    return scores([seen(scene, tmp_path, {"untouched": detections})])[0]
+
+
+def test_perfect_masks_and_features_are_perfect(scene, tmp_path):
+    whole = all_of(scene, tmp_path, perfect())
+    assert (whole.true, whole.found, whole.crops, whole.doubled) == (4, 4, 4, 0)
+    assert whole.recall == whole.precision == whole.top1 == whole.top5 == 1.0
+    # Synonyms point elsewhere in this language: to no category at all, so that every other one ties.
+    assert whole.own_top1 == 1.0 and whole.synonym_top1 == 0.0 and whole.synonym_top5 == 1.0
+    assert whole.chance_top1 == 0.5
+
+
+def test_floors_walls_and_specks_are_no_instances_to_find(scene, tmp_path):
+    assert [o.category for o in scene.objects] == ["Sofa", "Vase", "Vase"]
+    whole = all_of(scene, tmp_path, detected([mask("Floor|1"), mask("Vase|2")], features=[feature("Vase|2")] * 2))
+    assert (whole.true, whole.recalled, whole.found, whole.right) == (4, 0, 2, 1)
+
+
+def test_shifted_masks_find_nothing(scene, tmp_path):
+    assert all_of(scene, tmp_path, perfect(names=("Sofa|1",), shift=9)).recall == 0.5
+    whole = all_of(scene, tmp_path, perfect(names=("Sofa|1",), shift=11))
+    assert whole.recall == whole.precision == 0.0 and whole.top1 is None
+
+
+def test_masks_on_one_instance_are_told_apart(scene, tmp_path):
+    whole = all_of(scene, tmp_path, perfect(views=1, names=("Sofa|1", "Sofa|1", "Vase|1")))
+    assert (whole.recalled, whole.right, whole.doubled) == (2, 3, 1)
+
+
+def test_without_any_mask(scene, tmp_path):
+    whole = all_of(scene, tmp_path, detected([], features=np.zeros((0, len(PHRASES)))))
+    assert whole.recall == 0.0 and whole.precision is None and whole.top1 is None and whole.off_box_median_m is None
+
+
+def test_how_far_from_the_box_what_has_not_moved_is(scene, tmp_path):
+    here, there = {"x": 0.0, "y": 0.5, "z": 2.0}, {"x": 5.0, "y": 0.5, "z": 2.0}
+    write_visit(
+        tmp_path / "visits" / "FloorPlan1" / "displaced",
+        present={"Sofa|1": {"position": here}, "Vase|1": {"position": there}},
+    )
+    tours = {"displaced": perfect(views=1, points=[[0.0, 0.5, 3.3], [9.0, 9.0, 9.0]])}
+    whole = scores([seen(scene, tmp_path, tours)])[0]
+    assert whole.crops == 2 and whole.off_box_median_m == pytest.approx(1.0)
+
+
+def test_groups_add_up(scene, tmp_path):
+    rng = np.random.default_rng(0)
+    for number in range(3):
+        write_visit(tmp_path / "visits" / "FloorPlan1" / f"visit{number}", views=4)
+
+    def tour(content):
+        names = rng.choice([*LARGE, "Vase|2", "Floor|1"], 12)
+        features = rng.normal(size=(12, len(PHRASES)))
+        masks = [mask(name, rng.integers(-4, 2)) for name in names]
+        return detected(masks, features=features, views=np.sort(rng.integers(4, size=12)), content=content)
+
+    halves = [seen(scene, tmp_path, {f"visit{n}": tour(str(n)) for n in numbers}) for numbers in ((0, 1), (2,))]
+    object.__setattr__(halves[1], "scene", "FloorPlan2")
+    rows = scores(halves)
+    whole = rows[0]
+    assert whole.true == 3 * 4 * 2 and whole.found == 36 and 0 < whole.right < 36
+    for group, members in ((SIZE, ("true", "recalled", "found", "right", "doubled", "crops", "named")),
+                           (SCENE, ("true", "recalled", "found", "right", "doubled", "crops", "named")),
+                           (CATEGORY, ("true", "recalled", "right", "doubled", "crops", "named"))):  # fmt: skip
+        for member in members:
+            assert sum(getattr(row, member) for row in rows if row.group == group) == getattr(whole, member), (group, member)
+    assert rows[1].top1 == pytest.approx(np.mean([row.top1 for row in rows if row.group == CATEGORY]))
+
+
+def test_equal_tours_count_once_whatever_their_names():
+    tours = {"b": perfect(content="x"), "a": perfect(content="x"), "c": perfect(content="y")}
+    assert list(perception.distinct(tours)) == list(perception.distinct(dict(reversed(tours.items())))) == ["a", "c"]
+
+
+def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch):
+    tours = {"untouched": perfect(), "again": perfect(content="a")}
+    monkeypatch.setattr(perception, "read_detections", lambda path: tours)
+    monkeypatch.setattr(perception, "read_nouns", lambda path: TEXT)
+    constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(minimum_mask_px=LEAST_PX)))
+    write_visit(tmp_path / "visits" / "FloorPlan1" / "again")
+    where = [tmp_path / "scenes" / "FloorPlan1.json"], [tmp_path / "FloorPlan1.npz"], tmp_path / "nouns.npz", tmp_path / "visits"
+    for name in ("one.csv", "other.csv"):
+        perception.run(*where, constants, tmp_path / name)
+        tours = dict(reversed(tours.items()))
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+    rows = list(csv.DictReader((tmp_path / "one.csv").open()))
+    assert rows[0]["true"] == "4" and rows[0]["recall"] == "1.000000"
+    with pytest.raises(ValueError, match="FloorPlan1: no file of detections; make it first"):
+        perception.run(where[0], [], *where[2:], constants, tmp_path / "none.csv")

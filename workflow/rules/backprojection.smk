@@ -1,0 +1,16 @@
+# The recorded tours come with the trials.
+rule backprojection:
+    input:
+        scenes=expand("results/scenes/{scene}.json", scene=SCENES),
+        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
+        detections=expand("results/detections/{scene}.npz", scene=SCENES),
+    output:
+        backprojection="results/metrics/backprojection.csv",
+    log:
+        "logs/backprojection.log",
+    benchmark:
+        "benchmarks/backprojection.tsv"
+    params:
+        constants=stage("backprojection"),
+    script:
+        "../scripts/backprojection.py"

@@ -1,0 +1,18 @@
+"""Stage `perception`: what was detected in the recorded tours, against the true instances of their pictures."""
+
+from pathlib import Path
+
+from ovman.analysis import perception
+from ovman.job import job
+
+VISITS = Path("results", "visits")
+
+with job(snakemake) as work:
+    perception.run(
+        work.inputs("scenes"),
+        work.inputs("detections"),
+        work.input("nouns"),
+        VISITS,
+        work.constants,
+        work.output("perception"),
+    )
