@@ -8,6 +8,7 @@ Frames: Unity's world frame, left-handed, y up, metres; yaw 0 looks along +z and
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
@@ -81,11 +82,14 @@ class Observation:
 class Visit:
     """One tour of the home: its frames in the order they were taken, and the positions (K, 2) that the agent can reach in it.
 
-    reachable is in metres on the floor plane (x, z), spaced by one step, recomputed after the change for the second visit.
+    The frames of a recorded tour are read when they are looked at. reachable is in metres on the floor plane (x, z), spaced by
+    one step, recomputed after the change for the second visit. content: a digest of the frames and camera poses, by which an
+    agent finds again what it made of them; None where nobody took it.
     """
 
-    observations: tuple[Observation, ...]
+    observations: Sequence[Observation]
     reachable: np.ndarray
+    content: str | None = None
 
 
 @runtime_checkable
@@ -93,8 +97,9 @@ class Agent(Protocol):
     """An agent under evaluation, called in this order for every episode: familiarise, revisit, ask, then act until it ends.
 
     One object serves many episodes one after another; ``familiarise`` starts a new one, and what was kept of the last is to be
-    forgotten. An exception raised by any of these ends the run of the evaluation, not the episode: an agent that cannot decide
-    returns ABSTAIN.
+    forgotten. An agent that looks at nothing while it drives says so with an attribute `looks` that is False: `act` gets poses
+    without images, and nothing is drawn for it. An agent that says nothing gets images at every step. An exception raised by any
+    of these ends the run of the evaluation, not the episode: an agent that cannot decide returns ABSTAIN.
     """
 
     def familiarise(self, visit: Visit) -> None:

@@ -28,8 +28,8 @@ class Arm:
     """name: in file names and records. system: the row's title in the tables (an embodied arm's "agent").
 
     memory: what it keeps of the two visits. grounding, positions: own, or handed over as a diagnostic. executes: the static arm
-    whose predictions an embodied arm drives to; None where it predicts for itself or is given the answer. expected: its static
-    success is the expectation over a stochastic pick, not a realised answer.
+    whose predictions an embodied arm drives to, or picks its goal from where they are a stochastic pick; None where it is given
+    the answer. expected: its static success is the expectation over a stochastic pick, not a realised answer.
     """
 
     name: str
@@ -44,6 +44,40 @@ class Arm:
 
 # In the order of the tables.
 ARMS: tuple[Arm, ...] = (
+    Arm(
+        "single_visit",
+        Kind.STATIC,
+        system="ours (reference)",
+        memory="single visit",
+        grounding=Source.OWN,
+        positions=Source.OWN,
+        expected=True,
+    ),
+    Arm(
+        "two_visits",
+        Kind.STATIC,
+        system="ours (reference)",
+        memory="two visits",
+        grounding=Source.OWN,
+        positions=Source.OWN,
+    ),
+    Arm(
+        "grounding_single_visit",
+        Kind.STATIC,
+        system="ours (reference)",
+        memory="single visit",
+        grounding=Source.HANDED,
+        positions=Source.OWN,
+        expected=True,
+    ),
+    Arm(
+        "grounding_two_visits",
+        Kind.STATIC,
+        system="ours (reference)",
+        memory="two visits",
+        grounding=Source.HANDED,
+        positions=Source.OWN,
+    ),
     Arm(
         "positions_single_visit",
         Kind.STATIC,
@@ -60,6 +94,24 @@ ARMS: tuple[Arm, ...] = (
         memory="two visits",
         grounding=Source.HANDED,
         positions=Source.HANDED,
+    ),
+    Arm(
+        "single_visit_embodied",
+        Kind.EMBODIED,
+        system="ours, 1 visit",
+        memory="single visit",
+        grounding=Source.OWN,
+        positions=Source.OWN,
+        executes="single_visit",
+    ),
+    Arm(
+        "two_visits_embodied",
+        Kind.EMBODIED,
+        system="ours, 2 visits",
+        memory="two visits",
+        grounding=Source.OWN,
+        positions=Source.OWN,
+        executes="two_visits",
     ),
     Arm(
         "two_visits_oracle_positions",

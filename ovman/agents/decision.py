@@ -20,6 +20,7 @@ class AbstentionReason(StrEnum):
     DISPLACEMENT_BELOW_TAU = "displacement_below_tau"  # MOVED, FORMER: all matched, and no pair moved far enough
     DISPLACEMENT_ABOVE_TAU = "displacement_above_tau"  # STABLE: even the steadiest pair moved
     NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold
+    NOTHING_GROUNDED = "nothing_grounded"  # no object of the maps is what the noun means; so it is with empty maps
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,8 +73,8 @@ def execute(
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
     reachable positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None
     for an agent that is not handed any. `rng` drives the mover.
-    An agent that is handed positions is given no images. Deterministic for a deterministic simulator. SimulatorError if it
-    refuses.
+    An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
+    simulator. SimulatorError if it refuses.
     """
     world = World(session, assignment.second, Gait.of(constants), rng)
     if assignment.mover is not None:
@@ -86,6 +86,7 @@ def execute(
     agent.revisit(second(cells(ground)))
     agent.ask(Query(assignment.category, assignment.relation))
 
+    looks = name_of is None and getattr(agent, "looks", True)
     gone = {a.instance for a in assignment.second if a.kind == "disable"}
     session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
@@ -97,7 +98,7 @@ def execute(
             mover_in, before_in = _cell(world.mover.position, constants.primitives.step_m), mover_in
             if mover_in != before_in:
                 reachable = cells(Ground.around(session, session.pose, constants.primitives.step_m))
-        action = agent.act(_observation(session, gone, name_of, succeeded, reachable, constants))
+        action = agent.act(_observation(session, looks, gone, name_of, succeeded, reachable, constants))
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
@@ -134,6 +135,7 @@ def cells(ground: Ground) -> np.ndarray:
 
 def _observation(
     session: Session,
+    looks: bool,
     gone: set[str],
     name_of: Callable[[str], str] | None,
     succeeded: bool,
@@ -143,9 +145,11 @@ def _observation(
     pose = session.pose
     camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
     field_of_view_deg = constants.camera.field_of_view_deg
-    if name_of is None:
+    if looks:
         session.step("Pass", image=True)
         return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)
+    if name_of is None:
+        return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
     present = {k: o for k, o in session.objects.items() if (o["moveable"] or o["pickupable"]) and k not in gone}
     at = {k: position(o) for k, o in present.items()}
     positions = tuple(Sighting(name_of(k), present[k]["objectType"], at[k]["x"], at[k]["z"]) for k in sorted(at))

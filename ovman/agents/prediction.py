@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reasoning import Evidence
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.task.record import line, records
 
@@ -18,29 +19,26 @@ Outcome = Answer | Abstention | UniformPick | UniformBox
 
 @dataclass(frozen=True, slots=True)
 class Prediction:
-    """What one arm answered to one episode: a point, an abstention, or what a stochastic arm picks its point from."""
+    """What one arm answered to one episode: a point, an abstention, or what a stochastic arm picks its point from.
+
+    evidence: what it was drawn from, where the arm has a map of its own. No verdict depends on it.
+    """
 
     episode: str
     arm: str
     seed: int
     outcome: Outcome
+    evidence: Evidence | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """{"schema", "episode", "arm", "seed"} and one of {"x", "z"}, {"abstain"}, {"candidates": [{"x", "z"}]}, {"box": {...}}.
+        """{"schema", "episode", "arm", "seed"} and one of {"x", "z"}, {"abstain"}, {"candidates": [{"x", "z"}]}, {"box": {...}};
+        then, of an arm with a map of its own, {"evidence": {...}}.
 
         Coordinates are metres on the floor plane, as they were given.
         """
         record: dict[str, Any] = {"schema": SCHEMA, "episode": self.episode, "arm": self.arm, "seed": self.seed}
-        match self.outcome:
-            case Answer(x, z):
-                return {**record, "x": x, "z": z}
-            case Abstention(reason):
-                return {**record, "abstain": str(reason)}
-            case UniformPick(candidates):
-                return {**record, "candidates": [{"x": x, "z": z} for x, z in candidates]}
-            case UniformBox():
-                return {**record, "box": asdict(self.outcome)}
-        raise TypeError(f"not an outcome of a prediction: {self.outcome!r}")
+        record |= outcome_json(self.outcome)
+        return record if self.evidence is None else {**record, "evidence": self.evidence.to_json()}
 
     @classmethod
     def from_json(cls, record: Mapping[str, Any]) -> Prediction:
@@ -51,7 +49,8 @@ class Prediction:
         if len(forms) != 1:
             raise ValueError('give exactly one of "x" and "z", "abstain", "candidates", "box"')
         try:
-            return cls(str(record["episode"]), str(record["arm"]), int(record["seed"]), _outcome(record, forms[0]))
+            evidence = Evidence.from_json(record["evidence"]) if "evidence" in record else None
+            return cls(str(record["episode"]), str(record["arm"]), int(record["seed"]), _outcome(record, forms[0]), evidence)
         except KeyError as missing:
             raise ValueError(f"{missing} is missing; add it") from None
 
@@ -70,6 +69,20 @@ def read(path: Path) -> list[Prediction]:
 def write(path: Path, predictions: Iterable[Prediction]) -> None:
     """One JSON line a prediction, in the order given, coordinates rounded as all records are."""
     path.write_text("".join(line(prediction.to_json()) for prediction in predictions), encoding="utf-8")
+
+
+def outcome_json(outcome: Outcome) -> dict[str, Any]:
+    """One of {"x", "z"}, {"abstain"}, {"candidates": [{"x", "z"}]}, {"box": {...}}; metres, as they were given."""
+    match outcome:
+        case Answer(x, z):
+            return {"x": x, "z": z}
+        case Abstention(reason):
+            return {"abstain": str(reason)}
+        case UniformPick(candidates):
+            return {"candidates": [{"x": x, "z": z} for x, z in candidates]}
+        case UniformBox():
+            return {"box": asdict(outcome)}
+    raise TypeError(f"not an outcome of a prediction: {outcome!r}")
 
 
 def _outcome(record: Mapping[str, Any], form: str) -> Outcome:

@@ -3,6 +3,8 @@ rule executions:
     input:
         episodes="results/episodes/main.jsonl",
         trials="results/trials/{scene}.jsonl",
+        maps=own("results/maps/{scene}.npz"),
+        nouns=own("results/nouns.npz"),
     output:
         **{f"seed{seed}": f"results/executions/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
     log:

@@ -1,8 +1,20 @@
 """Stage `executions`: an embodied arm runs the episodes of a scene, once for each seed."""
 
+from pathlib import Path
+
 from ovman.agents import executions
 from ovman.job import job
 
 with job(snakemake) as work:
-    outputs = {int(name.removeprefix("seed")): work.output(name) for name, _ in snakemake.output.items()}
-    executions.run(work.arm, work.scene, work.input("episodes"), work.input("trials"), work.constants, outputs, work.journal())
+    executions.run(
+        work.arm,
+        work.scene,
+        work.input("episodes"),
+        work.input("trials"),
+        work.constants,
+        {int(name.removeprefix("seed")): work.output(name) for name, _ in snakemake.output.items()},
+        work.journal(),
+        Path("results/visits", work.scene),
+        next(iter(work.inputs("maps")), None),
+        next(iter(work.inputs("nouns")), None),
+    )

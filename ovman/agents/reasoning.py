@@ -1,0 +1,117 @@
+"""From maps and what is grounded in them to an answer: the reference agent without its eyes and wheels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from ovman.agents.association import Association, associate
+from ovman.agents.decision import (
+    Abstention,
+    AbstentionReason,
+    Answer,
+    DecisionConstants,
+    decide,
+    moving_by_last_sighting,
+)
+from ovman.agents.object_map import ObjectMap
+from ovman.agents.single_visit import UniformBox, UniformPick, single_visit
+from ovman.agents.two_visits import AssociationConstants
+from ovman.task import Relation
+
+
+@dataclass(frozen=True, slots=True)
+class ReferenceConstants:
+    """band: delta_g of the grounding; association: gamma and lambda; decision: tau."""
+
+    band: float
+    association: AssociationConstants
+    decision: DecisionConstants
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What an answer was drawn from. Indices are those of the visits' maps.
+
+    grounded_1, grounded_2: what the noun means in each visit, grounded_1 None where the first visit is not looked at; pairs:
+    objects of the first and of the second visit that were taken for the same.
+    """
+
+    grounded_1: tuple[int, ...] | None
+    grounded_2: tuple[int, ...]
+    pairs: tuple[tuple[int, int], ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """{"grounded": {"first": [i] or null, "second": [j]}, "pairs": [[i, j]]}."""
+        first = None if self.grounded_1 is None else list(self.grounded_1)
+        return {"grounded": {"first": first, "second": list(self.grounded_2)}, "pairs": [list(pair) for pair in self.pairs]}
+
+    @staticmethod
+    def from_json(record: Any) -> Evidence:
+        """The inverse of ``to_json``. Raises KeyError for a missing key."""
+        first = record["grounded"]["first"]
+        return Evidence(
+            None if first is None else tuple(first),
+            tuple(record["grounded"]["second"]),
+            tuple((i, j) for i, j in record["pairs"]),
+        )
+
+
+def two_visits(
+    relation: Relation,
+    map_1: ObjectMap,
+    map_2: ObjectMap,
+    grounded_1: Sequence[int],
+    grounded_2: Sequence[int],
+    constants: ReferenceConstants,
+) -> tuple[Answer | Abstention, Evidence]:
+    """What the two-visit agent answers from its maps of both visits, and from which evidence.
+
+    grounded_1, grounded_2: indices of what the noun means in each map. Abstains with NOTHING_GROUNDED where that is nothing in
+    either, else as ``decide`` and, for MOVING, ``moving_by_last_sighting`` do. The order of a map's objects is of no
+    consequence. Source: Eq. cost, Eq. pad, Eq. rules.
+    """
+    g_1, g_2 = list(grounded_1), list(grounded_2)
+    p_1, p_2 = map_1.p[g_1], map_2.p[g_2]
+    matched = _associated(map_1, map_2, g_1, g_2, constants.association)
+    evidence = Evidence(tuple(g_1), tuple(g_2), tuple((g_1[i], g_2[j]) for i, j in matched.pairs))
+    if not g_1 and not g_2:
+        return Abstention(AbstentionReason.NOTHING_GROUNDED), evidence
+    if Relation(relation) is Relation.MOVING:
+        tracks, last_seen = [map_2.tracks[j] for j in g_2], [map_2.last_seen[j] for j in g_2]
+        return moving_by_last_sighting(tracks, last_seen, matched), evidence
+    return decide(relation, p_1, p_2, matched, (), constants.decision), evidence
+
+
+def one_visit(
+    relation: Relation, map_2: ObjectMap, grounded_2: Sequence[int], reachable: ArrayLike
+) -> tuple[UniformPick | UniformBox | Abstention, Evidence]:
+    """What the single-visit agent picks from, given its map of the second visit, and from which evidence.
+
+    grounded_2: indices of what the noun means in the map; reachable (K, 2): positions in metres that the agent can reach.
+    Current relations are answered with the place of a grounded object, MOVING with its last track point; past ones, for which
+    the visit holds no evidence, with a position in the bounding box of what is reachable. Abstains with NOTHING_GROUNDED where
+    a current relation finds nothing grounded. Raises ValueError as ``single_visit`` does.
+    Source: the single-visit baseline of the paper's problem formulation.
+    """
+    relation, evidence = Relation(relation), Evidence(None, tuple(grounded_2))
+    if not relation.past and not evidence.grounded_2:
+        return Abstention(AbstentionReason.NOTHING_GROUNDED), evidence
+    places = [map_2.tracks[j] if relation is Relation.MOVING else map_2.p[[j]] for j in evidence.grounded_2]
+    return single_visit(relation, places, reachable), evidence
+
+
+def _associated(
+    map_1: ObjectMap, map_2: ObjectMap, g_1: list[int], g_2: list[int], constants: AssociationConstants
+) -> Association:
+    return associate(
+        map_1.p[g_1],
+        map_2.p[g_2],
+        map_1.f[g_1],
+        map_2.f[g_2],
+        gate_m=constants.gate_m,
+        feature_scale_m=constants.feature_scale_m,
+    )
