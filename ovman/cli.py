@@ -16,8 +16,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
     doctor = commands.add_parser("doctor", help="what works on this machine, and what to do about what does not")
     doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
+    show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
+    show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
+    show.add_argument("--all", action="store_true", help="every released episode")
+    show.add_argument("--results", default="results", metavar="DIR", help="default: results")
+    show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
+    show.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
     options = parser.parse_args(arguments)
-    return _doctor(options.thor)
+    return _doctor(options.thor) if options.command == "doctor" else _show(options)
 
 
 def _doctor(thor: bool) -> int:
@@ -28,6 +34,21 @@ def _doctor(thor: bool) -> int:
         print(report([found]), flush=True)
         well &= found.state is not State.ILL
     return 0 if well else 1
+
+
+def _show(options: argparse.Namespace) -> int:
+    try:
+        from ovman.report.show.command import show
+    except ModuleNotFoundError as missing:
+        print(f"ovman show: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        return 1
+    try:
+        for path in show(options.episodes, options.all, options.results, options.output, options.config):
+            print(path, flush=True)
+    except (ValueError, OSError) as error:
+        print(f"ovman show: {error}", file=sys.stderr)
+        return 1
+    return 0
 
 
 if __name__ == "__main__":

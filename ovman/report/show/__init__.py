@@ -1,0 +1,1 @@
+"""`ovman show`: a page about one episode, made from the files of a results directory."""

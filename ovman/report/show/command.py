@@ -1,0 +1,55 @@
+"""The command `ovman show`: pages about episodes, and an index where they are many."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from ovman import config
+from ovman.report.show.index import index
+from ovman.report.show.page import page
+from ovman.report.show.results import Results, ShowError
+
+PAGES = "pages"
+"""The folder of a results directory that pages are written into unless another place is named."""
+
+
+def show(
+    patterns: Sequence[str], all_of_them: bool, results_dir: str | Path, output: str | Path | None, config_file: str | Path
+) -> Iterator[Path]:
+    """Write the pages of the episodes that match and yield each file, the index of several last.
+
+    output: a file for one episode, a directory for many. Raises ShowError, ConfigError or RecordError, all ValueErrors of one
+    line, for what cannot be shown.
+    """
+    settings, results = config.load(Path(config_file)), Results(Path(results_dir))
+    if not patterns and not all_of_them:
+        raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
+    chosen = results.chosen(["*"] if all_of_them else patterns)
+    directory = Path(output) if output is not None else results.directory / PAGES
+    if len(chosen) == 1 and output is not None and not directory.is_dir():
+        yield _write(directory, page(results, chosen[0], settings))
+        return
+    for name in chosen:
+        yield _write(directory / file_name(name), page(results, name, settings))
+    if len(chosen) > 1:
+        yield _write(directory / "index.html", index(results, chosen, [file_name(name) for name in chosen]))
+
+
+def file_name(episode: str) -> Path:
+    """Of an episode's page, below the directory of the pages: FloorPlan201/moved/0001.html."""
+    return Path(f"{episode}.html")
+
+
+def _write(path: Path, text: str) -> Path:
+    """A file that is there whole or not at all. ShowError where it cannot be written."""
+    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        partial.write_text(text, encoding="utf-8", newline="\n")
+        os.replace(partial, path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise ShowError(f"{path}: {error.strerror}; name another place with --output") from None
+    return path

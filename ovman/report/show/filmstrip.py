@@ -1,0 +1,143 @@
+"""The frames of a tour as small pictures: what was detected outlined, what was grounded filled, the true masks on top."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from ovman.report.show.reasoning import Item, Reasoning
+from ovman.sim.visit import Visit
+
+QUALITY = 78
+"""Of the JPEG files."""
+SIDE_PX = 240
+"""Of the embedded pictures; the masks keep the coordinates of the frames."""
+STRAY_PX = 1.2
+"""Farthest that an outline may stray from the mask."""
+SAME_PLACE_M = 1e-3
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """d: an SVG path in the frame's pixels. kind: its CSS classes; title: shown where the pointer rests."""
+
+    d: str
+    kind: str
+    title: str
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A view of a tour. picture: a data URI; target_px: size of the target's true mask, 0 where it is not seen."""
+
+    view: int
+    yaw_deg: float
+    picture: str
+    width: int
+    height: int
+    outlines: tuple[Outline, ...]
+    truths: tuple[Outline, ...]
+    target_px: int
+
+
+@dataclass(frozen=True, slots=True)
+class Stand:
+    """A waypoint and the frames that were taken from it. number: counts from 1; at: (x, z) in metres."""
+
+    number: int
+    at: tuple[float, float]
+    frames: tuple[Frame, ...]
+
+
+def stands(
+    visit: Visit, directory: Path, episode: Mapping[str, Any], detected: Any, reasonings: Sequence[Reasoning], which: int
+) -> list[Stand]:
+    """The frames of a recorded tour, by waypoint. detected: None where there are no detections; which: 0 or 1, the visit."""
+    named = [[(k, item, reasoning) for item in reasoning.items[which]] for k, reasoning in enumerate(reasonings)]
+    own = [entry for row in named for entry in row if entry[2].arm != "positions_two_visits"]
+    masks = None if detected is None else detected.masks()
+    found: list[tuple[tuple[float, float], list[Frame]]] = []
+    for index, view in enumerate(visit.views):
+        outlines = [] if masks is None else _detections(detected, masks, index, own)
+        frame = _frame(visit, directory, index, episode, outlines)
+        at = (view["pose"]["x"], view["pose"]["z"])
+        if not found or found[-1][0] != at:
+            found.append((at, []))
+        found[-1][1].append(frame)
+    return [Stand(number, at, tuple(frames)) for number, (at, frames) in enumerate(found, start=1)]
+
+
+def outline(mask: np.ndarray) -> str:
+    """The SVG path around a mask (H, W) bool, in pixels; empty for an empty mask."""
+    contours, _ = cv2.findContours(mask.astype(np.uint8), cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_SIMPLE)
+    parts = []
+    for contour in contours:
+        points = cv2.approxPolyDP(contour, STRAY_PX, closed=True)[:, 0]
+        if len(points) > 2:
+            parts.append("M" + "L".join(f"{u} {v}" for u, v in points.tolist()) + "Z")
+    return "".join(parts)
+
+
+def picture(path: Path) -> tuple[str, int, int]:
+    """A PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height. OSError if it cannot be read."""
+    image = cv2.imread(str(path))
+    if image is None:
+        raise OSError(f"{path}: could not be read; remove the directory and record the visit again with `make tables`")
+    height, width = image.shape[:2]
+    scale = min(1.0, SIDE_PX / height)
+    small = cv2.resize(image, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
+    _, data = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+    return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii"), width, height
+
+
+def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> Frame:
+    view = visit.views[index]
+    uri, width, height = picture(directory / f"{index:02d}_rgb.png")
+    ids = cv2.imread(str(directory / f"{index:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
+    truths = []
+    for number, name in enumerate(view["instances"], start=1):
+        kind = "target" if name == episode["target"] else "distractor" if name == episode["distractor"] else "instance"
+        if kind != "instance" and name not in view["seen"]:
+            continue
+        if visit.category.get(name) == episode["category"] and name in view["seen"]:
+            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view['seen'][name]} px (truth)"))
+    return Frame(
+        view=index,
+        yaw_deg=view["pose"]["yaw_deg"],
+        picture=uri,
+        width=width,
+        height=height,
+        outlines=tuple(outlines),
+        truths=tuple(truths),
+        target_px=view["seen"].get(episode["target"], 0),
+    )
+
+
+def _detections(detected: Any, masks: np.ndarray, index: int, items: Sequence[tuple[int, Item, Reasoning]]) -> list[Outline]:
+    """The outlines of a view's detections, each with the object of the map that it belongs to and for whom that is grounded."""
+    outlines = []
+    for n in np.flatnonzero(detected.view == index).tolist():
+        place = (float(detected.point[n][0]), float(detected.point[n][2]))
+        members = [(k, item) for k, item, _ in items if _member(item, index, place)]
+        classes = ["mask", *(f"grounded-{k}" for k, item in members if item.grounded)]
+        title = f"detected with confidence {float(detected.confidence[n]):.2f}"
+        if members:
+            item = members[0][1]
+            score = "" if item.similarity is None else f", similarity {item.similarity:.3f}"
+            title = f"object {item.id}{score}; {title}"
+        outlines.append(Outline(outline(masks[n]), " ".join(classes), title))
+    return outlines
+
+
+def _member(item: Item, view: int, place: tuple[float, float]) -> bool:
+    """Whether a detection at `place` in `view` is one of those that an object of the map was made from."""
+    return any(
+        seen == view and abs(x - place[0]) < SAME_PLACE_M and abs(z - place[1]) < SAME_PLACE_M
+        for seen, (x, z) in zip(item.views, item.track, strict=True)
+    )

@@ -1,0 +1,25 @@
+"""The index of many pages: one row an episode, with what became of it under every arm."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ovman.agents.arms import ARMS
+from ovman.report.show.page import environment
+from ovman.report.show.results import Results
+from ovman.report.show.verdicts import embodied_rows, static_rows
+
+
+def index(results: Results, episodes: Sequence[str], files: Sequence[Path]) -> str:
+    """HTML with links to the files, relative to the index; a mark is the arm's verdict, for embodied arms one a seed."""
+    rows = []
+    for name, file in zip(episodes, files, strict=True):
+        episode = results.episodes[name]
+        marks = [[(row.verdict, row.words)] for row in static_rows(results, episode)]
+        marks += [
+            [(stop.verdict, f"seed {stop.seed}: {stop.words}") for stop in row.stops] for row in embodied_rows(results, episode)
+        ]
+        rows.append({"episode": episode, "file": file.as_posix(), "marks": marks})
+    arms = sorted(ARMS, key=lambda arm: arm.kind != "static")
+    return environment().get_template("index.html").render(rows=rows, arms=arms)

@@ -1,0 +1,135 @@
+"""The page about one episode: what the agent was asked, what it made of it, what was true. One HTML file, self-contained."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from ovman.report.show.filmstrip import Stand, stands
+from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
+from ovman.report.show.reasoning import VISITS, Reasoning, reasonings
+from ovman.report.show.results import MAKE, Results
+from ovman.report.show.room import Room
+from ovman.report.show.verdicts import embodied_rows, static_rows
+from ovman.task import Relation
+
+
+def environment() -> Environment:
+    """Of the templates beside this module; every value that goes into a page is escaped unless it is a drawing made here."""
+    return Environment(
+        loader=PackageLoader("ovman.report.show", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
+def page(results: Results, episode_id: str, settings: Any) -> str:
+    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.config.Config`.
+
+    Raises ShowError where there is no such episode or its scene is missing. What else is missing is named on the page.
+    """
+    (name,) = results.chosen([episode_id])
+    episode = results.episodes[name]
+    room = Room(results.scene(episode["scene"]), episode)
+    found = reasonings(results, episode, settings)
+    static, embodied = static_rows(results, episode), embodied_rows(results, episode)
+    tours = [_tour(results, episode, found, visit) for visit in (0, 1)]
+    return (
+        environment()
+        .get_template("page.html")
+        .render(
+            episode=episode,
+            relation=Relation(episode["relation"]),
+            changes=[_change(change) for change in episode["changes"]],
+            answer=room.answer,
+            reasonings=[_evidence(reasoning) for reasoning in found],
+            plans=[visit_plan(room, found, visit) for visit in (0, 1)],
+            beyond=[max((beyond(room, reasoning, visit) for reasoning in found), default=0) for visit in (0, 1)],
+            overlay=overlay_plan(room, found, static, embodied, settings.success.radius_m),
+            static=static,
+            embodied=embodied,
+            tours=tours,
+            rows=_rows(tours),
+            absent=_absent(results, episode, found),
+            settings=settings,
+            similarities=_similarities(found),
+            colours=["#{:02x}{:02x}{:02x}".format(*colour) for colour in (PALE, DEEP)],
+            make=MAKE,
+        )
+    )
+
+
+def _tour(results: Results, episode: Mapping[str, Any], found: Sequence[Reasoning], visit: int) -> list[Stand]:
+    which = VISITS[visit]
+    directory = results.visit_directory(episode, which)
+    recorded = results.visit(directory)
+    if recorded is None:
+        return []
+    return stands(recorded, directory, episode, results.detected(episode, which), found, visit)
+
+
+def _rows(tours: Sequence[Sequence[Stand]]) -> list[tuple[Stand | None, Stand | None]]:
+    """The waypoints of both tours beside each other."""
+    return [tuple(tour[k] if k < len(tour) else None for tour in tours) for k in range(max(len(tour) for tour in tours))]
+
+
+def _change(change: Mapping[str, Any]) -> str:
+    """A scripted change in words."""
+
+    def at(point: Mapping[str, float]) -> str:
+        return f"({point['x']:.2f}, {point['z']:.2f})"
+
+    before, after, path = change["before"], change["after"], change["path"]
+    match change["kind"]:
+        case "displace":
+            away = ((before["x"] - after["x"]) ** 2 + (before["z"] - after["z"]) ** 2) ** 0.5
+            return f"was put from {at(before)} to {at(after)}, {away:.2f} m away"
+        case "enable":
+            return f"was added at {at(after)}"
+        case "disable":
+            return f"was taken away from {at(before)}"
+        case _:
+            length = sum(((a["x"] - b["x"]) ** 2 + (a["z"] - b["z"]) ** 2) ** 0.5 for a, b in zip(path, path[1:], strict=False))
+            return f"moved during the second tour, {length:.2f} m from {at(path[0])} to {at(path[-1])}"
+
+
+def _evidence(reasoning: Reasoning) -> dict[str, Any]:
+    """What the tables below the overlay say of a reasoning."""
+    pairs = sorted(reasoning.pairs, key=lambda pair: (pair.cost_m, pair.first, pair.second))
+    return {
+        "arm": reasoning.arm,
+        "title": reasoning.title,
+        "pairs": pairs,
+        "unmatched": [
+            sorted(reasoning.unmatched(v), key=lambda i: (-(i.nearest_m if i.nearest_m is not None else float("inf")), i.id))
+            for v in (0, 1)
+        ],
+        "objects": [len(items) for items in reasoning.items],
+        "grounded": [len(reasoning.grounded(v)) for v in (0, 1)],
+    }
+
+
+def _similarities(found: Sequence[Reasoning]) -> tuple[float, float] | None:
+    """The least and the greatest similarity of the objects that are drawn."""
+    known = [i.similarity for r in found for items in r.items for i in items if i.similarity is not None]
+    return (min(known), max(known)) if known else None
+
+
+def _absent(results: Results, episode: Mapping[str, Any], found: Sequence[Reasoning]) -> list[str]:
+    """What the results do not have, each with the command that makes it."""
+    missing = []
+    if any(results.visit(results.visit_directory(episode, which)) is None for which in VISITS):
+        missing.append(f"No recorded tours here: {MAKE} records them.")
+    elif any(results.detected(episode, which) is None for which in VISITS):
+        missing.append(f"No detections here: {MAKE} makes them.")
+    if any(results.map(episode, which) is None for which in VISITS):
+        missing.append(f"No maps here: {MAKE} makes them.")
+    elif episode["noun"] not in results.nouns:
+        missing.append(f"No embedding of “{episode['noun']}” here, so no similarities: {MAKE} makes it.")
+    if not found:
+        missing.append(f"No evidence of any arm here: {MAKE} records it.")
+    return missing

@@ -1,0 +1,140 @@
+"""What the maps of a page have in common: the room, its waypoints, and the truth about the category."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+from xml.etree.ElementTree import Element
+
+from ovman.report.show import svg
+from ovman.report.show.frame import Frame
+from ovman.report.show.labels import Labels
+from ovman.report.show.reasoning import Reasoning
+
+FURNITURE_M = 0.3
+"""Least length of the longer side of what is drawn as furniture."""
+FLAT_M = 0.05
+"""What is lower lies flat and is left out."""
+SURROUNDINGS_M = 1.0
+FARTHEST_M = 2.0
+"""How far beyond the reachable cells an arm's object still widens the plan."""
+UNDRAWN = frozenset({"Floor", "Window", "Painting", "Curtains", "Blinds", "LightSwitch", "Mirror"})
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """A scene and an episode in it, as its evaluator knows them."""
+
+    scene: Mapping[str, Any]
+    episode: Mapping[str, Any]
+
+    def world(self, visit: int) -> Sequence[Mapping[str, Any]]:
+        """The instances of the category that were there in the first (0) or second (1) visit."""
+        return self.episode[("world_1", "world_2")[visit]]
+
+    @property
+    def answer(self) -> tuple[float, float]:
+        return self.episode["answer"]["x"], self.episode["answer"]["z"]
+
+    @property
+    def paths(self) -> list[list[tuple[float, float]]]:
+        """Of movers, metres."""
+        return [[(p["x"], p["z"]) for p in change["path"]] for change in self.episode["changes"] if change["path"]]
+
+
+def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest: float) -> Frame:
+    """The frame that both visits and what was made of them are drawn in."""
+    cells = [(float(x), float(z)) for x, z in room.scene["reachable"]]
+    (left, right), (low, high) = ((min(axis) - FARTHEST_M, max(axis) + FARTHEST_M) for axis in zip(*cells, strict=True))
+    objects = [
+        item.at
+        for reasoning in reasonings
+        for items in reasoning.items
+        for item in items
+        if item.grounded and left <= item.at[0] <= right and low <= item.at[1] <= high
+    ]
+    instances = [(k["x"], k["z"]) for visit in (0, 1) for k in room.world(visit)]
+    about = [(x + dx, z + dz) for x, z in cells for dx in (-0.6, 0.6) for dz in (-0.6, 0.6)]
+    return Frame.around([*about, *instances, *objects, room.answer, *sum(room.paths, [])], width, highest, SURROUNDINGS_M / 2)
+
+
+def draw_room(parent: Element, frame: Frame, room: Room, visit: int) -> None:
+    """The floor, the cells that the agent can reach, and the furniture as it stood in a visit."""
+    floor = svg.group(parent, "room truth")
+    here = {k["id"]: (k["x"], k["z"]) for k in room.world(visit)}
+    for thing in sorted(room.scene["objects"], key=lambda o: o["category"] != "Floor"):
+        size, category = thing["size"], thing["category"]
+        of_category = category == room.episode["category"]
+        if of_category and thing["id"] not in here:
+            continue
+        floor_plane = category == "Floor"
+        small = max(size["x"], size["z"]) < FURNITURE_M or size["y"] < FLAT_M
+        if not floor_plane and not of_category and (category in UNDRAWN or small):
+            continue
+        x, z = here.get(thing["id"], (thing["position"]["x"], thing["position"]["z"]))
+        corner = frame.at(x - size["x"] / 2, z + size["z"] / 2)
+        name = "floor" if floor_plane else "thing of-category" if of_category else "thing"
+        title = "" if floor_plane else thing["id"]
+        svg.rectangle(floor, corner, size["x"] * frame.scale, size["z"] * frame.scale, name, title)
+    cells = svg.group(parent, "grid")
+    for x, z in room.scene["reachable"]:
+        svg.circle(cells, frame.at(x, z), 1.1, "cell")
+
+
+def draw_waypoints(parent: Element, frame: Frame, room: Room, labels: Labels) -> None:
+    group = svg.group(parent, "waypoints")
+    for number, waypoint in enumerate(room.scene["waypoints"], start=1):
+        at = frame.at(waypoint["x"], waypoint["z"])
+        svg.circle(group, at, 7.0, "waypoint", f"waypoint {number} of the tour")
+        svg.text(group, at, str(number), "waypoint-number", dy="0.35em")
+        labels.keep(at, 7.0)
+
+
+def draw_instances(parent: Element, frame: Frame, room: Room, visit: int, labels: Labels) -> None:
+    """Crosses at the true instances of the category, the target and the distractor by name; the paths of movers."""
+    group = svg.group(parent, "truth instances")
+    episode = room.episode
+    if visit == 1:
+        draw_paths(group, frame, room)
+    for instance in room.world(visit):
+        at = frame.at(instance["x"], instance["z"])
+        called = {episode["target"]: "target", episode["distractor"]: "distractor"}.get(instance["id"])
+        svg.cross(group, at, 6.0 if called else 4.5, f"instance {called or ''}".strip(), f"{instance['id']} (truth)")
+        labels.keep(at, 6.0)
+        if called:
+            size = 12.0
+            box = labels.place(at, 8.0, called, size)
+            svg.text(group, box.middle, called, "truth-label", dy="0.35em")
+
+
+def draw_paths(parent: Element, frame: Frame, room: Room) -> None:
+    """Where movers went, with an arrowhead at the end."""
+    for path in room.paths:
+        points = [frame.at(x, z) for x, z in path]
+        svg.polyline(parent, points, "mover", "path of the mover during the second tour (truth)")
+        for u, v in points[::4]:
+            svg.circle(parent, (u, v), 1.6, "mover-step")
+
+
+def draw_change(parent: Element, frame: Frame, room: Room) -> None:
+    """From where each displaced instance was to where it was put."""
+    for change in room.episode["changes"]:
+        if change["before"] and change["after"]:
+            ends = [frame.at(change[end]["x"], change[end]["z"]) for end in ("before", "after")]
+            svg.polyline(parent, ends, "change", f"{change['instance']} was put elsewhere (truth)")
+            svg.circle(parent, ends[0], 2.2, "change-end")
+
+
+def draw_answer(parent: Element, frame: Frame, room: Room, radius_m: float) -> None:
+    """The answer with the radius of success, the navigable cell nearest to it, and the spawn."""
+    spawn, cell = room.episode["spawn"], room.episode["nearest_navigable"]
+    at = frame.at(*room.answer)
+    group = svg.group(parent, "truth answer")
+    svg.circle(group, at, radius_m * frame.scale, "radius", f"within {radius_m:g} m of the answer (truth)")
+    u, v = frame.at(cell["x"], cell["z"])
+    svg.rectangle(group, (u - 3.5, v - 3.5), 7.0, 7.0, "navigable", "navigable cell nearest to the answer (truth)")
+    svg.star(group, at, 11.0, "answer-star", f"the answer ({room.answer[0]:.2f}, {room.answer[1]:.2f}) (truth)")
+    begin = svg.group(parent, "spawn-mark")
+    at = frame.at(spawn["x"], spawn["z"])
+    svg.arrowhead(begin, at, spawn["yaw_deg"], 9.0, "spawn", "the agent starts here")

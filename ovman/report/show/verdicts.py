@@ -1,0 +1,140 @@
+"""Each arm's answer and what the metrics say of it. Nothing is judged here: a verdict is the metrics' or there is none."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ovman.agents.arms import Arm, Kind, of_kind
+from ovman.agents.decision import Abstention, Answer
+from ovman.agents.prediction import Outcome
+from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.report.show.results import MAKE, Results
+from ovman.task import Relation
+
+Point = tuple[float, float]
+FOUND, MISSED, CHANCE, ABSTAINED, UNKNOWN = "found", "missed", "chance", "abstained", "unknown"
+"""What became of an answer; CHANCE where the arm is a stochastic pick, UNKNOWN where the metrics say nothing."""
+LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
+REASONS: Mapping[str, str] = {
+    "no_candidate": "nothing is left unmatched, or nothing is matched, for the rule to choose from",
+    "displacement_below_tau": "everything is matched, and no pair moved far enough",
+    "displacement_above_tau": "even the steadiest pair moved",
+    "no_motion": "no track spreads far enough to be motion",
+    "nothing_grounded": "no object of its maps is what the noun means",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class StaticRow:
+    """An arm that predicts a point. letter: its name on the maps; answer: in words; verdict: one of the words above; words: the
+    verdict in more words; beside: the true instance that the predicted point is nearest to, and how far from it.
+    """
+
+    letter: str
+    arm: Arm
+    outcome: Outcome | None
+    answer: str
+    verdict: str
+    words: str
+    distance_m: float | None
+    beside: str
+
+
+@dataclass(frozen=True, slots=True)
+class Stop:
+    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked."""
+
+    seed: int
+    at: Point | None
+    yaw_deg: float
+    verdict: str
+    words: str
+
+
+@dataclass(frozen=True, slots=True)
+class EmbodiedRow:
+    letter: str
+    arm: Arm
+    stops: tuple[Stop, ...]
+
+
+def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]:
+    """The static arms in the order of the tables."""
+    predictions = results.predictions(episode["id"])
+    rows = []
+    for letter, arm in zip(LETTERS, of_kind(Kind.STATIC), strict=False):
+        prediction = predictions.get(arm.name)
+        if prediction is None:
+            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: {MAKE} makes it", None, ""))
+            continue
+        verdict, words, distance = _static(results.static_verdict(arm.name, episode["id"]))
+        outcome = prediction.outcome
+        beside = _beside(outcome, episode)
+        rows.append(StaticRow(letter, arm, outcome, answer_words(outcome), verdict, words, distance, beside))
+    return rows
+
+
+def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[EmbodiedRow]:
+    """The embodied arms in the order of the tables; their letters follow those of the static arms."""
+    rows = []
+    for letter, arm in zip(LETTERS[len(of_kind(Kind.STATIC)) :], of_kind(Kind.EMBODIED), strict=False):
+        verdicts = results.embodied_verdicts(arm.name, episode["id"])
+        runs = results.runs(arm.name, episode)
+        stops = tuple(_stop(seed, run, verdicts.get(seed)) for seed, run in runs.items())
+        rows.append(EmbodiedRow(letter, arm, stops))
+    return rows
+
+
+def answer_words(outcome: Outcome) -> str:
+    """What an arm answered, in words."""
+    match outcome:
+        case Answer(x, z):
+            return f"({x:.2f}, {z:.2f})"
+        case Abstention(reason):
+            return f"abstains: {REASONS.get(str(reason), str(reason).replace('_', ' '))}"
+        case UniformPick(candidates):
+            return f"one of {len(candidates)} candidates" if candidates else "none: no candidate"
+        case UniformBox(x_min, z_min, x_max, z_max):
+            return f"anywhere in {x_max - x_min:.2f} × {z_max - z_min:.2f} m"
+    raise TypeError(f"not an outcome of a prediction: {outcome!r}")
+
+
+def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
+    if row is None:
+        return UNKNOWN, f"not judged yet: {MAKE} judges it", None
+    success = float(row["success"])
+    if row["outcome"] == "abstained":
+        return ABSTAINED, "abstained", None
+    if row["outcome"] == "expected":
+        return CHANCE, f"right with probability {success:.2f}", None
+    distance = float(row["distance_m"])
+    return (FOUND, "found", distance) if success == 1.0 else (MISSED, "missed", distance)
+
+
+def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> Stop:
+    at = None if run["stop"] is None else (run["stop"]["x"], run["stop"]["z"])
+    yaw = 0.0 if run["stop"] is None else run["stop"]["yaw_deg"]
+    if row is None:
+        return Stop(seed, at, yaw, UNKNOWN, f"not judged yet: {MAKE} judges it")
+    if row["outcome"] == "abstained":
+        return Stop(seed, at, yaw, ABSTAINED, "abstained")
+    success = row["success"] == "1"
+    ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
+    away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m from the answer, "
+    words = f"{ended}{away}{float(row['path_length_m']):.2f} m in {row['actions']} actions, SPL {float(row['spl']):.2f}"
+    return Stop(seed, at, yaw, FOUND if success else MISSED, words)
+
+
+def _beside(outcome: Outcome, episode: Mapping[str, Any]) -> str:
+    """The true instance nearest to a predicted point, as the visit that the relation answers from has it."""
+    if not isinstance(outcome, Answer):
+        return ""
+    world = episode["world_1" if Relation(episode["relation"]).past else "world_2"]
+    gap, name = min((math.hypot(outcome.x - k["x"], outcome.z - k["z"]), k["id"]) for k in world)
+    called = (
+        "the target" if name == episode["target"] else "the distractor" if name == episode["distractor"] else "another instance"
+    )
+    return f"{gap:.2f} m from {called}"
