@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from ovman.agents.arms import Arm, Kind, Source, of_kind
 from ovman.analysis.rates import ALL, Interval
+from ovman.report.cells import MARK, RELATIONS, Record, number, percent, small_capitals, span
 from ovman.report.table import (
     CSV_AND_MARKDOWN,
     DATA,
@@ -13,15 +14,8 @@ from ovman.report.table import (
     Column,
     Row,
     Table,
-    Text,
     Words,
 )
-from ovman.task import Relation
-
-# A row of a rates file, as the csv reader gives it.
-Record = Mapping[str, str]
-
-RELATIONS = tuple(relation.value for relation in Relation)
 
 
 def static_table(rates: Sequence[Record], radius_m: float, confidence: float) -> Table:
@@ -36,8 +30,8 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float) ->
     )
     if expected:
         caption += (
-            " † The expectation of a stochastic pick, not a count of successes: its range is the central one that holds the rate"
-            f" of one realised pass over these very episodes with a probability of at least {_percent(confidence)}"
+            f" {MARK} The expectation of a stochastic pick, not a count of successes: its range is the central one that holds "
+            f"the rate of one realised pass over these very episodes with a probability of at least {percent(confidence)}"
             " (Poisson-binomial)."
         )
     return Table(
@@ -49,7 +43,7 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float) ->
             Column("grounding", "grounding", formats=CSV_AND_MARKDOWN),
             Column("positions", "positions", formats=CSV_AND_MARKDOWN),
             *_relation_columns(),
-            *_rate_columns(ALL, Text("ALL", r"\textsc{all}")),
+            *_rate_columns(ALL, small_capitals(ALL)),
             _range_column(confidence),
             Column("n", "n", numeric=True),
             Column("interval", "interval", formats=DATA),
@@ -106,11 +100,6 @@ def embodied_table(rates: Sequence[Record], confidence: float) -> Table:
     )
 
 
-def number(text: str) -> str:
-    """Three decimals."""
-    return f"{float(text):.3f}"
-
-
 def _by_arm(rates: Iterable[Record], kind: Kind) -> list[tuple[Arm, dict[str, Record]]]:
     by_arm: dict[str, dict[str, Record]] = {}
     for rate in rates:
@@ -123,9 +112,7 @@ def _by_arm(rates: Iterable[Record], kind: Kind) -> list[tuple[Arm, dict[str, Re
 
 
 def _relation_columns() -> list[Column]:
-    return [
-        column for relation in RELATIONS for column in _rate_columns(relation, Text(relation.upper(), rf"\textsc{{{relation}}}"))
-    ]
+    return [column for relation in RELATIONS for column in _rate_columns(relation, small_capitals(relation))]
 
 
 def _rate_columns(key: str, title: Words) -> tuple[Column, ...]:
@@ -137,7 +124,7 @@ def _rate_columns(key: str, title: Words) -> tuple[Column, ...]:
 
 
 def _range_column(confidence: float) -> Column:
-    return Column("range", _percent(confidence), formats=PAGE)
+    return Column("range", percent(confidence), formats=PAGE)
 
 
 def _rate_cells(of_arm: Mapping[str, Record], whole: str = ALL) -> dict[str, str]:
@@ -150,8 +137,8 @@ def _rate_cells(of_arm: Mapping[str, Record], whole: str = ALL) -> dict[str, str
                 f"{key}_low": number(rate["low"]),
                 f"{key}_high": number(rate["high"]),
             }
-    mark = "†" if of_arm[ALL]["interval"] == Interval.POISSON_BINOMIAL else ""
-    return cells | {"range": f"{number(of_arm[ALL]['low'])}–{number(of_arm[ALL]['high'])}{mark}"}
+    mark = MARK if of_arm[ALL]["interval"] == Interval.POISSON_BINOMIAL else ""
+    return cells | {"range": span(of_arm[ALL]["low"], of_arm[ALL]["high"]) + mark}
 
 
 def _section(arm: Arm) -> str | None:
@@ -161,8 +148,4 @@ def _section(arm: Arm) -> str | None:
 
 
 def _wilson(confidence: float) -> str:
-    return f"Ranges are Wilson {_percent(confidence)} intervals."
-
-
-def _percent(confidence: float) -> str:
-    return f"{100 * confidence:.6g} %"
+    return f"Ranges are Wilson {percent(confidence)} intervals."

@@ -7,12 +7,17 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman.report.budget import budget_table
 from ovman.report.constants import constants_table
+from ovman.report.difficulty import difficulty_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
+from ovman.report.navigation import navigation_table
 from ovman.report.rates import embodied_table, static_table
 from ovman.report.rejections import rejections_table
+from ovman.report.significance import significance_table
 from ovman.report.table import Table, csv_text
+from ovman.report.taxonomy import taxonomy_table
 
 # What the csv reader gives.
 Rows = Sequence[Mapping[str, str]]
@@ -22,6 +27,11 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
     "static_rates": lambda rows, constants: static_table(rows, constants.success.radius_m, constants.evaluation.confidence),
     "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence),
     "rejections": lambda rows, constants: rejections_table(rows),
+    "taxonomy": lambda rows, constants: taxonomy_table(rows, constants.success.radius_m, constants.evaluation.near_miss_m),
+    "significance": lambda rows, constants: significance_table(rows),
+    "navigation": lambda rows, constants: navigation_table(rows),
+    "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence),
+    "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
 }
 
 

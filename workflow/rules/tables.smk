@@ -3,6 +3,11 @@ SHOWN = [
     "static_rates",
     "embodied_rates",
     "rejections",
+    "taxonomy",
+    "significance",
+    "navigation",
+    "difficulty",
+    "budget",
 ]
 
 

@@ -1,0 +1,72 @@
+"""The table of what executing answers costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ovman.agents.arms import named
+from ovman.analysis.rates import ALL
+from ovman.report.cells import MARK, Record, number
+from ovman.report.table import DATA, PAGE, Column, Row, Table
+
+SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
+
+
+def navigation_table(navigations: Sequence[Record]) -> Table:
+    """One row an embodied arm, over all episodes: means and extremes over the seeds. navigations: rows of "navigation.csv"."""
+    of_arm: dict[str, list[Record]] = {}
+    for row in navigations:
+        if row["relation"] == ALL:
+            of_arm.setdefault(row["arm"], []).append(row)
+    return Table(
+        name="navigation",
+        caption=(
+            "What executing an answer costs. SR, SPL and SPL given success (the mean over successful runs): means over seeds, in "
+            "brackets the least and the greatest of a seed. Lost: static successes that fail when executed; gained: static "
+            "failures that succeed, as the stop test also accepts a stop near the target's box or the nearest navigable cell; "
+            "counts of each seed in turn. Static: success of the answers that are executed "
+            f"({MARK} expectation of a stochastic pick, which has no successes to lose)."
+        ),
+        columns=(
+            Column("agent", "agent"),
+            Column("static", "static", numeric=True, formats=DATA),
+            Column("static_page", "static", numeric=True, formats=PAGE),
+            *(
+                column
+                for key, title in SCORES.items()
+                for column in (
+                    Column(key, title, numeric=True, formats=DATA),
+                    Column(f"{key}_min", f"{title} least", numeric=True, formats=DATA),
+                    Column(f"{key}_max", f"{title} greatest", numeric=True, formats=DATA),
+                    Column(f"{key}_page", title, formats=PAGE),
+                )
+            ),
+            Column("lost", "lost"),
+            Column("gained", "gained"),
+            Column("n", "n", numeric=True),
+            Column("seeds", "seeds"),
+        ),
+        rows=tuple(_row(arm, rows) for arm, rows in of_arm.items()),
+        wide=True,
+    )
+
+
+def _row(arm: str, rows: Sequence[Record]) -> Row:
+    cells = {
+        "agent": named(arm).system,
+        "n": rows[0]["n"],
+        "seeds": ", ".join(row["seed"] for row in rows),
+        "lost": ", ".join(row["lost"] for row in rows if row["lost"]),
+        "gained": ", ".join(row["gained"] for row in rows if row["gained"]),
+    }
+    if rows[0]["static_successes"]:
+        mark = "" if rows[0]["lost"] else MARK
+        rate = f"{float(rows[0]['static_successes']) / int(rows[0]['n']):.3f}"
+        cells |= {"static": rate, "static_page": rate + mark}
+    for key in SCORES:
+        values = [float(row[key]) for row in rows if row[key]]
+        if values:
+            mean, least, greatest = (number(str(v)) for v in (math.fsum(values) / len(values), min(values), max(values)))
+            cells |= {key: mean, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": f"{mean} ({least}–{greatest})"}
+    return Row(cells)
