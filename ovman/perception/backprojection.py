@@ -47,6 +47,24 @@ def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndar
     return np.median(world_points(depth, mask, camera), axis=0)
 
 
+def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.ndarray:
+    """`median_point` of N masks (N, H, W) bool of one frame, (N, 3), over their pixels that have depth (more than 0).
+
+    NaN for a mask without such a pixel. The frame's points are computed once, not once a mask.
+    """
+    height, width = depth.shape
+    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
+    rays = _rays(rows.ravel(), columns.ravel(), depth.shape, camera)
+    points = np.ascontiguousarray((rays * depth.reshape(-1, 1)).T) + np.array(camera.position)[:, None]
+    there = depth.ravel() > 0
+    medians = np.full((len(masks), 3), np.nan)
+    for found, mask in zip(medians, masks.reshape(len(masks), height * width), strict=True):
+        inside = np.flatnonzero(mask & there)
+        if len(inside):
+            found[:] = np.median(points[:, inside], axis=1)
+    return medians
+
+
 def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The point (3,) on the ray through the middle of a mask at its median depth. ValueError for an empty mask.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,8 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from ovman.perception.weights import WeightsError, fitting, state
+
+KEY = "perception.detector"
 AT_MOST = 100
 """Instances that are looked for in a picture."""
+TOGETHER = 8
+"""Pictures that go through the network at a time; more of them leave the processor's cache."""
+_SCORES = re.compile(r"model\.\d+\.cv3\.0\.2\.bias")
+"""The layer that says how sure each class is."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,10 +33,12 @@ class Detections:
 class Detector:
     """A segmentation network of ultralytics and what is asked of it.
 
-    side_px: pictures are scaled to this side; confidence: what is less sure is no instance.
+    side_px: pictures are scaled to this side; confidence: what is less sure is no instance. The classes of a network that has
+    several are not told apart: where boxes overlap, the surest of all classes stays.
     """
 
     def __init__(self, network: Any, side_px: int, confidence: float, device: str = "cpu") -> None:
+        os.environ.setdefault("YOLO_AUTOINSTALL", "false")
         from ultralytics.models.yolo.segment import SegmentationPredictor
 
         network = network.to(device).float().eval()
@@ -48,28 +59,30 @@ class Detector:
 
     def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
         """The instances of pictures (H, W, 3) uint8 RGB."""
-        if not pictures:
-            return []
         found = []
-        for result in self._predict([np.ascontiguousarray(picture[..., ::-1]) for picture in pictures], stream=False):
-            masks = np.zeros((0, *result.orig_shape), bool)
-            if result.masks is not None:
-                masks = result.masks.data.cpu().numpy() > 0.5
-            found.append(Detections(masks, result.boxes.conf.cpu().numpy()))
+        for start in range(0, len(pictures), TOGETHER):
+            blue_first = [np.ascontiguousarray(picture[..., ::-1]) for picture in pictures[start : start + TOGETHER]]
+            for result in self._predict(blue_first, stream=False):
+                masks = np.zeros((0, *result.orig_shape), bool)
+                if result.masks is not None:
+                    masks = result.masks.data.cpu().numpy() > 0
+                found.append(Detections(masks, result.boxes.conf.cpu().numpy()))
         return found
 
 
-def empty_network(architecture: str) -> Any:
-    """A network of an architecture of ultralytics with one class and random weights: "yolov8n-seg"."""
+def empty_network(architecture: str, classes: int = 1) -> Any:
+    """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for one that it has not."""
+    os.environ.setdefault("YOLO_AUTOINSTALL", "false")
     from ultralytics.nn.tasks import SegmentationModel
 
-    return SegmentationModel(f"{architecture}.yaml", nc=1, verbose=False)
+    try:
+        return SegmentationModel(f"{architecture}.yaml", nc=classes, verbose=False)
+    except (FileNotFoundError, KeyError, AttributeError):
+        raise WeightsError(f"{KEY}.architecture is {architecture}, which ultralytics does not have; yolov8n-seg is one") from None
 
 
-def network_of(weights: Path, architecture: str) -> Any:
-    """The network of a .safetensors file, of one class."""
-    from safetensors.torch import load_file
-
-    network = empty_network(architecture)
-    network.load_state_dict({name: value.float() for name, value in load_file(weights).items()})
-    return network
+def network_of(weights: Path, architecture: str, trust_pickles: bool = False) -> Any:
+    """The network of a file of weights, with as many classes as they are for. WeightsError where they do not fit."""
+    tensors = state(weights, trust_pickles, KEY)
+    scores = [value for name, value in tensors.items() if _SCORES.fullmatch(name)]
+    return fitting(empty_network(architecture, len(scores[0]) if scores else 1), tensors, weights.name, KEY)

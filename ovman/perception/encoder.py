@@ -1,0 +1,126 @@
+"""Crops and noun phrases in one space: the image and text towers of an open_clip model."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman.perception.weights import WeightsError, fitting, located, state
+
+KEY = "perception.encoder"
+TOGETHER = 64
+"""Crops or phrases that go through a tower at a time."""
+TOWERS = ("embed_dim", "vision_cfg", "text_cfg")
+
+
+@dataclass(frozen=True, slots=True)
+class Architecture:
+    """name: for complaints; towers: open_clip's configuration; mean and deviation (3,): of the pictures that a tower expects."""
+
+    name: str
+    towers: Mapping[str, Any]
+    mean: tuple[float, ...]
+    deviation: tuple[float, ...]
+
+
+def architecture(model: str, tag: str = "") -> Architecture:
+    """The towers that a name of open_clip or a configuration file (.json) describes; `tag` names released weights, if any.
+
+    WeightsError for a model that there is not, a file that is none, and towers that are not open_clip's own.
+    """
+    from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
+    from open_clip.factory import get_model_config
+    from open_clip.pretrained import get_pretrained_cfg
+
+    path = located(model)
+    if path is None:
+        towers, released = get_model_config(model), get_pretrained_cfg(model, tag)
+        if towers is None:
+            raise WeightsError(f"{KEY}.model is {model}, which is no model of open_clip; name one of its, or a file (.json)")
+    else:
+        towers, released = _configuration(path, model), {}
+    foreign = {*towers} - {*TOWERS, "quick_gelu"} | {name for name in towers["text_cfg"] if name.startswith("hf_")}
+    if foreign:
+        what = ", ".join(sorted(foreign))
+        raise WeightsError(f"{KEY}.model is {model}, whose {what} is not known here; name a model with CLIP's own towers")
+    return Architecture(
+        model,
+        dict(towers) | {"quick_gelu": released.get("quick_gelu", towers.get("quick_gelu", False))},
+        tuple(released.get("mean", OPENAI_DATASET_MEAN)),
+        tuple(released.get("std", OPENAI_DATASET_STD)),
+    )
+
+
+def empty_network(of: Architecture) -> Any:
+    """The towers with random weights."""
+    from open_clip.model import CLIP
+
+    return CLIP(**deepcopy(dict(of.towers)))
+
+
+def network_of(weights: Path, of: Architecture, trust_pickles: bool = False) -> Any:
+    """The towers of a file of weights. WeightsError where they do not fit."""
+    tensors = {name: value for name, value in state(weights, trust_pickles, KEY).items() if name != "attn_mask"}
+    return fitting(empty_network(of), tensors, weights.name, KEY)
+
+
+class Encoder:
+    """The towers, and what crops and phrases become before they enter them.
+
+    side_px: of the crops that the image tower takes; size: K, of the embeddings.
+    """
+
+    def __init__(self, network: Any, of: Architecture, device: str = "cpu") -> None:
+        import torch
+        from open_clip.tokenizer import SimpleTokenizer
+
+        self._network = network.to(device).float().eval()
+        self._network.visual.to(memory_format=torch.channels_last)
+        self._device = device
+        self._tokens = SimpleTokenizer(context_length=of.towers["text_cfg"].get("context_length", 77))
+        self._mean, self._deviation = (torch.tensor(v, device=device).view(1, 3, 1, 1) for v in (of.mean, of.deviation))
+        side = network.visual.image_size
+        self.side_px = int(side if isinstance(side, int) else side[0])
+        self.size = int(of.towers["embed_dim"])
+
+    def images(self, crops: np.ndarray) -> np.ndarray:
+        """Unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
+        import torch
+
+        def prepared(part: np.ndarray) -> Any:
+            tensor = torch.from_numpy(part).to(self._device).permute(0, 3, 1, 2).float().div_(255)
+            return tensor.sub_(self._mean).div_(self._deviation).contiguous(memory_format=torch.channels_last)
+
+        parts = [crops[start : start + TOGETHER] for start in range(0, len(crops), TOGETHER)]
+        return self._embedded(self._network.encode_image, map(prepared, parts))
+
+    def texts(self, phrases: Sequence[str]) -> np.ndarray:
+        """Unit embeddings (N, K) float32 of noun phrases."""
+        parts = [list(phrases[start : start + TOGETHER]) for start in range(0, len(phrases), TOGETHER)]
+        return self._embedded(self._network.encode_text, (self._tokens(part).to(self._device) for part in parts))
+
+    def _embedded(self, tower: Any, inputs: Any) -> np.ndarray:
+        import torch
+
+        with torch.inference_mode():
+            found = [torch.nn.functional.normalize(tower(part).float(), dim=-1).cpu().numpy() for part in inputs]
+        return np.concatenate([np.zeros((0, self.size), np.float32), *found])
+
+
+def _configuration(path: Path, name: str) -> Mapping[str, Any]:
+    try:
+        towers = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise WeightsError(f"{KEY}.model: {name}: {error.strerror}; name a model of open_clip, or a file that there is") from None
+    except ValueError as error:
+        raise WeightsError(f"{KEY}.model: {name} is not JSON ({error}); write an object with {', '.join(TOWERS)}") from None
+    kinds = (int, Mapping, Mapping)
+    if not isinstance(towers, Mapping) or not all(isinstance(towers.get(k), kind) for k, kind in zip(TOWERS, kinds, strict=True)):
+        raise WeightsError(f"{KEY}.model: {name} describes no towers; write an object with {', '.join(TOWERS)}")
+    return towers

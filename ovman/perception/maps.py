@@ -1,0 +1,25 @@
+"""Stage `maps`: the detections of every tour, clustered into the map of its visit. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ovman.perception.clusters import Cluster, Detection, clusters
+from ovman.perception.records import Detected, read_detections, write_maps
+
+
+def mapped(seen: Detected, radius_m: float) -> tuple[Cluster, ...]:
+    """The map of a tour: (p, f, T) of every cluster of its detections at `radius_m` metres on the floor plane."""
+    rows = zip(seen.view.tolist(), seen.point, seen.feature, strict=True)
+    return clusters([Detection(view, point, feature) for view, point, feature in rows], radius_m)
+
+
+def run(detections: Sequence[Path], constants: Any, maps: Sequence[Path]) -> None:
+    """Writes the maps of all visits of each file of detections, one file for each in their order."""
+    for source, output in zip(detections, maps, strict=True):
+        found = {name: mapped(seen, constants.maps.cluster_radius_m) for name, seen in read_detections(source).items()}
+        write_maps(output, found)
+        counts = [len(clusters) for clusters in found.values()]
+        print(f"{source.stem}: {len(found)} maps, {sum(counts) / max(len(counts), 1):.0f} clusters on average", flush=True)

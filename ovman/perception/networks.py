@@ -1,0 +1,81 @@
+"""The networks that the settings name, with their weights, on their device."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from ovman.perception import detector, encoder
+from ovman.perception.detector import Detector
+from ovman.perception.encoder import Encoder
+from ovman.perception.weights import WeightsError, detector_file, encoder_file, located, sha256
+
+LIBRARIES = ("torch", "torchvision", "ultralytics", "open_clip_torch", "numpy", "opencv-python", "opencv-python-headless")
+"""By their distributions: what the numbers that a network gives may depend on beside its weights."""
+
+
+def detector_weights(perception: Any) -> Path:
+    """The detector's file; `perception` is the section of config.yaml. WeightsError, in one line, where it cannot be had."""
+    settings = perception.detector
+    return detector_file(settings.weights, perception.trust_pickles, settings.sha256)
+
+
+def encoder_weights(perception: Any) -> Path:
+    """The encoder's file; `perception` is the section of config.yaml. WeightsError, in one line, where it cannot be had."""
+    settings = perception.encoder
+    return encoder_file(settings.model, settings.weights, perception.trust_pickles, settings.sha256)
+
+
+def detector_of(perception: Any) -> Detector:
+    """The detector of the section `perception` of config.yaml. WeightsError, in one line, where it cannot be had."""
+    settings = perception.detector
+    path = detector_weights(perception)
+    _prepare(perception.device)
+    network = detector.network_of(path, settings.architecture, perception.trust_pickles)
+    return Detector(network, settings.side_px, settings.confidence, perception.device)
+
+
+def encoder_of(perception: Any) -> Encoder:
+    """The encoder of the section `perception` of config.yaml. WeightsError, in one line, where it cannot be had."""
+    settings = perception.encoder
+    path = encoder_weights(perception)
+    _prepare(perception.device)
+    towers = encoder.architecture(settings.model, settings.weights)
+    return Encoder(encoder.network_of(path, towers, perception.trust_pickles), towers, perception.device)
+
+
+def looked_at_by(perception: Any) -> dict[str, Any]:
+    """What tells apart two pairs of networks that may see different things in the same frame: the bytes of their weights and of
+    the encoder's configuration, every constant of the section `perception` that they use, and the libraries' versions.
+
+    JSON-serialisable. Names of files do not count. WeightsError where weights cannot be had.
+    """
+    finds, names = perception.detector, perception.encoder
+    towers = located(names.model)
+    return {
+        "weights": [sha256(detector_weights(perception)), sha256(encoder_weights(perception))],
+        "detector": [finds.architecture, finds.side_px, finds.confidence, finds.minimum_mask_px],
+        "encoder": [names.model if towers is None else sha256(towers), names.crop_padding],
+        "device": perception.device,
+        "libraries": {name: found for name in LIBRARIES if (found := _version(name)) is not None},
+    }
+
+
+def _prepare(device: str) -> None:
+    """One thread, and no choices by trial: a job's numbers do not depend on what else the machine does."""
+    import cv2
+    import torch
+
+    torch.set_num_threads(1)
+    torch.backends.cudnn.benchmark = False
+    cv2.setNumThreads(1)
+    if device == "cuda" and not torch.cuda.is_available():
+        raise WeightsError("perception.device is cuda, and there is no GPU that torch can use; set it to cpu")
+
+
+def _version(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

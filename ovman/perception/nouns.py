@@ -1,0 +1,18 @@
+"""Stage `nouns`: the embedding of every noun phrase of the vocabulary."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ovman.perception.networks import encoder_of
+from ovman.perception.records import write_nouns
+
+
+def run(phrases: Sequence[str], constants: Any, output: Path) -> None:
+    """Writes the unit embeddings of `phrases`, sorted, each once. Raises WeightsError."""
+    distinct = sorted(set(phrases))
+    features = encoder_of(constants.perception).texts(distinct)
+    write_nouns(output, dict(zip(distinct, features, strict=True)))
+    print(f"{len(distinct)} noun phrases", flush=True)

@@ -1,0 +1,184 @@
+"""Where weights come from: files, or releases that are downloaded. No pickle is opened unless its user says so.
+
+A pickle can run code of whoever made it when it is opened; .safetensors files cannot. Imports no network library until a file is
+opened, so that the workflow can ask which weights are files.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import io
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+"""Names of files in the settings are relative to this folder."""
+FILES = frozenset({".safetensors", ".json"})
+SAFE = ".safetensors"
+ASSETS_RELEASE = "v8.4.0"
+"""The release of ultralytics' assets that weights are taken from."""
+SHA256: Mapping[str, str] = {
+    "yolov8m-seg.pt": "51fa7e5ef385efa6d5b1d8e31b73399be6ed5d7ca71bda4bd4b2794bb445c4f4",
+}
+"""Digests of files of that release."""
+
+
+class WeightsError(ValueError):
+    """Weights that cannot be used; one line: the setting, what is wrong, and the remedy."""
+
+
+def located(name: str) -> Path | None:
+    """The file that a setting names, relative to the repository unless absolute; None for the name of something released.
+
+    A name is a file's if it has a folder in it ("./mine.pt") or ends in .safetensors or .json.
+    """
+    path = Path(name)
+    return ROOT / path if len(Path(name).parts) > 1 or name.startswith("./") or path.suffix in FILES else None
+
+
+def sha256(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file's bytes."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def detector_file(name: str, trust_pickles: bool, expected: str = "", key: str = "perception.detector") -> Path:
+    """The file of a detector's weights: a file's name, or that of one of ultralytics' assets, which is downloaded once.
+
+    expected: SHA-256 that the file must have, "" where it is not known. Raises WeightsError.
+    """
+    path = located(name)
+    if path is None and not name.endswith(".pt"):
+        raise WeightsError(
+            f"{key}.weights is {name}; it must be a file (.safetensors, or .pt with its folder) or an asset's name (.pt)"
+        )
+    _allow((path or Path(name)).name, trust_pickles, key)
+    return _checked(_asset(name, key) if path is None else _present(path, name, key), name, expected, key)
+
+
+def encoder_file(model: str, name: str, trust_pickles: bool, expected: str = "", key: str = "perception.encoder") -> Path:
+    """The file of an encoder's weights: a file's name, or open_clip's tag of released ones of `model`, which are downloaded once.
+
+    expected: SHA-256 that the file must have, "" where it is not known. Raises WeightsError.
+    """
+    path = located(name)
+    if path is not None:
+        _allow(path.name, trust_pickles, key)
+    return _checked(_tagged(model, name, key) if path is None else _present(path, name, key), name, expected, key)
+
+
+def state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
+    """The tensors of a file by their names: of .safetensors, or of the network or the tensors that a trusted pickle holds.
+
+    Raises WeightsError for a pickle that is not trusted, and for a file that holds something else.
+    """
+    _allow(path.name, trust_pickles, key)
+    try:
+        if path.suffix == SAFE:
+            from safetensors.torch import load_file
+
+            return load_file(path)
+        import torch
+
+        held = torch.load(path, map_location="cpu", weights_only=False)
+    except Exception as error:
+        raise WeightsError(
+            f"{key}.weights: {path.name} cannot be opened ({_line(error)}); give a whole file of weights"
+        ) from None
+    for name in ("ema", "model", "state_dict"):  # ultralytics' trainer keeps an average, which is the better network
+        if isinstance(held, Mapping) and held.get(name) is not None:
+            held = held[name]
+            break
+    if hasattr(held, "state_dict"):
+        held = held.state_dict()
+    if not isinstance(held, Mapping) or not all(hasattr(value, "shape") for value in held.values()):
+        raise WeightsError(f"{key}.weights: {path.name} holds no network and no tensors by name; give a file of weights")
+    return dict(held)
+
+
+def fitting(network: Any, tensors: Mapping[str, Any], name: str, key: str) -> Any:
+    """`network` with `tensors` as its weights, in single precision. WeightsError where they are another network's."""
+    try:
+        network.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in tensors.items()})
+    except RuntimeError as error:
+        what = "architecture" if key.endswith("detector") else "model"
+        raise WeightsError(
+            f"{key}.weights: {name} does not fit {key}.{what} ({_line(error)}); name the one it was made for"
+        ) from None
+    return network
+
+
+def _allow(name: str, trust_pickles: bool, key: str) -> None:
+    if not name.endswith(SAFE) and not trust_pickles:
+        raise WeightsError(
+            f"{key}.weights: {name} is a pickle, which can run code of whoever made it when it is opened; "
+            f"set perception.trust_pickles to true if you trust it, or give a {SAFE} file"
+        )
+
+
+def _present(path: Path, name: str, key: str) -> Path:
+    if not path.is_file():
+        raise WeightsError(
+            f"{key}.weights: there is no file {name} in the repository; `make models` makes the default's, or name another"
+        )
+    return path
+
+
+def _checked(path: Path, name: str, expected: str, key: str) -> Path:
+    expected = expected or (SHA256.get(name, "") if located(name) is None else "")
+    if expected and (found := sha256(path)) != expected:
+        raise WeightsError(f"{key}.weights: the SHA-256 of {path} is {found}, not {expected}; remove the file and get it again")
+    return path
+
+
+def _asset(name: str, key: str) -> Path:
+    """One of ultralytics' assets, kept in the user's cache."""
+    os.environ.setdefault("YOLO_AUTOINSTALL", "false")
+    from ultralytics.utils.downloads import attempt_download_asset
+
+    kept = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ovman" / ASSETS_RELEASE / name
+    if not kept.is_file():
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        reason = "there is no such asset"
+        try:
+            with contextlib.redirect_stdout(io.StringIO()):
+                attempt_download_asset(kept, release=ASSETS_RELEASE, progress=False)
+        except Exception as error:
+            reason = _line(error)
+        if not kept.is_file():
+            raise _undelivered(name, key, reason)
+    return kept
+
+
+def _tagged(model: str, tag: str, key: str) -> Path:
+    """Released weights of a model of open_clip, as .safetensors, kept in the hub's own cache."""
+    from open_clip.pretrained import download_pretrained_from_hf, get_pretrained_cfg, list_pretrained_tags_by_model
+
+    if located(model) is not None:
+        raise WeightsError(f"{key}.weights is {tag}; a model of your own ({model}) needs a file of weights")
+    found = get_pretrained_cfg(model, tag)
+    if not found:
+        tags = ", ".join(list_pretrained_tags_by_model(model)) or "none: it is no model of open_clip"
+        raise WeightsError(f"{key}.weights is {tag}, which is no tag of {model}; there are {tags}")
+    repository = found.get("hf_hub", "")
+    if not repository.endswith("/"):
+        raise WeightsError(f"{key}.weights: {tag} of {model} was not released as {SAFE}; give a file of weights")
+    try:
+        return Path(download_pretrained_from_hf(repository.rstrip("/"), filename=f"open_clip_model{SAFE}"))
+    except Exception as error:
+        raise _undelivered(f"open_clip_model{SAFE} of {model} {tag}", key, _line(error)) from None
+
+
+def _undelivered(what: str, key: str, reason: str) -> WeightsError:
+    return WeightsError(
+        f"{key}.weights: {what} could not be downloaded ({reason}); "
+        f"download it where there is a connection and give the file, with its folder, as {key}.weights"
+    )
+
+
+def _line(error: Exception) -> str:
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= 160 else text[:157] + "..."

@@ -1,0 +1,19 @@
+# The detections of a tour are kept in results/journal/detections/ by the content of what was looked at: identical tours are seen once.
+
+
+rule detections:
+    input:
+        episodes="results/episodes/main.jsonl",
+        networks=weights("detector.weights", "encoder.weights", "encoder.model"),
+    output:
+        detections="results/detections/{scene}.npz",
+    log:
+        "logs/detections/{scene}.log",
+    benchmark:
+        "benchmarks/detections/{scene}.tsv"
+    resources:
+        gpu=NETWORK_GPU,
+    params:
+        constants=stage("detections"),
+    script:
+        "../scripts/detections.py"

@@ -1,0 +1,19 @@
+"""Stage `detections`: what the networks see in every tour of a scene that an episode has."""
+
+from pathlib import Path
+
+from ovman.job import job
+from ovman.perception import detections
+from ovman.provenance import digest
+from ovman.task.record import read_records
+
+with job(snakemake) as work:
+    episodes = [episode for episode in read_records(work.input("episodes")) if episode["scene"] == work.scene]
+    names = sorted({name for episode in episodes for name in episode["visits"].values()})
+    detections.run(
+        {name: Path("results/visits", work.scene, name) for name in names},
+        work.constants,
+        [digest(Path(module.__file__)) for module in detections.SIGHT],
+        Path("results/journal/detections"),
+        work.output("detections"),
+    )
