@@ -1,0 +1,213 @@
+"""The cards of the networks: what they were made from, how they learned and what they are worth, all of it read from files.
+
+`python -m ovman.training.cards models results/metrics/perception.csv config.yaml` writes models/README.md, a card and a learning
+curve for each network. The results on the benchmark's scenes are those of the metrics, which nothing was chosen by.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ovman.analysis.scores import ALL, CATEGORIES, SIZE
+from ovman.analysis.segmentation import LEAST_IOU
+from ovman.config import load
+from ovman.report.markdown import EMPTY, pipe_table
+from ovman.report.perception import SYNONYMS_BELOW, Record, bars, by_category
+from ovman.sections import Config
+from ovman.training import captions, crops, detector, outlines, pictures
+
+TEMPLATES = Path(__file__).parent / "templates"
+CURVES = {"detector": ("detector_curve",), "encoder": ("encoder_true_curve", "encoder_curve")}
+"""Files of learning curves of each network, in the order of its trainings."""
+SHOWN = {
+    "detector": {"recall": "recall", "precision": "precision"},
+    "encoder": {
+        "true.top1": "top-1",
+        "true.top5": "top-5",
+        "true.synonyms_top1": "synonyms top-1",
+        "detected.top1": "detected top-1",
+        "detected.top5": "detected top-5",
+        "detected.synonyms_top1": "detected synonyms top-1",
+    },
+}
+"""Rates of a curve's lines, and what they are called on a page."""
+LINES = 12
+"""Lines of a curve that its table shows at most."""
+NO_PARAMETERS = ("running_mean", "running_var", "num_batches_tracked", "attn_mask")
+"""Tensors of a file of weights that no training step changes."""
+
+Point = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Weights:
+    """A file of weights. parameters: numbers in it that were learned; kinds: of its tensors, e.g. "F16"."""
+
+    parameters: int
+    kinds: tuple[str, ...]
+    megabytes: float
+
+
+def weights(path: Path) -> Weights:
+    """What a .safetensors file holds. FileNotFoundError if there is none."""
+    from safetensors import safe_open
+
+    parameters, kinds = 0, set()
+    with safe_open(str(path), framework="np") as file:
+        for name in sorted(file.keys()):
+            tensor = file.get_slice(name)
+            if not name.endswith(NO_PARAMETERS):
+                parameters += math.prod(tensor.get_shape())
+                kinds.add(tensor.get_dtype())
+    return Weights(parameters, tuple(sorted(kinds)), path.stat().st_size / 1e6)
+
+
+def curve(paths: Sequence[Path]) -> list[Point]:
+    """The lines of one training after the other, flat ("true.top1"), with steps and minutes counted on.
+
+    Raises ValueError in one line for a file without lines.
+    """
+    points: list[Point] = []
+    for number, path in enumerate(paths, start=1):
+        lines = [json.loads(text) for text in path.read_text(encoding="utf-8").splitlines()]
+        if not lines:
+            raise ValueError(f"{path}: a learning curve without a line; let the training come to its first look")
+        before = {key: points[-1][key] if points else 0 for key in ("step", "minutes")}
+        points += [_flat(line) | {key: line[key] + start for key, start in before.items()} | {"part": number} for line in lines]
+    return points
+
+
+def _flat(line: Mapping[str, Any], beginning: str = "") -> Point:
+    flat: Point = {}
+    for name, value in line.items():
+        flat |= _flat(value, f"{beginning}{name}.") if isinstance(value, Mapping) else {f"{beginning}{name}": value}
+    return flat
+
+
+def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
+    """Step, minutes, losses and rates of at most LINES of the points, the first and the last among them."""
+    count = min(LINES, len(points))
+    chosen = [points[round(k * (len(points) - 1) / max(count - 1, 1))] for k in range(count)]
+    losses = sorted({name for point in points for name in point if name.split(".")[0] == "loss"})
+    losses = [name for name in losses if any(point.get(name) for point in points)]
+    rates = [name for name in shown if any(name in point for point in points)]
+    header = ["step", "minutes", *(name.removeprefix("loss.").replace("_", " ") for name in losses), *(shown[r] for r in rates)]
+    body = [
+        [f"{p['step']}", f"{p['minutes']:.1f}", *(_number(p.get(n), 2) for n in losses), *(_number(p.get(n), 3) for n in rates)]
+        for p in chosen
+    ]
+    return pipe_table(header, body, [True] * len(header)).rstrip()
+
+
+def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> None:
+    """The rates over the steps (PNG)."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axis = plt.subplots(figsize=(6.4, 3.2))
+    for name, title in shown.items():
+        found = [(point["step"], point[name]) for point in points if name in point]
+        if found:
+            axis.plot(*zip(*found, strict=True), marker="o", markersize=3, linewidth=1.2, label=title)
+    for one, other in zip(points, points[1:], strict=False):
+        if one["part"] != other["part"]:
+            axis.axvline(one["step"], color="grey", linewidth=0.8, linestyle="--")
+    axis.set(xlabel="step", ylabel="on the held-out floor plans", ylim=(0, 1))
+    axis.grid(alpha=0.3)
+    axis.legend(fontsize=7)
+    figure.tight_layout()
+    figure.savefig(output, dpi=100, format="png", metadata={"Software": None})
+    plt.close(figure)
+
+
+def cards(models: Path, perception: Path, config: Config) -> dict[str, str]:
+    """The cards by the names of their files.
+
+    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: what it was made with.
+
+    Raises FileNotFoundError or ValueError in one line for a file that is not there or not whole.
+    """
+    import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES), undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["zip"] = lambda one, other: zip(one, other, strict=True)
+    facts = json.loads((models / "training.json").read_text(encoding="utf-8"))
+    with perception.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    common = {
+        "config": config.perception.detector,
+        "facts": facts,
+        "set": facts["settings"],
+        "rows": {group: [row for row in rows if row["group"] == group] for group in (ALL, CATEGORIES, SIZE)},
+        "bars": bars(rows),
+        "pictures": pictures,
+        "crops": crops,
+        "captions": captions,
+        "outlines": outlines,
+        "augmentation": detector.AUGMENTATION,
+        "model": json.loads((models / "encoder.json").read_text(encoding="utf-8")),
+        "weights": {name: weights(models / f"{name}.safetensors") for name in CURVES},
+        "files": sorted(path.name for path in models.iterdir() if path.suffix in (".safetensors", ".json", ".jsonl")),
+        "sha256": lambda name: hashlib.sha256((models / name).read_bytes()).hexdigest(),
+        "bytes": lambda name: f"{(models / name).stat().st_size:,}",
+        "least_iou": LEAST_IOU,
+        "synonyms_below": SYNONYMS_BELOW,
+        "worst": min((row for row in rows if row["group"] == SIZE and row["recall"]), key=lambda row: float(row["recall"])),
+        "percent": lambda share: f"{100 * share:.3g} %",
+        "rate": lambda text: _number(float(text) if text else None, 3),
+        "bar_table": lambda names: _bar_table(rows, names),
+        "size_table": lambda columns: _group_table([row for row in rows if row["group"] == SIZE], "pixels", columns),
+        "category_table": lambda columns: _group_table(by_category(rows), "category", columns),
+    }
+    texts = {}
+    for name, parts in CURVES.items():
+        points = curve([models / f"{part}.jsonl" for part in parts])
+        table = curve_table(points, SHOWN[name])
+        ends = [max((p for p in points if p["part"] == n), key=lambda p: p["step"]) for n in range(1, len(parts) + 1)]
+        card = environment.get_template(f"{name}.md.j2").render(**common, curve=table, last=points[-1], ends=ends)
+        texts[f"{name}.md"] = card.rstrip() + "\n"
+    texts["README.md"] = environment.get_template("README.md.j2").render(**common).rstrip() + "\n"
+    return texts
+
+
+def _bar_table(rows: Sequence[Record], names: Mapping[str, str]) -> str:
+    """What was measured on the benchmark's scenes against the bars."""
+    found = bars(rows)
+    body = [[title, _number(found[n].reached, 3), f"≥ {found[n].least:.3f}", found[n].verdict] for n, title in names.items()]
+    return pipe_table(["measure", "measured", "bar", "verdict"], body, [False, True, True, False]).rstrip()
+
+
+def _group_table(rows: Sequence[Record], title: str, columns: Mapping[str, str]) -> str:
+    def cell(row: Record, key: str) -> str:
+        return (row[key] if row[key].isdigit() else _number(float(row[key]), 3)) if row[key] else EMPTY
+
+    body = [[row["value"], *(cell(row, key) for key in columns)] for row in rows]
+    return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "There are none."
+
+
+def _number(value: float | None, decimals: int) -> str:
+    return EMPTY if value is None or not math.isfinite(value) else f"{value:.{decimals}f}"
+
+
+def run(models: Path, perception: Path, config: Path) -> None:
+    """Writes the cards and the pictures of the curves into the folder `models`."""
+    for name, text in cards(models, perception, load(config)).items():
+        (models / name).write_text(text, encoding="utf-8", newline="\n")
+    for name, parts in CURVES.items():
+        draw(curve([models / f"{part}.jsonl" for part in parts]), SHOWN[name], models / f"{name}_curve.png")
+
+
+if __name__ == "__main__":
+    run(*(Path(argument) for argument in sys.argv[1:]))

@@ -1,0 +1,117 @@
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from safetensors.numpy import save_file
+
+from ovman.analysis.metrics import csv_text
+from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
+from ovman.config import canonical, load
+from ovman.training import cards
+
+CONFIG = load(Path(__file__).parents[2] / "config.yaml")
+WHOLE = Score(
+    ALL, ALL, true=1000, recalled=765, recall=0.765, found=900, right=700, precision=0.7777, doubled=12, crops=700, top1=0.61,
+    top5=0.87, chance_top1=0.05, chance_top5=0.25, named=700, own_top1=0.61, own_top5=0.87, synonym_top1=0.55, synonym_top5=0.8,
+)  # fmt: skip
+
+
+def looks(*steps, first=0.2, **more):
+    lines = [{"step": step, "minutes": step / 100, "loss": 9.0 - step / 1000} | more for step in steps]
+    return "".join(json.dumps(line | {"recall": first + k / 50, "precision": 0.5}) + "\n" for k, line in enumerate(lines))
+
+
+@pytest.fixture
+def models(tmp_path):
+    folder = tmp_path / "models"
+    folder.mkdir()
+    save_file(
+        {"a.weight": np.zeros((3, 4), np.float16), "a.running_mean": np.zeros(5, np.float16)}, folder / "detector.safetensors"
+    )
+    save_file({"b.weight": np.zeros((1000, 7), np.float16)}, folder / "encoder.safetensors")
+    towers = {"vision_cfg": {"image_size": 64, "layers": [2, 2], "width": 24}, "text_cfg": {"width": 64, "layers": 3}}
+    (folder / "encoder.json").write_text(json.dumps({"embed_dim": 128} | towers))
+    (folder / "detector_curve.jsonl").write_text(looks(*range(500, 15001, 500)))
+    rates = {"top1": 0.512, "top5": 0.8, "synonyms_top1": 0.4}
+    (folder / "encoder_true_curve.jsonl").write_text(looks(500, 1000, true=rates))
+    (folder / "encoder_curve.jsonl").write_text(looks(300, true=rates, detected=rates | {"top1": 0.431}))
+    facts = {
+        "floor_plans": {"taught": ["FloorPlan2", "FloorPlan3"], "held_out": ["FloorPlan4"]},
+        "pictures": {"taught": 21360, "held_out": 77},
+        "crops": {"true": 123456, "detected": 2345},
+        "settings": json.loads(canonical(CONFIG, "models"))["constants"],
+        "libraries": {"torch": "2.0"},
+    }
+    (folder / "training.json").write_text(json.dumps(facts))
+    return folder
+
+
+@pytest.fixture
+def perception(tmp_path):
+    rows = [
+        WHOLE,
+        Score(CATEGORIES, "mean", recall=0.5, top1=0.4, top5=0.7, synonym_top1=0.35, synonym_top5=0.6),
+        replace(WHOLE, group=SIZE, value="below 600 px", recall=0.4),
+        replace(WHOLE, group=SIZE, value="600 px and more", recall=0.9),
+        replace(WHOLE, group=CATEGORY, value="Sofa", true=10, top1=None),
+        replace(WHOLE, group=CATEGORY, value="Vase", true=20),
+    ]
+    (tmp_path / "perception.csv").write_text(csv_text(list(Score.__dataclass_fields__), map(asdict, rows)))
+    return tmp_path / "perception.csv"
+
+
+def test_what_the_cards_say_is_what_the_files_say(models, perception):
+    texts = cards.cards(models, perception, CONFIG)
+    assert set(texts) == {"README.md", "detector.md", "encoder.md"}
+    detector, encoder, readme = (texts[name] for name in ("detector.md", "encoder.md", "README.md"))
+    assert "12 parameters (F16)" in detector and "15000 steps" in detector and "21,360 pictures of 2" in detector
+    assert "recall    |    0.765 | ≥ 0.750 | met" in detector and "12 of the detected masks" in detector
+    assert "masks of below 600 px: recall 0.400" in detector
+    assert "7,000 parameters" in encoder and "123,456 crops around true masks and 2,345 crops" in encoder
+    assert "1000 steps on the crops of true masks, 300 further ones" in encoder
+    assert "crops of detected masks top-1 0.431" in encoder
+    assert "|    0.870 | ≥ 0.880 | not met" in encoder and "top-1 0.400" in encoder
+    assert encoder.index("| Vase") < encoder.index("| Sofa")
+    for name in ("detector.safetensors", "encoder.safetensors", "training.json"):
+        assert cards.hashlib.sha256((models / name).read_bytes()).hexdigest() in readme
+
+
+def test_other_files_other_cards(models, perception):
+    before = cards.cards(models, perception, CONFIG)
+    (models / "detector_curve.jsonl").write_text(looks(500, first=0.7))
+    after = cards.cards(models, perception, CONFIG)
+    assert "recall 0.700" in after["detector.md"] and "recall 0.700" not in before["detector.md"]
+    assert after["encoder.md"] == before["encoder.md"] and after["README.md"] != before["README.md"]
+
+
+def test_a_long_curve_is_shown_from_end_to_end(models):
+    points = cards.curve([models / "detector_curve.jsonl"])
+    lines = cards.curve_table(points, cards.SHOWN["detector"]).splitlines()
+    assert len(lines) == 2 + cards.LINES
+    steps = [int(line.split("|")[1]) for line in lines[2:]]
+    assert steps[0] == 500 and steps[-1] == 15000 and steps == sorted(set(steps))
+
+
+def test_one_training_goes_on_where_the_other_ended(models):
+    points = cards.curve([models / f"{name}.jsonl" for name in cards.CURVES["encoder"]])
+    assert [point["step"] for point in points] == [500, 1000, 1300]
+    assert [point["minutes"] for point in points] == pytest.approx([5, 10, 13])
+
+
+def test_cards_and_pictures_are_written_twice_the_same(models, perception):
+    config = Path(__file__).parents[2] / "config.yaml"
+    cards.run(models, perception, config)
+    made = {path.name: path.read_bytes() for path in models.iterdir()}
+    assert {"README.md", "detector.md", "encoder.md", "detector_curve.png", "encoder_curve.png"} <= set(made)
+    cards.run(models, perception, config)
+    assert {path.name: path.read_bytes() for path in models.iterdir()} == made
+
+
+def test_a_curve_without_a_line_is_refused(models, perception):
+    (models / "encoder_curve.jsonl").write_text("")
+    with pytest.raises(ValueError, match=r"encoder_curve\.jsonl: a learning curve without a line"):
+        cards.cards(models, perception, CONFIG)
