@@ -17,7 +17,7 @@ from ovman.sim.visit import Visit
 if TYPE_CHECKING:
     from ovman.perception.records import Detected
 
-MASKS = TRUE, DETECTED = "true", "detected"
+TRUE, DETECTED = "true", "detected"
 
 
 @dataclass(frozen=True, slots=True)

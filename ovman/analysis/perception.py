@@ -28,7 +28,7 @@ def run(scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, vi
 
     scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; visits: the
     directory of the recorded visits. constants: perception.detector.minimum_mask_px.
-    Raises ValueError in one line for a scene without detections.
+    A scene that no episode uses has no tours and no row. Raises ValueError in one line for a scene without a file of detections.
     """
     of_scene = {path.stem: path for path in detections}
     text = read_nouns(nouns_file)
@@ -38,7 +38,8 @@ def run(scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, vi
         if scene.name not in of_scene:
             raise ValueError(f"{scene.name}: no file of detections; make it first: results/detections/{scene.name}.npz")
         tours = distinct(read_detections(of_scene[scene.name]))
-        seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.minimum_mask_px))
+        if tours:
+            seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.minimum_mask_px))
     rows = scores(seen)
     output.write_text(csv_text([field.name for field in fields(Score)], map(asdict, rows)), encoding="utf-8")
     whole = rows[0]

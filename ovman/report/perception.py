@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.analysis.localisation import MASKS
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SCENE, SIZE
 from ovman.analysis.segmentation import LEAST_IOU
 from ovman.report.table import CSV_AND_MARKDOWN, Column, Row, Table
@@ -95,9 +94,12 @@ def perception_table(rows: Sequence[Record], confidence: float, minimum_px: int)
 
 
 def backprojection_table(rows: Sequence[Record], minimum_px: int) -> Table:
-    """Both estimates over true and detected masks, and over objects by their worst mask. rows: of "backprojection.csv"."""
+    """Both estimates over true and detected masks, and over objects by their worst mask. rows: of "backprojection.csv".
+
+    Kinds of masks are in the order of the rows.
+    """
     table = []
-    for kind in MASKS:
+    for kind in dict.fromkeys(row["mask"] for row in rows):
         of_kind = [row for row in rows if row["mask"] == kind]
         objects: dict[tuple[str, str], list[Record]] = {}
         for row in of_kind:

@@ -13,6 +13,7 @@ from ovman.report.difficulty import difficulty_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
 from ovman.report.navigation import navigation_table
+from ovman.report.perception import backprojection_table, perception_table
 from ovman.report.rates import embodied_table, static_table
 from ovman.report.rejections import rejections_table
 from ovman.report.significance import significance_table
@@ -32,6 +33,10 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
     "navigation": lambda rows, constants: navigation_table(rows),
     "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence),
     "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
+    "perception": lambda rows, constants: perception_table(
+        rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px
+    ),
+    "backprojection": lambda rows, constants: backprojection_table(rows, constants.perception.detector.minimum_mask_px),
 }
 
 

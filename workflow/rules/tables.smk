@@ -8,6 +8,8 @@ SHOWN = [
     "navigation",
     "difficulty",
     "budget",
+    "perception",
+    "backprojection",
 ]
 
 
