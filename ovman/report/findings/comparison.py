@@ -1,0 +1,151 @@
+"""The tables of the page: ours beside the paper's, a row each, and what could not be found left empty."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ovman.report.findings import sources
+from ovman.report.findings.budget import GROUNDING, ORACLE, ORACLE_POSITIONS, POSITIONS
+from ovman.report.findings.memory import ONE, ONE_EMBODIED, TWO, TWO_EMBODIED
+from ovman.report.findings.metrics import Cell, Metrics, Missing
+from ovman.report.findings.paper import Paper
+from ovman.report.findings.sources import ALL, RELATIONS, Read
+from ovman.report.findings.statement import Form
+from ovman.report.findings.writing import EMPTY, papers, written
+from ovman.report.markdown import pipe_table
+
+HERE, PAPER = "here", "paper"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One row of ours and one of the paper's. title: of both; row: the paper's, "static.two_visits"; columns: their keys.
+
+    read: the figure of ours for a column.
+    """
+
+    title: str
+    row: str
+    columns: tuple[str, ...]
+    read: Callable[[str], Read]
+    form: Form = Form.RATE
+
+
+_EVERY = (*RELATIONS, ALL)
+_HEADS = tuple(column.upper() for column in _EVERY)
+
+
+def _static(title: str, arm: str) -> Line:
+    return Line(title, f"static.{arm}", _EVERY, lambda relation: sources.static(arm, relation))
+
+
+def _embodied(title: str, arm: str) -> Line:
+    def read(column: str) -> Read:
+        return sources.embodied(arm, ALL, "spl") if column == "spl" else sources.embodied(arm, column)
+
+    return Line(title, f"embodied.{arm}", (*_EVERY, "spl"), read)
+
+
+STATIC = (
+    _static("one visit", ONE),
+    _static("two visits", TWO),
+    _static("one visit, grounding handed over", f"grounding_{ONE}"),
+    _static("two visits, grounding handed over", GROUNDING),
+    _static("one visit, positions handed over", f"positions_{ONE}"),
+    _static("two visits, positions handed over", POSITIONS),
+)
+EMBODIED = (
+    _embodied("one visit", ONE_EMBODIED),
+    _embodied("two visits", TWO_EMBODIED),
+    _embodied("two visits, true positions", ORACLE_POSITIONS),
+    _embodied("oracle", ORACLE),
+)
+TAXONOMY = tuple(
+    Line(title, f"taxonomy.{key}", _EVERY, lambda relation, key=key: sources.outcomes(key, relation), Form.COUNT)
+    for key, title in (
+        ("success", "success"),
+        ("abstain", "abstained (no candidate)"),
+        ("elsewhere", "elsewhere (> 2 m)"),
+        ("near_miss", "near miss (1–2 m)"),
+        ("wrong_instance", "wrong instance"),
+        ("episodes", "episodes"),
+        ("lost_in_navigation", "lost in navigation, first seed †"),
+    )
+)
+LINES = {"static": STATIC, "embodied": EMBODIED, "taxonomy": TAXONOMY}
+_INTERVALS = (
+    ("one visit", ONE_EMBODIED, "embodied_interval_single_visit"),
+    ("two visits", TWO_EMBODIED, "embodied_interval_two_visits"),
+    ("two visits, true positions", ORACLE_POSITIONS, "embodied_interval_oracle_positions"),
+)
+_NUMBERS_OF_INSTANCES = (
+    ("two", sources.TWO_INSTANCES, "two"),
+    ("three", sources.THREE_INSTANCES, "three"),
+    ("four or more", sources.MORE_INSTANCES, "more"),
+)
+USED = frozenset(
+    {f"{line.row}.{column}" for lines in LINES.values() for line in lines for column in line.columns}
+    | {key for *_, key in _INTERVALS}
+    | {f"{what}_with_{key}" for *_, key in _NUMBERS_OF_INSTANCES for what in ("success", "episodes")}
+)
+"""Keys of the paper's figures that the tables show."""
+
+
+def beside_paper(lines: Sequence[Line], what: str, metrics: Metrics, paper: Paper) -> str:
+    """A Markdown table with two rows a line: ours, then the paper's. what: head of the first column."""
+    columns = lines[0].columns
+    heads = [*_HEADS, *(column.upper() for column in columns[len(_HEADS) :])]
+    body = []
+    for line in lines:
+        body.append([line.title, HERE, *(_cell(line.read(column), metrics, line.form) for column in columns)])
+        body.append(["", PAPER, *(_papers(paper, f"{line.row}.{column}", line.form) for column in columns)])
+    return pipe_table([what, "", *heads], body, [False, False, *[True] * len(columns)])
+
+
+def intervals(metrics: Metrics, paper: Paper) -> str:
+    """Embodied success with its interval."""
+    body = [
+        [
+            title,
+            _cell(sources.embodied(arm), metrics, Form.RATE),
+            " – ".join(_cell(sources.embodied(arm, ALL, bound), metrics, Form.RATE) for bound in ("low", "high")),
+            _papers(paper, key, Form.RATE),
+        ]
+        for title, arm, key in _INTERVALS
+    ]
+    return pipe_table(["agent", "here", "interval, here", "interval, paper"], body, [False, True, True, True])
+
+
+def difficulty(metrics: Metrics, paper: Paper) -> str:
+    """Static success of the two-visit agent by the number of instances of the category."""
+    body = []
+    for title, group, key in _NUMBERS_OF_INSTANCES:
+        body.append(
+            [
+                title,
+                _cell(sources.with_instances(TWO, group, "n"), metrics, Form.COUNT),
+                _cell(sources.with_instances(TWO, group), metrics, Form.RATE),
+                _papers(paper, f"episodes_with_{key}", Form.COUNT),
+                _papers(paper, f"success_with_{key}", Form.RATE),
+            ]
+        )
+    heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
+    return pipe_table(heads, body, [False, True, True, True, True])
+
+
+def found(read: Read, metrics: Metrics) -> Cell | None:
+    """A figure, or None where the metrics do not have it."""
+    try:
+        return read(metrics)
+    except Missing:
+        return None
+
+
+def _cell(read: Read, metrics: Metrics, form: Form) -> str:
+    cell = found(read, metrics)
+    return EMPTY if cell is None else written(cell.value, form)
+
+
+def _papers(paper: Paper, key: str, form: Form) -> str:
+    return papers(paper[key], form) if key in paper else EMPTY

@@ -1,0 +1,204 @@
+"""Where the figures of the statements are read: one function a kind of figure, each naming file, row and column."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from scipy.stats import fisher_exact
+
+from ovman.analysis.comparisons import AGENT
+from ovman.analysis.difficulty import MANY, By
+from ovman.analysis.taxonomy import LOST, Verdict
+from ovman.report.findings.metrics import Cell, Metrics, Missing, number
+from ovman.task import Relation
+
+Read = Callable[[Metrics], Cell]
+
+ALL = "all"
+PAST = tuple(relation.value for relation in Relation if relation.past)
+CURRENT = tuple(relation.value for relation in Relation if not relation.past)
+RELATIONS = tuple(relation.value for relation in Relation)
+TWO_INSTANCES, THREE_INSTANCES, MORE_INSTANCES = "2", "3", f"{MANY}+"
+"""Groups of difficulty.csv."""
+EPISODES = "episodes"
+
+
+def static(arm: str, relation: str = ALL, column: str = "rate") -> Read:
+    """A static arm's success on a relation, or on all episodes."""
+    return lambda metrics: metrics.cell("static_rates.csv", column, arm=arm, relation=relation)
+
+
+def embodied(arm: str, relation: str = ALL, column: str = "rate") -> Read:
+    """An embodied arm's success, the mean over its seeds."""
+    return lambda metrics: metrics.cell("embodied_rates.csv", column, arm=arm, relation=relation)
+
+
+def navigated(arm: str, column: str, index: int) -> Read:
+    """An embodied arm over all episodes under the index-th of its seeds."""
+    return lambda metrics: metrics.cell(
+        "navigation.csv", column, arm=arm, relation=ALL, seed=_seed(metrics, "navigation.csv", index, arm=arm, relation=ALL)
+    )
+
+
+def over_seeds(arm: str, column: str) -> Read:
+    """The mean of a column of navigation.csv over the seeds of an embodied arm, all episodes."""
+
+    def read(metrics: Metrics) -> Cell:
+        source = f"navigation.csv ({arm}, all, mean over seeds): {column}"
+        return Cell(_mean([number(row[column], source) for row in metrics.rows("navigation.csv", arm=arm, relation=ALL)]), source)
+
+    return read
+
+
+def compared(arm: str, baseline: str, column: str, relation: str = ALL) -> Read:
+    """A column of significance.csv, under the first seed that both arms have."""
+    where = {"arm": arm, "baseline": baseline, "relation": relation}
+    return lambda metrics: metrics.cell("significance.csv", column, **where, seed=_seed(metrics, "significance.csv", 0, **where))
+
+
+def largest_p(arm: str, baseline: str) -> Read:
+    """The largest p over all episodes among the seeds that two arms share."""
+
+    def read(metrics: Metrics) -> Cell:
+        source = f"significance.csv ({arm}, {baseline}, all, largest of the seeds): p"
+        rows = metrics.rows("significance.csv", arm=arm, baseline=baseline, relation=ALL)
+        return Cell(max(number(row["p"], source) for row in rows), source)
+
+    return read
+
+
+def rung(title: str, column: str = "gain") -> Read:
+    """A column of a rung of the error budget over all episodes."""
+    return lambda metrics: metrics.cell("budget.csv", column, rung=title, relation=ALL)
+
+
+def outcomes(verdict: str, relation: str = ALL) -> Read:
+    """How many episodes of the two-visit agent have a verdict; EPISODES: how many there are.
+
+    What is lost in navigation is counted under the first seed, the other verdicts know none.
+    """
+
+    def read(metrics: Metrics) -> Cell:
+        file = "taxonomy.csv"
+        if verdict == EPISODES:
+            return metrics.cell(file, "n", arm=AGENT, verdict=Verdict.SUCCESS.value, relation=relation)
+        where = {"arm": AGENT, "verdict": verdict, "relation": relation}
+        if verdict == LOST:
+            where["seed"] = _seed(metrics, file, 0, **where)
+        return metrics.cell(file, "episodes", **where)
+
+    return read
+
+
+def share(verdict: str, relation: str) -> Read:
+    """The share of a relation's episodes that has a verdict."""
+
+    def read(metrics: Metrics) -> Cell:
+        count, of = outcomes(verdict, relation)(metrics), outcomes(EPISODES, relation)(metrics)
+        if not of.value:
+            raise Missing(f"taxonomy.csv has no episodes of {relation}")
+        return Cell(count.value / of.value, f"{count.source} / n")
+
+    return read
+
+
+def with_instances(arm: str, group: str, column: str = "rate") -> Read:
+    """A static arm on the episodes whose category has so many instances."""
+    return lambda metrics: metrics.cell("difficulty.csv", column, by=By.INSTANCES.value, group=group, arm=arm)
+
+
+def falling_p(arm: str) -> Read:
+    """One-sided p of Fisher's exact test that success with two instances of the category exceeds that with the most."""
+
+    def read(metrics: Metrics) -> Cell:
+        table = []
+        for group in (TWO_INSTANCES, MORE_INSTANCES):
+            won = with_instances(arm, group, "successes")(metrics).value
+            n = with_instances(arm, group, "n")(metrics).value
+            if not 0 <= won <= n:
+                raise ValueError(f"difficulty.csv ({arm}, {group} instances): {won:g} successes of {n:g}; make the metrics again")
+            table.append([round(won), round(n - won)])
+        p = fisher_exact(table, alternative="greater").pvalue
+        return Cell(float(p), f"difficulty.csv ({arm}, {TWO_INSTANCES} against {MORE_INSTANCES} instances): successes, n")
+
+    return read
+
+
+def of_scenes(arm: str, choose: Callable[[Sequence[float]], float]) -> Read:
+    """The lowest (min) or highest (max) success of a static arm among the scenes."""
+
+    def read(metrics: Metrics) -> Cell:
+        rows = metrics.rows("difficulty.csv", by=By.SCENE.value, arm=arm)
+        rates = [number(row["rate"], f"difficulty.csv ({row['group']}, {arm}): rate") for row in rows]
+        value = choose(rates)
+        return Cell(value, f"difficulty.csv ({rows[rates.index(value)]['group']}, {arm}): rate")
+
+    return read
+
+
+def worst_m(column: str) -> Read:
+    """The largest error of the self-check of the back-projection, in metres, over all true masks."""
+
+    def read(metrics: Metrics) -> Cell:
+        source = f"backprojection.csv (all masks): greatest {column}"
+        return Cell(max(number(row[column], source) for row in metrics.rows("backprojection.csv")), source)
+
+    return read
+
+
+def self_checked(metrics: Metrics) -> Cell:
+    """How many objects the self-check of the back-projection saw."""
+    rows = metrics.rows("backprojection.csv")
+    return Cell(float(len({(row["scene"], row["object"]) for row in rows})), "backprojection.csv: distinct (scene, object)")
+
+
+def self_checked_scenes(metrics: Metrics) -> Cell:
+    """How many scenes the self-check of the back-projection saw."""
+    return Cell(float(len({row["scene"] for row in metrics.rows("backprojection.csv")})), "backprojection.csv: distinct scene")
+
+
+def language(what: str) -> Read:
+    """A rate of language.csv."""
+    return lambda metrics: metrics.cell("language.csv", "rate", what=what)
+
+
+def less(greater: Read, lesser: Read) -> Read:
+    """The first figure minus the second."""
+
+    def read(metrics: Metrics) -> Cell:
+        first, second = greater(metrics), lesser(metrics)
+        return Cell(first.value - second.value, f"{first.source} − {second.source}")
+
+    return read
+
+
+def mean(figures: Sequence[Read]) -> Read:
+    """The mean of several figures."""
+
+    def read(metrics: Metrics) -> Cell:
+        cells = [figure(metrics) for figure in figures]
+        return Cell(_mean([cell.value for cell in cells]), f"mean of {'; '.join(cell.source for cell in cells)}")
+
+    return read
+
+
+def lowest(figures: Sequence[Read]) -> Read:
+    """The lowest of several figures."""
+    return lambda metrics: min((figure(metrics) for figure in figures), key=lambda cell: cell.value)
+
+
+def highest(figures: Sequence[Read]) -> Read:
+    """The highest of several figures."""
+    return lambda metrics: max((figure(metrics) for figure in figures), key=lambda cell: cell.value)
+
+
+def _seed(metrics: Metrics, file: str, index: int, **where: str) -> str:
+    """The index-th of the seeds, by number, of the rows of `where`."""
+    seeds = sorted({row["seed"] for row in metrics.rows(file, **where)}, key=int)
+    if index >= len(seeds):
+        raise Missing(f"{file} has {len(seeds)} seed{'s' * (len(seeds) > 1)} of {', '.join(where.values())}, no {index + 1}th")
+    return seeds[index]
+
+
+def _mean(values: Sequence[float]) -> float:
+    return sum(values) / len(values)

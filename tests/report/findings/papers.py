@@ -1,0 +1,163 @@
+"""Metrics whose figures are the paper's own, with the columns of the real files: every test must hold on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import product
+
+from ovman.report.findings.metrics import Metrics
+from ovman.report.findings.paper import Figure, Paper
+from ovman.report.findings.sources import ALL, RELATIONS
+
+Files = dict[str, list[dict[str, str]]]
+SEEDS = ("0", "1", "2")
+EVERY = (*RELATIONS, ALL)
+STATIC = tuple(f"{rung}{memory}" for rung, memory in product(("", "grounding_", "positions_"), ("single_visit", "two_visits")))
+EMBODIED = ("single_visit_embodied", "two_visits_embodied", "two_visits_oracle_positions", "oracle_check")
+VERDICTS = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance")
+
+
+def number(figure: Figure) -> float:
+    """A value, a little below a bound, or the middle of a range."""
+    if figure.value is not None:
+        return figure.value
+    return figure.below / 10 if figure.below is not None else (figure.low + figure.high) / 2
+
+
+def metrics_of(files: Mapping[str, list[dict[str, str]]]) -> Metrics:
+    return Metrics(files)
+
+
+def papers_files(paper: Paper) -> Files:
+    """Rows by the name of the file. What the paper does not print is filled in so that it contradicts nothing printed."""
+
+    def get(key: str, otherwise: float | None = None) -> float:
+        if key in paper:
+            return number(paper[key])
+        assert otherwise is not None, key
+        return otherwise
+
+    n = {relation: get(f"taxonomy.episodes.{relation}") for relation in EVERY}
+
+    def rate(table: str, arm: str, relation: str) -> dict[str, str]:
+        value = get(f"{table}.{arm}.{relation}")
+        return _row(
+            arm=arm,
+            relation=relation,
+            n=n[relation],
+            successes=value * n[relation],
+            rate=value,
+            low=max(0, value - 0.05),
+            high=min(1, value + 0.05),
+            spl=get(f"{table}.{arm}.spl", 0.9),
+        )
+
+    def compared(arm: str, baseline: str, seed: str, relation: str, kind: str) -> dict[str, str]:
+        p = get(f"{kind}_p_{relation}", 0.5)
+        return _row(
+            arm=arm,
+            baseline=baseline,
+            seed=seed,
+            relation=relation,
+            n=n[relation],
+            wins=get(f"{kind}_wins", 60),
+            losses=get(f"{kind}_losses", 10),
+            p=p,
+            p_holm="" if relation == ALL else p,
+        )
+
+    def navigated(arm: str, prefix: str, index: int) -> dict[str, str]:
+        return _row(
+            arm=arm,
+            seed=SEEDS[index],
+            relation=ALL,
+            n=n[ALL],
+            sr=get(f"{prefix}_seed_{index}"),
+            spl_given_success=get("spl_given_success"),
+            lost=get("lost_by_navigating"),
+            gained=get("gained_by_navigating"),
+        )
+
+    def difficulty(by: str, group: str, arm: str, of: float, value: float) -> dict[str, str]:
+        return _row(by=by, group=group, arm=arm, n=of, successes=value * of, rate=value)
+
+    rungs = {
+        "own": {},
+        "grounding handed over": {
+            "gain": get("rung_grounding"),
+            "gained": get("handover_wins"),
+            "lost": get("handover_losses"),
+            "p": get("handover_p"),
+        },
+        "positions handed over": {"gain": get("rung_mapping"), "gained": 115, "lost": 2, "p": 1e-20},
+        "answer given": {"gain": get("rung_selection"), "gained": 1, "lost": 0, "p": 1},
+    }
+    groups = (("2", "two"), ("3", "three"), ("4+", "more"))
+    return {
+        "static_rates.csv": [rate("static", arm, relation) for arm in STATIC for relation in EVERY],
+        "embodied_rates.csv": [rate("embodied", arm, relation) for arm in EMBODIED for relation in EVERY],
+        "significance.csv": [
+            *(compared("two_visits", "single_visit", "0", relation, "static") for relation in EVERY),
+            *(
+                compared("two_visits_embodied", "single_visit_embodied", seed, relation, "embodied")
+                for seed in SEEDS
+                for relation in EVERY
+            ),
+        ],
+        "navigation.csv": [
+            navigated(arm, prefix, index)
+            for arm, prefix in (("single_visit_embodied", "single_visit"), ("two_visits_embodied", "two_visits"))
+            for index in range(3)
+        ],
+        "taxonomy.csv": [
+            *(
+                _row(
+                    arm="two_visits",
+                    verdict=verdict,
+                    relation=relation,
+                    episodes=get(f"taxonomy.{verdict}.{relation}"),
+                    n=n[relation],
+                    embodied="",
+                    seed="",
+                )
+                for verdict in VERDICTS
+                for relation in EVERY
+            ),
+            *(
+                _row(
+                    arm="two_visits",
+                    verdict="lost_in_navigation",
+                    relation=relation,
+                    n=n[relation],
+                    embodied="two_visits_embodied",
+                    episodes=get(f"taxonomy.lost_in_navigation.{relation}"),
+                    seed=seed,
+                )
+                for seed in SEEDS
+                for relation in EVERY
+            ),
+        ],
+        "difficulty.csv": [
+            *(
+                difficulty("instances", group, "two_visits", get(f"episodes_with_{key}"), get(f"success_with_{key}"))
+                for group, key in groups
+            ),
+            difficulty("scene", "FloorPlan1", "two_visits", 10, get("worst_scene")),
+            difficulty("scene", "FloorPlan7", "two_visits", 10, get("best_scene")),
+            difficulty("scene", "FloorPlan1", "grounding_two_visits", 10, get("worst_scene_grounding")),
+            difficulty("scene", "FloorPlan7", "grounding_two_visits", 10, 0.9),
+        ],
+        "budget.csv": [_row(rung=rung, relation=ALL, n=n[ALL], **cells) for rung, cells in rungs.items()],
+        "language.csv": [
+            _row(what=what, rate=get(key))
+            for what, key in (("both", "parser_accuracy"), ("supplied", "success_supplied"), ("inferred", "success_inferred"))
+        ],
+        "backprojection.csv": [
+            _row(scene="FloorPlan1", object=f"Chair|{k}", median_box_m=0.01 * k, ray_box_m=get("single_ray_worst_m") / (k + 1))
+            for k in range(5)
+        ],
+    }
+
+
+def _row(**cells: float | str) -> dict[str, str]:
+    return {name: value if isinstance(value, str) else f"{value:.12g}" for name, value in cells.items()}
