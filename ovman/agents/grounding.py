@@ -16,9 +16,7 @@ def similarities(features: ArrayLike, noun: ArrayLike) -> np.ndarray:
     if not f.size:
         return np.zeros(0)
     if f.ndim != 2 or q.shape != f.shape[1:]:
-        raise ValueError(
-            f"features (N, K) and a noun (K,) are needed, not {f.shape} and {q.shape}; were they made by one encoder?"
-        )
+        raise ValueError(f"features (N, K) and a noun (K,) of one encoder are needed, not {f.shape} and {q.shape}")
     if not (np.isfinite(f).all() and np.isfinite(q).all()):
         raise ValueError("features or noun hold a value that is not finite")
     # Not a matrix product, whose last bit depends on the row's place in the matrix.

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.prediction import Prediction, read, write
+from ovman.agents.reasoning import Evidence
 from ovman.agents.single_visit import UniformBox, UniformPick
 
 finite = st.floats(-50, 50, allow_nan=False)
@@ -20,10 +21,16 @@ outcomes = st.one_of(
 )
 
 
+indices = st.lists(st.integers(0, 99), max_size=4).map(tuple)
+evidence = st.none() | st.builds(
+    Evidence, st.none() | indices, indices, st.lists(st.tuples(st.integers(0, 99), st.integers(0, 99)), max_size=4).map(tuple)
+)
+
+
 @settings(max_examples=80, derandomize=True)
-@given(outcomes, st.integers(0, 9))
-def test_a_record_says_all_that_was_predicted(outcome, seed):
-    prediction = Prediction("FloorPlan201/moved/0003", "positions_two_visits", seed, outcome)
+@given(outcomes, st.integers(0, 9), evidence)
+def test_a_record_says_all_that_was_predicted(outcome, seed, evidence):
+    prediction = Prediction("FloorPlan201/moved/0003", "positions_two_visits", seed, outcome, evidence)
     record = json.loads(json.dumps(prediction.to_json()))
     assert Prediction.from_json(record) == prediction
     assert record["schema"] == "ovman-prediction/1"
@@ -58,6 +65,7 @@ GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "
         ({"x": None, "abstain": "tired"}, "the reasons are no_candidate"),
         ({"episode": None}, "'episode' is missing"),
         ({"z": None}, "'z' is missing"),
+        ({"evidence": {"grounded": {"first": [1], "second": [0]}}}, "'pairs' is missing"),
     ],
 )
 def test_a_bad_line_is_named_with_its_remedy(tmp_path, change, message):

@@ -1,0 +1,98 @@
+"""What a noun means in a map: by its features, and for the diagnostic arms by the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.grounding import grounded, similarities
+from ovman.agents.handover import grounding_by_truth, recorded_positions
+
+BAND = 0.03
+vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
+units = vectors.map(lambda v: v / np.linalg.norm(v))
+maps = st.lists(units, min_size=1, max_size=12).map(np.stack)
+coordinate = st.floats(-5, 5)
+places = st.lists(st.tuples(coordinate, coordinate), max_size=10, unique=True)
+
+
+@settings(derandomize=True, max_examples=60)
+@given(maps, units, st.floats(0, 2), st.floats(0, 2))
+def test_a_wider_band_holds_what_a_narrower_one_holds(features, noun, one, other):
+    narrow, wide = sorted((one, other))
+    assert set(grounded(features, noun, 0)) <= set(grounded(features, noun, narrow)) <= set(grounded(features, noun, wide))
+
+
+@settings(derandomize=True, max_examples=60)
+@given(maps, units)
+def test_no_band_leaves_the_best_and_a_large_one_everything(features, noun):
+    s = [float(np.dot(f, noun)) for f in features]
+    best = grounded(features, noun, 0)
+    assert best and all(s[i] == pytest.approx(max(s)) for i in best)
+    assert grounded(features, noun, 2.001) == tuple(range(len(features)))
+
+
+@settings(derandomize=True, max_examples=60)
+@given(maps, units, st.randoms(use_true_random=False))
+def test_the_order_of_the_map_is_of_no_consequence(features, noun, random):
+    order = list(range(len(features)))
+    random.shuffle(order)
+    assert sorted(order[i] for i in grounded(features[order], noun, BAND)) == list(grounded(features, noun, BAND))
+
+
+def test_the_band_reaches_from_the_best_down():
+    angles = np.arccos([0.9, 0.871, 0.869, -0.5])
+    features = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    assert grounded(features, (1.0, 0.0), BAND) == (0, 1)
+
+
+def test_an_empty_map_means_nothing():
+    assert grounded(np.zeros((0, 4)), np.ones(4) / 2, BAND) == () == grounded(np.zeros((0, 0)), np.ones(4) / 2, BAND)
+
+
+@pytest.mark.parametrize(
+    ("features", "noun", "band", "message"),
+    [
+        (np.eye(3), np.ones(2), BAND, "of one encoder"),
+        (np.ones(3), np.ones(3), BAND, "of one encoder"),
+        (np.eye(2) * np.nan, np.ones(2), BAND, "not finite"),
+        (np.eye(2), np.ones(2), -0.1, "band"),
+        (np.eye(2), np.ones(2), float("nan"), "band"),
+    ],
+)
+def test_wrong_input_is_named(features, noun, band, message):
+    with pytest.raises(ValueError, match=message):
+        grounded(features, noun, band)
+
+
+def test_similarity_does_not_depend_on_the_neighbours():
+    features = np.random.default_rng(0).normal(size=(37, 129))
+    noun = np.random.default_rng(1).normal(size=129)
+    alone = [similarities(features[[i]], noun)[0] for i in range(len(features))]
+    assert similarities(features, noun).tolist() == alone
+
+
+@settings(derandomize=True, max_examples=60)
+@given(places, places, st.floats(0.1, 3))
+def test_truth_names_the_nearest_object_of_each_recorded_position(recorded, p, radius_m):
+    found = grounding_by_truth(recorded, p, radius_m)
+    expected = set()
+    for x, z in recorded:
+        gaps = [(np.hypot(x - a, z - b), a, b, i) for i, (a, b) in enumerate(p)]
+        if gaps and min(gaps)[0] <= radius_m:
+            expected.add(min(gaps)[3])
+    assert found == tuple(sorted(expected))
+
+
+def test_a_moving_instance_is_every_object_along_its_track():
+    track = [(0.0, 0.0), (1.5, 0.0), (3.0, 0.0)]
+    p = [(3.1, 0.0), (0.1, 0.1), (1.5, 0.4), (9.0, 9.0)]
+    assert grounding_by_truth(track, p, 1.0) == (0, 1, 2)
+
+
+def test_only_masks_that_count_are_recorded():
+    sightings = [{"view": v, "instance": "k", "px": px, "x": float(v), "z": 0.0} for v, px in enumerate((299, 300, 5000))]
+    assert recorded_positions(sightings, 300).tolist() == [[1.0, 0.0], [2.0, 0.0]]
+    assert grounding_by_truth(recorded_positions([], 300), [(0.0, 0.0)], 1.0) == ()

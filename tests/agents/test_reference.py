@@ -1,0 +1,216 @@
+"""The reference agent: on wheels in the real engine, with maps that are true to what was recorded."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ovman.agents import executions
+from ovman.agents.agent import Action, Agent, Visit
+from ovman.agents.embodied import Assignment, execute
+from ovman.agents.handover import recorded_positions
+from ovman.agents.mapper import KeptMaps
+from ovman.agents.predictions import Perceived
+from ovman.agents.reference import ReferenceAgent, SingleVisitAgent
+from ovman.config import canonical, load
+from ovman.constants import StageConstants, task_constants
+from ovman.language import noun
+from ovman.perception.clusters import Cluster
+from ovman.sim.recorded import judged
+from ovman.sim.session import Session
+from ovman.task import Query, Relation
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT / "data" / "ovman-embedded-v1"
+SCENE = "FloorPlan429"
+
+
+def constants(overrides: dict | None = None) -> StageConstants:
+    text = json.loads(canonical(load(ROOT / "config.yaml"), "executions"))
+    return StageConstants(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
+
+
+def read(path: Path) -> list[dict]:
+    return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+RELEASED = {e["id"] for e in read(DATA / "episodes" / "main.jsonl")}
+TRIALS = [t for t in read(DATA / "trials" / f"{SCENE}.jsonl") if t["candidate"]["id"] in RELEASED]
+
+
+def trial(relation: Relation) -> dict:
+    return next(t for t in TRIALS if t["candidate"]["relation"] == relation)
+
+
+def true_map(sightings, category: str) -> tuple[Cluster, ...]:
+    """One cluster for each place where an instance was recorded, and something else far away."""
+    places = np.unique(recorded_positions(sightings, 300), axis=0)
+    feature, other = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    views = np.array([0])
+    return (
+        *(Cluster(place, feature, place[None], views) for place in places),
+        Cluster(np.array([50.0, 50.0]), other, np.array([[50.0, 50.0]]), views),
+    )
+
+
+@dataclass
+class TrueEyes:
+    """Eyes to which a tour is its visit's name."""
+
+    trial: dict
+
+    def __post_init__(self) -> None:
+        measured, category = self.trial["measured"], self.trial["candidate"]["category"]
+        maps = {measured["visits"][v]: true_map(measured["sightings"][v], category) for v in ("first", "second")}
+        self.perceived = Perceived(maps, {noun(category): np.array([1.0, 0.0])})
+        self.mapper = KeptMaps(maps)
+
+    def tour(self, visits):
+        return lambda which, reachable: Visit((), reachable, visits[which])
+
+
+@pytest.fixture(scope="module")
+def session():
+    with Session(SCENE, constants()) as made:
+        yield made
+
+
+@pytest.mark.parametrize("relation", sorted({t["candidate"]["relation"] for t in TRIALS} - {"moving"}))
+def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, relation):
+    drawn = []
+    step = Session.step
+
+    def watched(self, action, image=False, **arguments):
+        drawn.append((action, image))
+        return step(self, action, image=image, **arguments)
+
+    monkeypatch.setattr(Session, "step", watched)
+    chosen = trial(Relation(relation))
+    run = executions.execution(session, "two_visits_embodied", 0, chosen, constants(), TrueEyes(chosen))
+    assert run["outcome"] == "stopped" and run["arm"] == "two_visits_embodied"
+    assert judged(run, Relation(relation), task_constants(constants({"success.radius_m": 1.0, "success.visible_px": 100})))
+    # Frames are drawn for the look-down sweep at the stop alone.
+    assert {action for action, image in drawn if image} <= {"TeleportFull"}
+    assert executions.execution(session, "two_visits_embodied", 0, chosen, constants(), TrueEyes(chosen)) == run
+
+
+def test_the_single_visit_draws_by_its_seed(session):
+    chosen = trial(Relation.FORMER)
+    one, again, other = (
+        executions.execution(session, "single_visit_embodied", seed, chosen, constants(), TrueEyes(chosen)) for seed in (0, 0, 1)
+    )
+    assert one == again and one["stop"] != other["stop"]
+
+
+class Watcher:
+    """Looks at whatever it is given, and stops."""
+
+    def __init__(self, says: bool | None) -> None:
+        self.frames = []
+        if says is not None:
+            self.looks = says
+
+    def familiarise(self, visit):
+        pass
+
+    def revisit(self, visit):
+        pass
+
+    def ask(self, query):
+        pass
+
+    def act(self, observation):
+        self.frames.append(observation)
+        return Action.STOP
+
+
+@pytest.mark.parametrize(("says", "looks"), [(None, True), (True, True), (False, False)])
+def test_frames_are_drawn_unless_an_agent_says_that_it_does_not_look(session, says, looks):
+    agent = Watcher(says)
+    assert isinstance(agent, Agent)
+    nowhere = Visit((), np.empty((0, 2)))
+    execute(
+        session,
+        Assignment.of(TRIALS[0]),
+        agent,
+        nowhere,
+        lambda cells: nowhere,
+        None,
+        np.random.default_rng(0),
+        constants(),
+    )
+    (frame,) = agent.frames
+    assert frame.positions is None and (frame.rgb is not None) == (frame.depth is not None) == looks
+
+
+class Wheels:
+    """A pilot that is nowhere and says where it is sent."""
+
+    def __init__(self) -> None:
+        self.goals = []
+
+    def set_out(self, reachable, relation):
+        self.reachable = reachable
+
+    def act(self, observation, goal):
+        self.goals.append(goal)
+        return Action.STOP
+
+
+def agents():
+    eyes = TrueEyes(TRIALS[0])
+    maps = {"empty": (), **eyes.perceived.maps}
+    given = (KeptMaps(maps), eyes.perceived.noun, executions.reference_constants(constants()))
+    wheels = Wheels()
+    return wheels, (ReferenceAgent(wheels, *given), SingleVisitAgent(wheels, *given, np.random.default_rng(0)))
+
+
+def asked(agent, first: str, second: str, relation: Relation) -> Action:
+    agent.familiarise(Visit((), np.empty((0, 2)), first))
+    agent.revisit(Visit((), np.array([[0.0, 0.0], [1.0, 1.0]]), second))
+    agent.ask(Query(TRIALS[0]["candidate"]["category"], relation))
+    return agent.act(None)
+
+
+def test_they_are_agents_that_forget_and_abstain():
+    wheels, both = agents()
+    visits = TRIALS[0]["measured"]["visits"]
+    for agent in both:
+        assert isinstance(agent, Agent) and agent.looks is False
+        assert asked(agent, visits["first"], visits["second"], Relation.STABLE) is Action.STOP
+        assert asked(agent, "empty", "empty", Relation.STABLE) is Action.ABSTAIN
+    assert len(wheels.goals) == 2 and all(len(goal) == 2 for goal in wheels.goals)
+
+
+def test_a_tour_without_a_map_and_a_noun_without_an_embedding_are_named():
+    _, both = agents()
+    with pytest.raises(ValueError, match="make the stage maps again"):
+        both[0].familiarise(Visit((), np.empty((0, 2)), "elsewhere"))
+    with pytest.raises(ValueError, match="make the stage maps again"):
+        both[0].familiarise(Visit((), np.empty((0, 2))))
+    both[1].revisit(Visit((), np.empty((0, 2)), "empty"))
+    with pytest.raises(ValueError, match="'sofa'.* make the stage nouns again"):
+        both[1].ask(Query("Sofa", Relation.MOVED))
+
+
+def test_a_threshold_that_changes_no_answer_is_no_new_run():
+    chosen = TRIALS[0]
+    eyes = TrueEyes(chosen)
+    key = partial(executions.unit, "two_visits_embodied", 0, chosen)
+    usual = key(constants(), eyes.perceived)
+    assert key(constants({"association.gate_m": 1.2501, "grounding.band": 0.031}), eyes.perceived) == usual
+    assert key(constants({"primitives.stop_within_m": 0.61}), eyes.perceived) != usual
+    assert executions.unit("two_visits_embodied", 1, chosen, constants(), eyes.perceived) != usual
+    blind = Perceived(dict.fromkeys(eyes.perceived.maps, ()), eyes.perceived.nouns)
+    assert key(constants(), blind) != usual
+
+
+@pytest.mark.parametrize("arm", ["two_visits_embodied", "single_visit_embodied"])
+def test_an_arm_with_positions_of_its_own_needs_eyes(arm):
+    with pytest.raises(ValueError, match="give it eyes"):
+        executions.execution(None, arm, 0, TRIALS[0], constants())
