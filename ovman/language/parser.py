@@ -1,0 +1,223 @@
+"""The parser: a sentence in, the noun phrase and the change relation out, or the name of what is wrong with it. Never a default.
+
+Whether a sentence asks for the thing or for its place is read off its structure: "the chair that is not where it was" is a thing,
+"where the chair was" a place. Which thing, or which place, the cues say (``ovman.language.cues``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ovman.language.cues import Cue, Tag, cues
+from ovman.language.words import Mention, mentions, words
+
+
+class ParseFailure(StrEnum):
+    """Why a sentence names no query; the value is what records hold."""
+
+    NO_WORDS = "no_words"
+    NO_NOUN = "no_noun"  # nothing is named
+    UNKNOWN_NOUN = "unknown_noun"  # something is named that is not in the vocabulary
+    AMBIGUOUS_NOUN = "ambiguous_noun"  # several things are named and none is the one that is asked for
+    NO_RELATION = "no_relation"  # nothing says what became of the thing
+    AMBIGUOUS_RELATION = "ambiguous_relation"  # what is said fits several relations, or contradicts itself
+
+
+@dataclass(frozen=True, slots=True)
+class Parsed:
+    """noun_phrase: as the vocabulary has it ("TV stand" for "the tv-stand"); relation: a change relation by its name."""
+
+    noun_phrase: str
+    relation: str
+
+
+def parse(sentence: str) -> Parsed | ParseFailure:
+    """What a sentence asks for. Articles, case, punctuation and politeness do not matter; any noun of the vocabulary will
+    do."""
+    said = words(sentence)
+    if not said:
+        return ParseFailure.NO_WORDS
+    found = _referents(said, mentions(said))
+    if not found:
+        return ParseFailure.UNKNOWN_NOUN if _names_something(said) else ParseFailure.NO_NOUN
+    if len({mention.noun for mention in found}) > 1:
+        return ParseFailure.AMBIGUOUS_NOUN
+    masked = _masked(said, found)
+    read = cues(masked)
+    if _is_part_of_another_noun(masked, read):
+        return ParseFailure.UNKNOWN_NOUN
+    relation = _relation(masked, read)
+    return relation if isinstance(relation, ParseFailure) else Parsed(found[0].noun, relation)
+
+
+def _set(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+_THING = "X"
+_DETERMINERS = _set("the a an this that these those my our your his her its their which what some any one another other each 's")
+_MODIFIERS = _set(
+    """red green blue yellow orange purple pink brown black white grey gray beige golden silver dark light bright colourful
+    colorful wooden metal plastic glass leather ceramic wicker fabric stone steel marble cardboard paper cloth velvet
+    cotton big large small little tiny huge tall short long low round square rectangular wide narrow thin thick heavy
+    nice lovely beautiful ugly dirty clean cute favourite favorite dear poor certain particular single only same very
+    specific lone second third two three few of other one ones exact whole respective aforementioned said"""
+)
+_LANDMARK = _set("on in at by near beside behind under below above inside next against from off over onto opposite across along")
+_RELATIVE = _set("that which who whose is are was were has have 's")
+_KNOWN = _set(
+    """i me you we us they them he she it who whom robot please hey hi hello ok okay could can would will shall should may
+    might must do does did go going to and or but so then there here where what when how if now just for of with by at
+    on in into from over back up down out off near be is are was were been being am has have had not no like want need
+    help let lets try kindly thanks thank before after any more thing things ones object objects item items something
+    somewhere anything upstairs downstairs nearby yesterday today tonight"""
+)
+_IMPERATIVES = _set(
+    """go head drive navigate walk move roll travel come get return run take bring lead guide show point find locate look
+    search seek reach approach visit follow catch track see check tell make direct carry fetch hunt stop wheel pursue
+    chase"""
+)
+_OPENING = _set("please to you and then robot can could now kindly me i us lets let just")
+_STRONG = frozenset({Tag.MOVED, Tag.MOVING, Tag.STAYED, Tag.NEW, Tag.TAKEN})
+_OF_THE_THING = {Tag.MOVED: "moved", Tag.MOVING: "moving", Tag.STAYED: "stable", Tag.NEW: "appeared", Tag.TAKEN: "removed"}
+
+
+def _referents(said: Sequence[str], found: Sequence[Mention]) -> tuple[Mention, ...]:
+    """The mentions of the thing: those with a determiner where any has one ("to be safe, go to the chair"), no landmarks
+    ("the vase on the table")."""
+    with_article = tuple(mention for mention in found if _determiner(said, mention.start) is not None) or tuple(found)
+    landmarks = {mention for mention in with_article[1:] if _is_landmark(said, mention.start)}
+    return tuple(mention for mention in with_article if mention not in landmarks)
+
+
+def _determiner(said: Sequence[str], start: int) -> int | None:
+    """The place of the determiner of the noun phrase whose noun begins at `start`, at most four words before it."""
+    return next((k for k in range(start - 1, max(start - 6, -1), -1) if said[k] in _DETERMINERS), None)
+
+
+def _is_landmark(said: Sequence[str], start: int) -> bool:
+    at = start - 1
+    while at >= 0 and (said[at] in _DETERMINERS or said[at] in _MODIFIERS):
+        at -= 1
+    return at >= 0 and (said[at] in _LANDMARK or tuple(said[max(at - 1, 0) : at + 1]) in {("next", "to"), ("close", "to")})
+
+
+def _names_something(said: Sequence[str]) -> bool:
+    """Whether a determiner is followed by a word that is neither of the grammar nor of a cue."""
+    cue = {k for found in cues(said) for k in range(found.start, found.end)}
+    beginnings = (k for k in range(1, len(said)) if said[k - 1] in _DETERMINERS - {"that", "which"})
+    return any(k not in cue and said[k] not in _KNOWN | _MODIFIERS for k in beginnings)
+
+
+def _masked(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
+    """The words with X for each of the mentions."""
+    by_start = {mention.start: mention for mention in found}
+    masked, at = [], 0
+    while at < len(said):
+        masked.append(_THING if at in by_start else said[at])
+        at = by_start[at].end if at in by_start else at + 1
+    return tuple(masked)
+
+
+def _is_part_of_another_noun(masked: Sequence[str], read: Sequence[Cue]) -> bool:
+    """Whether X is one word of a compound that is not in the vocabulary: "the pool X", "the X leg that ..."."""
+    cue = {k for found in read for k in range(found.start, found.end)}
+
+    def strange(k: int) -> bool:
+        word = masked[k]
+        return k not in cue and word not in _KNOWN | _MODIFIERS | _DETERMINERS and word != _THING and not word.endswith("ly")
+
+    for at in (k for k, word in enumerate(masked) if word == _THING):
+        determiner = _determiner(masked, at)
+        between = range(at if determiner is None else determiner + 1, at)
+        if between and all(strange(k) or masked[k] in _MODIFIERS for k in between) and any(map(strange, between)):
+            return True
+        if at + 2 < len(masked) and strange(at + 1) and masked[at + 2] in _RELATIVE and masked[at + 1] not in _IMPERATIVES:
+            return True
+    return False
+
+
+def _relation(masked: Sequence[str], read: Sequence[Cue]) -> str | ParseFailure:
+    tags = frozenset[Tag]().union(*(cue.tags for cue in read))
+    strong = tags & _STRONG
+    goal = _goal(masked, read)
+    if strong - {Tag.MOVED, Tag.TAKEN} and len(strong) > 1:
+        return ParseFailure.AMBIGUOUS_RELATION
+    if goal is None:
+        return _of_thing(tags, strong)
+    return _of_place(masked, tags, strong, goal)
+
+
+def _of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | ParseFailure:
+    """The relation of a sentence that asks for the thing itself."""
+    if len(strong) > 1:
+        return ParseFailure.AMBIGUOUS_RELATION
+    if strong:
+        return _OF_THE_THING[next(iter(strong))]
+    # "The chair that used to be here" is in the home no more, or it would not be called so.
+    return "removed" if Tag.WAS_HERE in tags else ParseFailure.NO_RELATION
+
+
+def _of_place(masked: Sequence[str], tags: Collection[Tag], strong: Collection[Tag], goal: Tag) -> str | ParseFailure:
+    """The relation of a sentence that asks for a place; goal: WHERE ("where the chair ...") or PLACE ("the spot of the
+    chair")."""
+    past = bool({Tag.PAST, Tag.FROM, Tag.WAS_HERE} & set(tags))
+    # Whatever was taken away is in no other place, so "moved" beside it is the same event.
+    if Tag.TAKEN in strong:
+        return "removed"
+    if strong - {Tag.MOVED}:
+        # Where a thing was that is new, or has not moved, is no place that any relation asks for.
+        return ParseFailure.AMBIGUOUS_RELATION if past else _OF_THE_THING[next(iter(strong))]
+    if past:
+        return "former"
+    if goal is Tag.WHERE:
+        return "moved" if Tag.MOVED in strong or Tag.NOW in tags else ParseFailure.NO_RELATION
+    if Tag.MOVED in strong and Tag.TO not in tags:
+        # "The place of the chair that was moved" may be either end of its way.
+        return ParseFailure.AMBIGUOUS_RELATION
+    return "moved" if strong or Tag.NOW in tags else ParseFailure.NO_RELATION
+
+
+def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
+    """WHERE or PLACE if the sentence asks for a place, None if for the thing.
+
+    It asks for what stands first behind the last imperative that has an object of its own ("... was moved; go to where it
+    was"),
+    or first in the sentence.
+    """
+    inside = {k for cue in read for k in range(cue.start, cue.end)}
+    heads = [(cue.start, tag) for cue in read for tag in (Tag.WHERE, Tag.PLACE) if tag in cue.tags and _leads(masked, cue, tag)]
+    heads += [
+        (k, None) for k, word in enumerate(masked) if word == _THING and k not in inside and not _owns_place(masked, k, read)
+    ]
+    heads.sort(key=lambda head: head[0])
+    if not heads:
+        return None
+    goal = heads[0][1]
+    orders = [k for k, word in enumerate(masked) if word in _IMPERATIVES and k not in inside and _orders(masked, k)]
+    for order in orders:
+        following = next((head for head in heads if head[0] > order), None)
+        if following and following[0] - order <= 8 and not any(order < other < following[0] for other in orders):
+            goal = following[1]
+    return goal
+
+
+def _orders(masked: Sequence[str], k: int) -> bool:
+    """Whether the verb at `k` is an imperative and not "someone's move"."""
+    return masked[k] != "move" or k == 0 or masked[k - 1] in _OPENING
+
+
+def _leads(masked: Sequence[str], cue: Cue, tag: Tag) -> bool:
+    """Whether the phrase of a place is one that is asked for: "where is the chair" asks for the chair."""
+    if tag is Tag.PLACE:
+        return True
+    after = masked[cue.end : cue.end + 1]
+    # What the question asks of the past it asks of the place: "where was the chair".
+    return after not in (("is",), ("are",), ("'s",)) and masked[cue.end : cue.end + 2] != ("can", "i")
+
+
+def _owns_place(masked: Sequence[str], k: int, read: Sequence[Cue]) -> bool:
+    """Whether X at `k` only says whose place it is: "the chair's old spot"."""
+    return masked[k + 1 : k + 2] == ("'s",) and any(k + 1 < cue.start <= k + 4 and Tag.PLACE in cue.tags for cue in read)
