@@ -1,0 +1,64 @@
+"""Detections that are kept by content."""
+
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+
+from ovman.perception.store import Store
+from tests.perception.test_records import detected
+
+CONTENT = "ab" * 32
+
+
+def some(content: str = CONTENT):
+    found = detected(np.random.default_rng(0), 3)
+    return type(found)(**{f: getattr(found, f) for f in found.__dataclass_fields__} | {"content": content})
+
+
+def test_what_is_kept_is_not_looked_at_again(tmp_path):
+    looks = []
+    store = Store(tmp_path)
+    first, known = store.kept(CONTENT, lambda: looks.append(1) or some())
+    assert not known
+    again, known = Store(tmp_path).kept(CONTENT, lambda: looks.append(1) or some())
+    assert known and looks == [1]
+    assert np.array_equal(first.masks(), again.masks()) and np.array_equal(first.point, again.point)
+
+
+def test_a_look_that_fails_keeps_nothing(tmp_path):
+    def fails():
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        Store(tmp_path).kept(CONTENT, fails)
+    assert [p for p in tmp_path.rglob("*") if p.is_file()] == []
+
+
+def test_a_death_while_writing_leaves_the_place_free(tmp_path, monkeypatch):
+    def dies(*_):
+        raise SystemExit
+
+    monkeypatch.setattr(os, "replace", dies)
+    with pytest.raises(SystemExit):
+        Store(tmp_path).kept(CONTENT, some)
+    monkeypatch.undo()
+    assert not list(tmp_path.rglob("*.npz"))
+    assert Store(tmp_path).kept(CONTENT, some)[1] is False
+
+
+@pytest.mark.parametrize("spoilt", [b"", b"PK half", None], ids=["empty", "half", "another content"])
+def test_a_file_that_is_not_what_it_should_be_is_made_again(tmp_path, spoilt):
+    store = Store(tmp_path)
+    store.kept(CONTENT, some)
+    (file,) = tmp_path.rglob("*.npz")
+    if spoilt is None:
+        store.kept("cd" * 32, lambda: some("cd" * 32))
+        (other,) = (p for p in tmp_path.rglob("*.npz") if p != file)
+        spoilt = other.read_bytes()
+    file.write_bytes(spoilt)
+    found, known = store.kept(CONTENT, some)
+    assert not known and found.content == CONTENT
+    assert store.kept(CONTENT, some)[1]
