@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ovman.agents import executions, predictions
-from ovman.agents.arms import Kind, of_kind
+from ovman.agents.arms import Kind, Source, of_kind
 from ovman.analysis import metrics, runs
 from ovman.config import canonical, load
 from ovman.constants import StageConstants, task_constants
@@ -74,7 +74,8 @@ def test_verdicts_episodes_and_audit_follow_from_the_released_measurements(tmp_p
 def test_predictions_judgements_rates_and_tables_follow_from_the_released_records(tmp_path):
     episodes_file = DATA / "episodes" / "main.jsonl"
     trial_files = sorted((DATA / "trials").glob("*.jsonl"))
-    for arm in of_kind(Kind.STATIC):
+    # What the others answer hangs on maps, which networks make.
+    for arm in (arm for arm in of_kind(Kind.STATIC) if arm.positions is Source.HANDED):
         predictions.run(arm.name, episodes_file, trial_files, constants("predictions"), tmp_path / f"{arm.name}.jsonl")
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     run_files = sorted((DATA / "runs").rglob("*.jsonl"))
@@ -128,7 +129,7 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     for record in kept:
         again = episodes.episode(by_id[record["id"]], made[record["id"]], CONFIG.benchmark.backend, task)
         assert episodes.Episode.from_json(again).to_json() == record
-    for arm in of_kind(Kind.EMBODIED):
+    for arm in (arm for arm in of_kind(Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
         executions.run(
             arm.name, scene, DATA / "episodes" / "main.jsonl", path("trials"), constants("executions"), outputs, journal(arm.name)
