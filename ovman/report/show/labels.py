@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 Point = tuple[float, float]
-WIDTH_OF_A_CHARACTER = 0.58
-"""Of a sans-serif letter, in units of its size."""
+WIDTH_OF_A_CHARACTER = 0.62
+"""Of a bold sans-serif letter, in units of its size."""
 _SIDES = ((1, 0), (1, -1), (1, 1), (-1, 0), (-1, -1), (-1, 1), (0, -1), (0, 1))
 _FARTHER = (1.0, 1.7, 2.6)
 

@@ -123,13 +123,13 @@ def _absent(results: Results, episode: Mapping[str, Any], found: Sequence[Reason
     """What the results do not have, each with the command that makes it."""
     missing = []
     if any(results.visit(results.visit_directory(episode, which)) is None for which in VISITS):
-        missing.append(f"No recorded tours here: {MAKE} records them.")
+        missing.append(f"No recorded tours here: “{MAKE}” records them.")
     elif any(results.detected(episode, which) is None for which in VISITS):
-        missing.append(f"No detections here: {MAKE} makes them.")
+        missing.append(f"No detections here: “{MAKE}” makes them.")
     if any(results.map(episode, which) is None for which in VISITS):
-        missing.append(f"No maps here: {MAKE} makes them.")
+        missing.append(f"No maps here: “{MAKE}” makes them.")
     elif episode["noun"] not in results.nouns:
-        missing.append(f"No embedding of “{episode['noun']}” here, so no similarities: {MAKE} makes it.")
+        missing.append(f"No embedding of “{episode['noun']}” here, so no similarities: “{MAKE}” makes it.")
     if not found:
-        missing.append(f"No evidence of any arm here: {MAKE} records it.")
+        missing.append(f"No evidence of any arm here: “{MAKE}” records it.")
     return missing

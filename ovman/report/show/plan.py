@@ -11,7 +11,18 @@ from ovman.report.show import svg
 from ovman.report.show.frame import Frame
 from ovman.report.show.labels import Labels
 from ovman.report.show.reasoning import Item, Reasoning
-from ovman.report.show.room import Room, draw_answer, draw_change, draw_instances, draw_paths, draw_room, draw_waypoints, frame_of
+from ovman.report.show.room import (
+    STEM,
+    Room,
+    draw_change,
+    draw_instances,
+    draw_paths,
+    draw_pin,
+    draw_room,
+    draw_surroundings,
+    draw_waypoints,
+    frame_of,
+)
 from ovman.report.show.verdicts import FOUND, MISSED, EmbodiedRow, StaticRow
 
 VISIT_SIZE = (600.0, 560.0)
@@ -63,14 +74,16 @@ def overlay_plan(
     truth = svg.group(drawing, "truth")
     draw_change(truth, frame, room)
     draw_paths(truth, frame, room)
-    draw_answer(drawing, frame, room, radius_m)
+    draw_surroundings(drawing, frame, room, radius_m)
     kept = Labels(frame.width, frame.height)
-    kept.keep(frame.at(*room.answer), 9.0)
+    top = frame.at(*room.answer)
+    kept.keep((top[0], top[1] - STEM), 11.0)
     kept.keep(frame.at(room.episode["spawn"]["x"], room.episode["spawn"]["z"]), 8.0)
     _boxes(drawing, frame, static)
     for k, reasoning in enumerate(reasonings):
         labels = Labels(frame.width, frame.height, list(kept.taken))
         _association(svg.group(drawing, f"evidence evidence-{k}"), frame, reasoning, labels)
+    draw_pin(drawing, frame, room, kept)
     _predictions(svg.group(drawing, "predictions"), frame, static, kept)
     _stops(svg.group(drawing, "stops"), frame, embodied, kept)
     return svg.markup(drawing)
@@ -206,7 +219,7 @@ def _stops(parent: Element, frame: Frame, embodied: Sequence[EmbodiedRow], label
 
 
 def _pill(parent: Element, labels: Labels, at: tuple[float, float], radius: float, words: str, name: str) -> None:
-    box = labels.place(at, radius, words, 11.0, padding=3.0)
+    box = labels.place(at, radius, words, 12.0, padding=4.0)
     svg.polyline(parent, [at, box.middle], "leader")
     size = box.right - box.left, box.bottom - box.top
     svg.rectangle(parent, (box.left, box.top), *size, f"pill {name}", rx="4")

@@ -19,6 +19,8 @@ FLAT_M = 0.05
 SURROUNDINGS_M = 1.0
 FARTHEST_M = 2.0
 """How far beyond the reachable cells an arm's object still widens the plan."""
+STEM = 30.0
+"""Length of the pin's stem, in the units of a drawing."""
 UNDRAWN = frozenset({"Floor", "Window", "Painting", "Curtains", "Blinds", "LightSwitch", "Mirror"})
 
 
@@ -126,15 +128,26 @@ def draw_change(parent: Element, frame: Frame, room: Room) -> None:
             svg.circle(parent, ends[0], 2.2, "change-end")
 
 
-def draw_answer(parent: Element, frame: Frame, room: Room, radius_m: float) -> None:
-    """The answer with the radius of success, the navigable cell nearest to it, and the spawn."""
+def draw_pin(parent: Element, frame: Frame, room: Room, labels: Labels) -> None:
+    """A star on a stem whose foot is the answer, so that it hides little of what is there."""
+    foot = frame.at(*room.answer)
+    top = foot[0], foot[1] - STEM
+    group = svg.group(parent, "truth")
+    svg.polyline(group, [foot, top], "stem")
+    svg.circle(group, foot, 2.6, "foot")
+    svg.star(group, top, 11.0, "answer-star", f"the answer ({room.answer[0]:.2f}, {room.answer[1]:.2f}) (truth)")
+    labels.keep(foot, 3.0)
+    labels.keep(top, 11.0)
+
+
+def draw_surroundings(parent: Element, frame: Frame, room: Room, radius_m: float) -> None:
+    """The radius of success about the answer, the navigable cell nearest to it, and the spawn."""
     spawn, cell = room.episode["spawn"], room.episode["nearest_navigable"]
     at = frame.at(*room.answer)
     group = svg.group(parent, "truth answer")
     svg.circle(group, at, radius_m * frame.scale, "radius", f"within {radius_m:g} m of the answer (truth)")
     u, v = frame.at(cell["x"], cell["z"])
     svg.rectangle(group, (u - 3.5, v - 3.5), 7.0, 7.0, "navigable", "navigable cell nearest to the answer (truth)")
-    svg.star(group, at, 11.0, "answer-star", f"the answer ({room.answer[0]:.2f}, {room.answer[1]:.2f}) (truth)")
     begin = svg.group(parent, "spawn-mark")
     at = frame.at(spawn["x"], spawn["z"])
     svg.arrowhead(begin, at, spawn["yaw_deg"], 9.0, "spawn", "the agent starts here")

@@ -68,7 +68,7 @@ def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]
     for letter, arm in zip(LETTERS, of_kind(Kind.STATIC), strict=False):
         prediction = predictions.get(arm.name)
         if prediction is None:
-            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: {MAKE} makes it", None, ""))
+            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
             continue
         verdict, words, distance = _static(results.static_verdict(arm.name, episode["id"]))
         outcome = prediction.outcome
@@ -104,7 +104,7 @@ def answer_words(outcome: Outcome) -> str:
 
 def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
     if row is None:
-        return UNKNOWN, f"not judged yet: {MAKE} judges it", None
+        return UNKNOWN, f"not judged yet: “{MAKE}” judges it", None
     success = float(row["success"])
     if row["outcome"] == "abstained":
         return ABSTAINED, "abstained", None
@@ -118,7 +118,7 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> S
     at = None if run["stop"] is None else (run["stop"]["x"], run["stop"]["z"])
     yaw = 0.0 if run["stop"] is None else run["stop"]["yaw_deg"]
     if row is None:
-        return Stop(seed, at, yaw, UNKNOWN, f"not judged yet: {MAKE} judges it")
+        return Stop(seed, at, yaw, UNKNOWN, f"not judged yet: “{MAKE}” judges it")
     if row["outcome"] == "abstained":
         return Stop(seed, at, yaw, ABSTAINED, "abstained")
     success = row["success"] == "1"
