@@ -109,7 +109,7 @@ def intervals(metrics: Metrics, paper: Paper) -> str:
         [
             title,
             _cell(sources.embodied(arm), metrics, Form.RATE),
-            " – ".join(_cell(sources.embodied(arm, ALL, bound), metrics, Form.RATE) for bound in ("low", "high")),
+            _interval(arm, metrics),
             _papers(paper, key, Form.RATE),
         ]
         for title, arm, key in _INTERVALS
@@ -132,6 +132,11 @@ def difficulty(metrics: Metrics, paper: Paper) -> str:
         )
     heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
     return pipe_table(heads, body, [False, True, True, True, True])
+
+
+def _interval(arm: str, metrics: Metrics) -> str:
+    ends = [_cell(sources.embodied(arm, ALL, bound), metrics, Form.RATE) for bound in ("low", "high")]
+    return EMPTY if EMPTY in ends else " – ".join(ends)
 
 
 def found(read: Read, metrics: Metrics) -> Cell | None:

@@ -25,10 +25,9 @@ RARELY = 0.05
 HALF = 0.5
 WITHOUT_FALLBACK = ("appeared", "removed")
 
-
-def _commonest(q: Mapping[str, float]) -> bool:
-    return all(q["abstain"] >= q[failure] for failure in FAILURES)
-
+_FAILURES = tuple(
+    Quantity(failure, failure.replace("_", " "), outcomes(failure), f"taxonomy.{failure}.all", Form.COUNT) for failure in FAILURES
+)
 
 STATEMENTS: tuple[Statement, ...] = (
     Statement(
@@ -43,13 +42,17 @@ STATEMENTS: tuple[Statement, ...] = (
     ),
     Statement(
         key="abstaining_is_the_commonest_failure",
-        claim="Most failures are abstentions, then answers more than two metres away.",
-        quantities=tuple(
-            Quantity(failure, failure.replace("_", " "), outcomes(failure), f"taxonomy.{failure}.all", Form.COUNT)
-            for failure in FAILURES
-        ),
-        rule="no other kind of failure is commoner than abstaining, and none but that commoner than elsewhere",
-        holds=lambda q: _commonest(q) and q["elsewhere"] >= max(q["near_miss"], q["wrong_instance"]),
+        claim="Abstaining is the commonest failure.",
+        quantities=_FAILURES,
+        rule="no other kind of failure is commoner",
+        holds=lambda q: all(q["abstain"] >= q[failure] for failure in FAILURES),
+    ),
+    Statement(
+        key="wrong_answers_are_far_off",
+        claim="Where the agent answers and fails, it is mostly more than two metres off.",
+        quantities=tuple(quantity for quantity in _FAILURES if quantity.name != "abstain"),
+        rule="there are more of these than near misses and wrong instances together",
+        holds=lambda q: q["elsewhere"] > q["near_miss"] + q["wrong_instance"],
     ),
     Statement(
         key="appeared_and_removed_abstain_most",
