@@ -41,6 +41,16 @@ VALUES = settings(load(TREE))
 OTHER = {
     "benchmark.backend": "thor",
     "success.sweep_deg": [0, 30],
+    "perception.device": "cuda",
+    "perception.trust_pickles": True,
+    "perception.detector.architecture": "yolov8s-seg",
+    "perception.detector.weights": "models/another.safetensors",
+    "perception.detector.sha256": "0" * 64,
+    "perception.detector.side_px": 352,
+    "perception.encoder.model": "models/another.json",
+    "perception.encoder.weights": "models/another.safetensors",
+    "perception.encoder.sha256": "0" * 64,
+    "training.encoder.crop_px": 96,
 }
 
 
