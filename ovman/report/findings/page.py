@@ -42,6 +42,14 @@ USED = frozenset({"taxonomy.episodes.all", *_COSTS.values(), *(key for *_, key i
 """Keys of the paper's figures that the page shows outside of its tables and statements."""
 _MARK = {Verdict.HOLDS: "✓ holds", Verdict.FAILS: "✗ does not hold", Verdict.UNKNOWN: "? cannot be told"}
 _BREAK = "<br>"
+_RATES = {
+    "recall": "recall of true masks",
+    "precision": "precision of detected masks",
+    "top1": "right category first",
+    "top5": "right category among five",
+    "synonym_top1": "first, by synonyms",
+    "synonym_top5": "among five, by synonyms",
+}
 
 
 def run(
@@ -186,7 +194,7 @@ def _perception(metrics: Metrics) -> str:
     if not rows:
         return "There is no perception.csv, so nothing can be told.\n"
     body = [
-        [bar.rate.replace("_", " "), written(bar.reached, Form.RATE), f"≥ {written(bar.least, Form.RATE)}", bar.verdict]
+        [_RATES.get(bar.rate, bar.rate), written(bar.reached, Form.RATE), f"≥ {written(bar.least, Form.RATE)}", bar.verdict]
         for bar in bars(rows).values()
     ]
     return pipe_table(["rate", "here", "bar", ""], body, [False, True, True, False])

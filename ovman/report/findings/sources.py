@@ -196,7 +196,7 @@ def _seed(metrics: Metrics, file: str, index: int, **where: str) -> str:
     """The index-th of the seeds, by number, of the rows of `where`."""
     seeds = sorted({row["seed"] for row in metrics.rows(file, **where)}, key=int)
     if index >= len(seeds):
-        raise Missing(f"{file} has {len(seeds)} seed{'s' * (len(seeds) > 1)} of {', '.join(where.values())}, no {index + 1}th")
+        raise Missing(f"{file} has {len(seeds)} of the {index + 1} seeds of {', '.join(where.values())} that are needed")
     return seeds[index]
 
 
