@@ -23,6 +23,11 @@ FILES = (
     "metrics/embodied_outcomes.csv",
     "metrics/static_rates.csv",
     "metrics/embodied_rates.csv",
+    "metrics/taxonomy.csv",
+    "metrics/significance.csv",
+    "metrics/navigation.csv",
+    "metrics/difficulty.csv",
+    "metrics/budget.csv",
 )
 TREES = ("scenes", "trials", "certified", "predictions", "runs", "tables")
 HIDDEN = "."

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import itertools
 import math
+from fractions import Fraction
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binom, binomtest
+from scipy.stats import binom, binomtest, norm, poisson_binom
 
-from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
+from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 
 PROPERTY = settings(max_examples=60, derandomize=True, deadline=None)
 COUNTS = st.integers(1, 400).flatmap(lambda trials: st.tuples(st.integers(0, trials), st.just(trials)))
@@ -22,6 +23,15 @@ PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 def test_wilson_agrees_with_scipy(counts, confidence):
     theirs = binomtest(*counts).proportion_ci(confidence, method="wilson")
     assert wilson_interval(*counts, confidence) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
+
+
+@PROPERTY
+@given(COUNTS, st.sampled_from([1, 2, 3]))
+def test_wilson_solves_its_own_equation(counts, seeds):
+    successes, trials = counts[0] / seeds, counts[1]
+    z = float(norm.ppf(0.975))
+    for bound in wilson_interval(successes, trials):
+        assert (bound - successes / trials) ** 2 == pytest.approx(z * z * bound * (1 - bound) / trials, abs=1e-9)
 
 
 @PROPERTY
@@ -55,11 +65,16 @@ def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
         assert p == pytest.approx(binomtest(wins, wins + losses).pvalue, rel=1e-9)
     else:
         assert p == 1.0
+    # By enumeration, in whole numbers: both tails as far out as the smaller count.
+    pairs = wins + losses
+    outer = sum(math.comb(pairs, k) for k in range(min(wins, losses) + 1))
+    assert p == pytest.approx(float(min(Fraction(1), Fraction(2 * outer, 2**pairs))), rel=1e-9)
 
 
 def test_mcnemar_gives_the_tests_of_the_paper():
     assert mcnemar_exact(49, 35) == pytest.approx(0.16, abs=0.005)
     assert mcnemar_exact(83, 11) < 1e-14
+    assert mcnemar_exact(59, 22) < 1e-4
     assert mcnemar_exact(1, 0) == 1.0
     assert mcnemar_exact(6, 0) == 2 / 64
 
@@ -78,6 +93,25 @@ def test_the_tail_agrees_with_enumeration(probabilities, successes):
         if sum(outcome) >= successes
     )
     assert poisson_binomial_tail(probabilities, successes) == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("successes", [0, 20, 41, 91, 120, 219])
+def test_the_far_tail_agrees_with_whole_numbers(successes):
+    # As many episodes as the paper's, with probabilities as a stochastic pick has them: many of 0, some of 1/n, a few near 1.
+    exact = [Fraction(p) for p in ("0", "1/2", "1/3", "1/5", "3/32", "15/16", "1/64") for _ in range(31)] + [Fraction(1, 8)] * 2
+    distribution = [Fraction(1)]
+    for p in exact:
+        distribution = [a * (1 - p) + b * p for a, b in zip([*distribution, 0], [0, *distribution], strict=True)]
+    expected, tail = sum(distribution[successes:]), poisson_binomial_tail([float(p) for p in exact], successes)
+    assert tail == pytest.approx(float(expected), rel=1e-10)
+    assert (tail == 0.0) == (expected == 0) and (successes != 120 or 0.0 < tail < 1e-22)
+
+
+@PROPERTY
+@given(st.lists(PROBABILITIES, min_size=1, max_size=60))
+def test_the_distribution_agrees_with_scipys(probabilities):
+    theirs = poisson_binom.pmf(range(len(probabilities) + 1), probabilities)
+    assert poisson_binomial(probabilities) == pytest.approx(theirs, rel=1e-9, abs=1e-300)
 
 
 @PROPERTY
@@ -120,6 +154,15 @@ def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, lev
         rejected.add(k)
         remaining -= 1
     assert {k for k, p in enumerate(holm(p_values)) if p <= level} == rejected
+
+
+@PROPERTY
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
+def test_holm_is_the_largest_of_the_multiples_so_far(p_values):
+    ranked = sorted(p_values)
+    multiples = [min(1.0, (len(ranked) - rank) * p) for rank, p in enumerate(ranked)]
+    expected = {p: max(multiples[: ranked.index(p) + ranked.count(p)]) for p in ranked}
+    assert holm(p_values) == pytest.approx([expected[p] for p in p_values], abs=1e-15)
 
 
 @PROPERTY

@@ -1,0 +1,154 @@
+"""Tables of failures, tests, navigation, difficulty and budget, from metrics made up and written by the stage itself."""
+
+from __future__ import annotations
+
+import csv
+import io
+
+import pytest
+
+from ovman.agents.arms import ARMS
+from ovman.analysis import metrics
+from ovman.analysis.budget import Step, budget
+from ovman.analysis.difficulty import Difficulty, difficulty
+from ovman.analysis.navigation import Navigation, navigation
+from ovman.analysis.rates import static_rates
+from ovman.analysis.significance import Comparison, significance
+from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
+from ovman.report.budget import budget_table
+from ovman.report.cells import count, p_value, signed
+from ovman.report.difficulty import difficulty_table
+from ovman.report.latex import latex
+from ovman.report.markdown import markdown
+from ovman.report.navigation import navigation_table
+from ovman.report.significance import significance_table
+from ovman.report.table import Text
+from ovman.report.table import csv_text as table_csv
+from ovman.report.taxonomy import taxonomy_table
+from tests.analysis.fabricated import embodied, static
+
+N = 24
+STATIC = [
+    *(static("single_visit", i, 0.25, "expected", instances=2 + i % 4) for i in range(N)),
+    *(
+        static("two_visits", i, i < 12, instances=2 + i % 4, **({"distance_m": 1.5} if i == 12 else {}))
+        if i < 18
+        else static("two_visits", i, False, "abstained", instances=2 + i % 4)
+        for i in range(N)
+    ),
+    *(static("grounding_two_visits", i, i < 18, instances=2 + i % 4) for i in range(N)),
+    *(static("positions_two_visits", i, i != 5, instances=2 + i % 4) for i in range(N)),
+]
+EMBODIED = [
+    *(embodied("single_visit_embodied", i, i == 3, seed) for seed in (0, 1) for i in range(N)),
+    *(embodied("two_visits_embodied", i, seed < i < 16, seed) for seed in (0, 1) for i in range(N)),
+]
+
+
+def rows(kind, made):
+    text = metrics.csv_text(list(kind.__dataclass_fields__), map(metrics.record, made))
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+@pytest.fixture(scope="module")
+def tables():
+    compared, _ = significance(STATIC, EMBODIED)
+    navigations = navigation(STATIC, EMBODIED, ARMS)
+    made = [
+        taxonomy_table(rows(TaxonomyCount, taxonomy(STATIC, navigations, 1.0, 2.0)), 1.0, 2.0),
+        significance_table(rows(Comparison, compared)),
+        navigation_table(rows(Navigation, navigations)),
+        difficulty_table(rows(Difficulty, difficulty(STATIC, 0.95)), 0.95),
+        budget_table(rows(Step, budget(static_rates(STATIC, 0.95), compared)), 0.95),
+    ]
+    return {table.name: table for table in made}
+
+
+def data(table):
+    return list(csv.DictReader(io.StringIO(table_csv(table))))
+
+
+def test_every_table_has_every_format(tables):
+    for name, table in tables.items():
+        assert latex(table).isascii() and rf"\label{{tab:{name}}}" in latex(table)
+        assert len({len(line) for line in markdown(table).split("\n\n")[1].splitlines()}) == 1
+        assert all(mark not in table_csv(table) for mark in "†—–")
+
+
+def test_the_rows_of_the_taxonomy_partition_the_episodes(tables):
+    *verdicts, episodes, lost = data(tables["taxonomy"])
+    assert [row["outcome"] for row in verdicts] == ["success", "abstain", "elsewhere", "near miss", "wrong instance"]
+    assert [row["all"] for row in (*verdicts, episodes, lost)] == ["12", "6", "5", "1", "0", "24", "1"]
+    for relation in ("moved", "former", "moving", "stable", "appeared", "removed", "all"):
+        assert sum(int(row[relation]) for row in verdicts) == int(episodes[relation])
+        assert int(lost[relation]) <= int(verdicts[0][relation])
+    caption = markdown(tables["taxonomy"]).split("\n\n")[0].replace("\n", " ")
+    assert "partition the 24 episodes" in caption and "under seed 0 (in all 2 under seed 1)" in caption
+    tex = latex(tables["taxonomy"]).splitlines()
+    assert tex[tex.index(next(line for line in tex if line.startswith("episodes"))) - 1] == r"\midrule"
+    assert r"\multicolumn{8}{l}{\emph{of success, no sixth outcome}} \\" in tex
+
+
+def test_a_taxonomy_that_does_not_add_up_is_not_printed():
+    counts = rows(TaxonomyCount, taxonomy(STATIC, [], 1.0, 2.0))
+    for row in counts:
+        if (row["arm"], row["verdict"], row["relation"]) == ("two_visits", "abstain", "stable"):
+            row["episodes"] = str(int(row["episodes"]) + 1)
+    with pytest.raises(ValueError, match="verdicts on stable add up to 5 of 4 episodes"):
+        taxonomy_table(counts, 1.0, 2.0)
+
+
+def test_tests_show_one_seed_and_tell_the_others(tables):
+    shown = data(tables["significance"])
+    assert {row["seed"] for row in shown} == {"0"}
+    whole = {row["arm"]: row for row in shown if row["relation"] == "ALL"}
+    assert [whole["two_visits"][key] for key in ("successes", "baseline_successes", "wins", "losses", "test")] == [
+        "12", "6.0", "9.0", "3.0", "poisson_binomial",
+    ]  # fmt: skip
+    assert float(whole["two_visits"]["p"]) == pytest.approx(0.007213, rel=1e-3)
+    assert [whole["two_visits_embodied"][key] for key in ("wins", "losses", "p_holm")] == ["14", "0", ""]
+    caption = markdown(tables["significance"]).split("\n\n")[0].replace("\n", " ")
+    assert "Two visits against one, embodied: shown for seed 0; over all, seed 1: 13 to 0, p = 2.4e-4." in caption
+    assert "0: more successes" not in caption
+
+
+def test_navigation_has_a_row_an_arm_and_a_count_a_seed(tables):
+    one, two = data(tables["navigation"])
+    assert (one["agent"], one["static"], one["lost"]) == ("ours, 1 visit", "0.250", "")
+    assert [two[key] for key in ("static", "sr", "sr_min", "sr_max", "spl_given_success", "lost", "gained", "seeds")] == [
+        "0.500", "0.604", "0.583", "0.625", "0.900", "1, 2", "4, 4", "0, 1",
+    ]  # fmt: skip
+    assert "0.250†" in markdown(tables["navigation"])
+
+
+def test_difficulty_has_an_interval_beside_every_rate(tables):
+    for row in data(tables["difficulty"]):
+        for arm in ("single_visit", "two_visits", "grounding_two_visits", "positions_two_visits"):
+            assert float(row[f"{arm}_low"]) <= float(row[arm]) <= float(row[f"{arm}_high"])
+    assert [(row["by"], row["group"], row["n"]) for row in data(tables["difficulty"])] == [
+        ("instances", "2", "6"), ("instances", "3", "6"), ("instances", "4+", "12"), ("scene", "FloorPlan1", "24"),
+    ]  # fmt: skip
+
+
+def test_the_budget_on_a_page(tables):
+    table = markdown(tables["budget"]).split("\n\n")[1].splitlines()
+    assert [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]] == [
+        ["own", "0.500", "0.314–0.686", "—", "—", "—", "—", "24"],
+        ["grounding handed over", "0.750", "0.551–0.880", "+0.250", "6", "0", "0.031", "24"],
+        ["positions handed over", "0.958", "0.798–0.993", "+0.208", "6", "1", "0.125", "24"],
+        ["answer given", "1.000", "—", "+0.042", "1", "0", "1.000", "24"],
+    ]
+
+
+def test_what_there_is_none_of_is_an_empty_table():
+    rated = (difficulty_table([], 0.95), budget_table([], 0.95))
+    for table in (taxonomy_table([], 1.0, 2.0), significance_table([]), navigation_table([]), *rated):
+        assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table)
+
+
+def test_p_values_keep_their_size():
+    assert [p_value(text) for text in ("1", "0.05049", "0.001", "")] == ["1.000", "0.050", "0.001", ""]
+    assert p_value("4.42860e-41") == Text("4.4e-41", r"$4.4\times10^{-41}$")
+    assert p_value("0.00099") == Text("9.9e-4", r"$9.9\times10^{-4}$")
+    assert p_value("0") == "0"
+    assert (count("3.000000"), count("40.750000", expected=True), signed("-0.0125"), signed("")) == ("3", "40.8", "-0.013", "")
