@@ -12,7 +12,6 @@ from ovman.report.show.frame import Frame
 from ovman.report.show.labels import Labels
 from ovman.report.show.reasoning import Item, Reasoning
 from ovman.report.show.room import (
-    STEM,
     Room,
     draw_change,
     draw_instances,
@@ -40,6 +39,9 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
     draw_room(drawing, frame, room, visit)
     kept = Labels(frame.width, frame.height)
     draw_waypoints(drawing, frame, room, kept)
+    # The truth finds its places first and is drawn last.
+    truth = svg.layer()
+    draw_instances(truth, frame, room, visit, kept)
     for k, reasoning in enumerate(reasonings):
         labels = Labels(frame.width, frame.height, list(kept.taken))
         group = svg.group(drawing, f"evidence evidence-{k}")
@@ -50,7 +52,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
         for item in (item for item in shown if item.grounded):
             _track(group, frame, item)
             _name(group, frame, item, labels, str(item.id), 13.0)
-    draw_instances(drawing, frame, room, visit, kept)
+    drawing.append(truth)
     return svg.markup(drawing)
 
 
@@ -76,16 +78,19 @@ def overlay_plan(
     draw_paths(truth, frame, room)
     draw_surroundings(drawing, frame, room, radius_m)
     kept = Labels(frame.width, frame.height)
-    top = frame.at(*room.answer)
-    kept.keep((top[0], top[1] - STEM), 11.0)
+    for at in sorted({item.at for reasoning in reasonings for visit in (0, 1) for item in reasoning.grounded(visit)}):
+        kept.keep(frame.at(*at), 5.0)
     kept.keep(frame.at(room.episode["spawn"]["x"], room.episode["spawn"]["z"]), 8.0)
+    # What is drawn over the evidence finds its places first.
+    above = svg.layer()
+    draw_pin(above, frame, room, kept)
+    _predictions(svg.group(above, "predictions"), frame, static, kept)
+    _stops(svg.group(above, "stops"), frame, embodied, kept)
     _boxes(drawing, frame, static)
     for k, reasoning in enumerate(reasonings):
         labels = Labels(frame.width, frame.height, list(kept.taken))
         _association(svg.group(drawing, f"evidence evidence-{k}"), frame, reasoning, labels)
-    draw_pin(drawing, frame, room, kept)
-    _predictions(svg.group(drawing, "predictions"), frame, static, kept)
-    _stops(svg.group(drawing, "stops"), frame, embodied, kept)
+    drawing.append(above)
     return svg.markup(drawing)
 
 

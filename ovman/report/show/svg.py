@@ -20,6 +20,11 @@ def group(parent: Element, name: str) -> Element:
     return SubElement(parent, "g", {"class": name})
 
 
+def layer() -> Element:
+    """A group that is not in a drawing yet."""
+    return Element("g")
+
+
 def circle(parent: Element, at: Point, radius: float, name: str, title: str = "", **more: str) -> Element:
     return _titled(SubElement(parent, "circle", _at("c", at) | {"r": number(radius), "class": name} | more), title)
 

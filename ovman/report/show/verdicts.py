@@ -24,6 +24,7 @@ REASONS: Mapping[str, str] = {
     "displacement_above_tau": "even the steadiest pair moved",
     "no_motion": "no track spreads far enough to be motion",
     "nothing_grounded": "no object of its maps is what the noun means",
+    "not_parsed": "the sentence was not understood",
 }
 
 
@@ -123,8 +124,8 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> S
         return Stop(seed, at, yaw, ABSTAINED, "abstained")
     success = row["success"] == "1"
     ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
-    away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m from the answer, "
-    words = f"{ended}{away}{float(row['path_length_m']):.2f} m in {row['actions']} actions, SPL {float(row['spl']):.2f}"
+    away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m away · "
+    words = f"{ended}{away}{float(row['path_length_m']):.2f} m, {row['actions']} actions · SPL {float(row['spl']):.2f}"
     return Stop(seed, at, yaw, FOUND if success else MISSED, words)
 
 
