@@ -57,6 +57,11 @@ class Detector:
         self._predict = SegmentationPredictor(overrides=options)
         self._predict.setup_model(network, verbose=False)
 
+    @property
+    def network(self) -> Any:
+        """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs: batch normalisation folded in."""
+        return self._predict.model
+
     def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
         """The instances of pictures (H, W, 3) uint8 RGB."""
         found = []

@@ -73,15 +73,15 @@ def network_of(weights: Path, of: Architecture, trust_pickles: bool = False) -> 
 class Encoder:
     """The towers, and what crops and phrases become before they enter them.
 
-    side_px: of the crops that the image tower takes; size: K, of the embeddings.
+    side_px: of the crops that the image tower takes; size: K, of the embeddings; network: the towers.
     """
 
     def __init__(self, network: Any, of: Architecture, device: str = "cpu") -> None:
         import torch
         from open_clip.tokenizer import SimpleTokenizer
 
-        self._network = network.to(device).float().eval()
-        self._network.visual.to(memory_format=torch.channels_last)
+        self.network = network.to(device).float().eval()
+        self.network.visual.to(memory_format=torch.channels_last)
         self._device = device
         self._tokens = SimpleTokenizer(context_length=of.towers["text_cfg"].get("context_length", 77))
         self._mean, self._deviation = (torch.tensor(v, device=device).view(1, 3, 1, 1) for v in (of.mean, of.deviation))
@@ -98,12 +98,12 @@ class Encoder:
             return tensor.sub_(self._mean).div_(self._deviation).contiguous(memory_format=torch.channels_last)
 
         parts = [crops[start : start + TOGETHER] for start in range(0, len(crops), TOGETHER)]
-        return self._embedded(self._network.encode_image, map(prepared, parts))
+        return self._embedded(self.network.encode_image, map(prepared, parts))
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
         """Unit embeddings (N, K) float32 of noun phrases."""
         parts = [list(phrases[start : start + TOGETHER]) for start in range(0, len(phrases), TOGETHER)]
-        return self._embedded(self._network.encode_text, (self._tokens(part).to(self._device) for part in parts))
+        return self._embedded(self.network.encode_text, (self._tokens(part).to(self._device) for part in parts))
 
     def _embedded(self, tower: Any, inputs: Any) -> np.ndarray:
         import torch

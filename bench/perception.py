@@ -1,0 +1,138 @@
+"""What mapping costs an episode, on one core: `python bench/perception.py [--config config.yaml] [--scenes FloorPlan201 ...] [--repeats 3]`.
+
+Tours of some floor plans are recorded with the engine and mapped with the networks of the configuration. An episode has two
+tours, many of which it shares with others; each is mapped once, so that an episode costs as many as there are distinct tours to
+an episode of the released set. The kinds take turns; times are those of the processor, ratios compare figures of this one run:
+the whole against the bare passes through the two networks, on as many pictures and crops. The last table holds the figures
+against their bars.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measure.bars import Bar, show
+from measure.clock import processor, taken
+
+from ovman import seeds
+from ovman.config import constants, load
+from ovman.perception import networks, recorded, tour
+from ovman.perception.backprojection import median_points
+from ovman.perception.crop import crop
+from ovman.perception.maps import mapped
+from ovman.perception.records import write_detections, write_maps
+from ovman.perception.weights import ROOT, WeightsError
+from ovman.sim import visit
+from ovman.sim.change import World
+from ovman.sim.mover import Gait
+from ovman.sim.session import Session
+from ovman.task.record import read_records
+
+SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
+RELEASE = ROOT / "data" / "ovman-embedded-v1"
+EPISODE_S, BARE = 1.9, 1.5
+"""Seconds of one core an episode, which is the paper's figure on a GPU; the whole over its networks' bare passes."""
+
+
+def distinct_tours() -> tuple[int, int]:
+    """Distinct tours of the released episodes, and episodes."""
+    episodes = read_records(RELEASE / "episodes" / "main.jsonl")
+    return len({(e["scene"], name) for e in episodes for name in e["visits"].values()}), len(episodes)
+
+
+def record(scene: str, settings: Any, directory: Path) -> Path:
+    """The tour of an untouched floor plan, along the waypoints of the release."""
+    (survey,) = read_records(RELEASE / "scenes" / f"{scene}.json")
+    views = visit.tour([(w["x"], w["z"]) for w in survey["waypoints"]], settings.tour.headings)
+    stage = constants(settings, "trials")
+    with Session(scene, stage) as session:
+        world = World(session, [], Gait.of(stage), seeds.generator(0, "bench"))
+        visit.record(session, world, scene, [], views, stage.measurement.mask_px, directory / scene, "")
+    return directory / scene
+
+
+def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[dict[str, Callable[[], object]], int]:
+    """What is done to a tour, whole and in parts, and how many detections it has."""
+    import torch
+
+    perception, field_of_view_deg = settings.perception, settings.camera.field_of_view_deg
+    limits = perception.detector.minimum_mask_px, perception.encoder.crop_padding
+    views = list(recorded.tour(directory, field_of_view_deg))
+    pictures = [view.rgb for view in views]
+    seen = tour.detections(views, detector, encoder, *limits)
+    masks = [seen.masks()[seen.view == number] for number in range(len(views))]
+    shown = [(view, mask) for view, found in zip(views, masks, strict=True) for mask in found]
+    crops = np.stack([crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown])
+    frames = torch.rand(len(views), 3, *[perception.detector.side_px] * 2)
+    squares = torch.rand(len(crops), 3, encoder.side_px, encoder.side_px)
+
+    def whole() -> None:
+        found = tour.detections(list(recorded.tour(directory, field_of_view_deg)), detector, encoder, *limits)
+        write_detections(directory / "detections.npz", {"tour": found})
+        write_maps(directory / "maps.npz", {"tour": mapped(found, settings.maps.cluster_radius_m)})
+
+    def bare() -> None:
+        with torch.inference_mode():
+            for part in frames.split(networks.detector.TOGETHER):
+                detector.network(part)
+            for part in squares.split(networks.encoder.TOGETHER):
+                encoder.network.encode_image(part)
+
+    return {
+        "the networks alone": bare,
+        "tour to map": whole,
+        "  digest of its frames": lambda: recorded.digest(directory, field_of_view_deg, ""),
+        "  frames and depth from files": lambda: list(recorded.tour(directory, field_of_view_deg)),
+        "  masks": lambda: detector.detect(pictures),
+        "  places": lambda: [median_points(view.depth, found, view.camera) for view, found in zip(views, masks, strict=True)],
+        "  crops": lambda: [crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown],
+        "  embeddings": lambda: encoder.images(crops),
+        "  clusters": lambda: mapped(seen, settings.maps.cluster_radius_m),
+        "  files": lambda: write_detections(directory / "detections.npz", {"tour": seen}),
+    }, len(seen)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
+    parser.add_argument("--scenes", nargs="+", default=SCENES)
+    parser.add_argument("--repeats", type=int, default=3)
+    options = parser.parse_args()
+    os.environ.setdefault("DISPLAY", ":0")
+    os.environ.pop("CUDA_VISIBLE_DEVICES", None)
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    settings = load(options.config)
+    tours, episodes = distinct_tours()
+    names = ("mapping an episode", "a tour, x its networks' bare passes")
+    try:
+        detector, encoder = networks.detector_of(settings.perception), networks.encoder_of(settings.perception)
+    except WeightsError as error:
+        print(error)
+        show([Bar(name, None, bar, unit) for name, bar, unit in zip(names, (EPISODE_S, BARE), ("s", "x"), strict=True)])
+        return
+    print(f"{processor()}, one core; {tours} distinct tours to {episodes} episodes")
+    costs, ratios = [], []
+    with tempfile.TemporaryDirectory() as directory:
+        for scene in options.scenes:
+            calls, count = kinds(record(scene, settings, Path(directory)), settings, detector, encoder)
+            _, busy = taken(calls, options.repeats, {})
+            print(f"\n{scene}, {count} detections{'ms a tour':>30s}{'x networks':>12s}")
+            least = {name: values.min() for name, values in busy.items()}
+            for name, seconds in least.items():
+                print(f"{name:42s}{seconds * 1e3:12.1f}{seconds / least['the networks alone']:12.2f}", flush=True)
+            costs.append(least["tour to map"])
+            ratios.append(least["tour to map"] / least["the networks alone"])
+    an_episode = float(np.mean(costs)) * tours / episodes
+    print(f"\n{np.mean(costs):.2f} s a tour, {an_episode:.2f} s an episode, {an_episode * episodes:.0f} s for all {episodes}")
+    show([Bar(names[0], an_episode, EPISODE_S, "s"), Bar(names[1], float(np.mean(ratios)), BARE, "x")])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,198 @@
+"""Small and large networks load and run by the same lines."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import torch
+import yaml
+from safetensors.torch import save_file
+
+from ovman.config import load
+from ovman.perception import detector, encoder, networks
+from ovman.perception.weights import ROOT, WeightsError
+from tests.workflow.test_reruns import merged
+
+TOWERS = {
+    "embed_dim": 8,
+    "vision_cfg": {"image_size": 32, "layers": [1, 1, 1, 1], "width": 8, "patch_size": None},
+    "text_cfg": {"context_length": 12, "vocab_size": 49408, "width": 16, "heads": 2, "layers": 1},
+}
+FRAMES = list(np.random.default_rng(0).integers(0, 256, (3, 90, 120, 3), np.uint8))
+
+
+def perception(detector_weights: Path, encoder_weights: Path, model: str, architecture: str = "yolov8n-seg", side_px: int = 64):
+    return SimpleNamespace(
+        device="cpu",
+        trust_pickles=False,
+        detector=SimpleNamespace(
+            architecture=architecture,
+            weights=str(detector_weights),
+            sha256="",
+            side_px=side_px,
+            confidence=0.25,
+            minimum_mask_px=20,
+        ),
+        encoder=SimpleNamespace(model=model, weights=str(encoder_weights), sha256="", crop_padding=0.1),
+    )
+
+
+def seeing(architecture: str, path: Path, classes: int = 1) -> Path:
+    """Weights drawn at random of a network that finds something in everything."""
+    torch.manual_seed(0)
+    network = detector.empty_network(architecture, classes)
+    for scores in network.model[-1].cv3:
+        torch.nn.init.normal_(scores[-1].weight, std=0.5)
+        torch.nn.init.constant_(scores[-1].bias, 0.0)
+    save_file({name: value.half().contiguous() for name, value in network.state_dict().items()}, path)
+    return path
+
+
+def drawn(model: str, path: Path) -> Path:
+    """Random weights of towers."""
+    torch.manual_seed(0)
+    network = encoder.empty_network(encoder.architecture(model))
+    save_file({name: value.half().contiguous() for name, value in network.state_dict().items()}, path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> SimpleNamespace:
+    directory = tmp_path_factory.mktemp("small")
+    model = directory / "towers.json"
+    model.write_text(json.dumps(TOWERS))
+    return perception(
+        seeing("yolov8n-seg", directory / "d.safetensors"), drawn(str(model), directory / "e.safetensors"), str(model)
+    )
+
+
+def test_a_small_detector_finds_masks_of_the_pictures_size_surest_first_and_the_same_again(small):
+    found = networks.detector_of(small).detect(FRAMES)
+    assert len(found) == 3 and sum(len(one.masks) for one in found) > 0
+    for one in found:
+        assert one.masks.dtype == bool and one.masks.shape == (len(one.confidence), 90, 120)
+        assert (one.confidence > 0.25).all() and (np.diff(one.confidence) <= 0).all() and len(one.masks) <= detector.AT_MOST
+        assert one.masks.any(axis=(1, 2)).all()
+    again = networks.detector_of(small).detect(FRAMES)
+    assert all(
+        np.array_equal(a.masks, b.masks) and np.array_equal(a.confidence, b.confidence) for a, b in zip(found, again, strict=True)
+    )
+
+
+def test_no_pictures_no_detections(small):
+    assert networks.detector_of(small).detect([]) == []
+
+
+def test_classes_are_not_told_apart(tmp_path):
+    """Of boxes that overlap one stays, whatever their classes are."""
+    path = seeing("yolov8n-seg", tmp_path / "many.safetensors", classes=7)
+    network = detector.network_of(path, "yolov8n-seg")
+    assert network.model[-1].nc == 7
+    for box in network.model[-1].cv2:  # all boxes of a scale have one form
+        torch.nn.init.zeros_(box[-1].weight)
+    picture = FRAMES[0]
+    agnostic = detector.Detector(network, 64, 0.25)
+    found = agnostic.detect([picture])[0]
+    agnostic._predict.args.agnostic_nms = False
+    assert 0 < len(found.masks) < len(agnostic.detect([picture])[0].masks)
+
+
+def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(small):
+    towers = networks.encoder_of(small)
+    assert (towers.side_px, towers.size) == (32, 8)
+    crops = np.random.default_rng(0).integers(0, 256, (encoder.TOGETHER + 2, 32, 32, 3), np.uint8)
+    images = towers.images(crops)
+    texts = towers.texts(["chair", "house plant", "chair"])
+    for found in (images, texts):
+        assert found.dtype == np.float32 and np.linalg.norm(found, axis=1) == pytest.approx(np.ones(len(found)), abs=1e-5)
+    assert images.shape == (len(crops), 8) and np.array_equal(texts[0], texts[2]) and not np.allclose(texts[0], texts[1])
+    assert towers.images(crops[:1]) == pytest.approx(images[:1], abs=1e-5)
+    assert np.array_equal(towers.images(crops), images)
+    assert towers.images(crops[:0]).shape == (0, 8) and towers.texts([]).shape == (0, 8)
+
+
+def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
+    overlay = yaml.safe_load((ROOT / "overlays" / "thor.yaml").read_text())
+    named = load(merged(yaml.safe_load((ROOT / "config.yaml").read_text()), overlay)).perception
+    assert (named.detector.architecture, named.detector.weights, named.detector.side_px) == ("yolov8m-seg", "yolov8m-seg.pt", 640)
+    assert (named.encoder.model, named.encoder.weights) == ("ViT-B-16", "laion2b_s34b_b88k")
+    assert named.device == "cuda" and named.trust_pickles is False
+    large = perception(
+        seeing(named.detector.architecture, tmp_path / "d.safetensors", classes=80),
+        drawn(named.encoder.model, tmp_path / "e.safetensors"),
+        named.encoder.model,
+        named.detector.architecture,
+        named.detector.side_px,
+    )
+    (found,) = networks.detector_of(large).detect(FRAMES[:1])
+    assert len(found.masks) > 0 and found.masks.shape[1:] == (90, 120)
+    towers = networks.encoder_of(large)
+    assert (towers.side_px, towers.size) == (224, 512)
+    assert np.linalg.norm(towers.images(np.zeros((1, 224, 224, 3), np.uint8))) == pytest.approx(1.0, abs=1e-5)
+    assert np.linalg.norm(towers.texts(["chair"])) == pytest.approx(1.0, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        (None, "No such file"),
+        ("{", "is not JSON"),
+        ("[]", "describes no towers"),
+        (json.dumps(TOWERS | {"embed_dim": "8"}), "describes no towers"),
+        (json.dumps(TOWERS | {"custom_text": True}), "custom_text is not known here"),
+        (json.dumps(TOWERS | {"text_cfg": {"hf_model_name": "x"}}), "hf_model_name is not known here"),
+    ],
+)
+def test_a_configuration_that_is_none_is_one_line(tmp_path, content, says):
+    path = tmp_path / "towers.json"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(WeightsError, match=says) as caught:
+        encoder.architecture(str(path))
+    assert "\n" not in str(caught.value) and str(caught.value).startswith("perception.encoder.model")
+
+
+@pytest.mark.parametrize("name", ["yolov8q-seg", "resnet50"])
+def test_an_architecture_that_there_is_not_is_one_line(name):
+    with pytest.raises(WeightsError, match=f"architecture is {name}"):
+        detector.empty_network(name)
+
+
+def test_a_model_that_there_is_not_is_one_line():
+    with pytest.raises(WeightsError, match="no model of open_clip"):
+        encoder.architecture("ViT-Q-16")
+
+
+def test_weights_of_other_towers_do_not_fit(small, tmp_path):
+    other = tmp_path / "other.json"
+    other.write_text(json.dumps(TOWERS | {"embed_dim": 16}))
+    with pytest.raises(WeightsError, match="does not fit perception.encoder.model"):
+        encoder.network_of(Path(small.encoder.weights), encoder.architecture(str(other)))
+
+
+def test_who_looks_is_told_by_bytes_and_constants_not_by_names(small, tmp_path):
+    def changed(section: str, **values):
+        whole = SimpleNamespace(**vars(small))
+        setattr(whole, section, SimpleNamespace(**vars(getattr(small, section)) | values))
+        return networks.looked_at_by(whole)
+
+    before = networks.looked_at_by(small)
+    assert json.loads(json.dumps(before)) == before
+    same = tmp_path / "same.safetensors"
+    same.write_bytes(Path(small.detector.weights).read_bytes())
+    assert changed("detector", weights=str(same)) == before
+    other = seeing("yolov8n-seg", tmp_path / "other.safetensors", classes=2)
+    for section, values in (
+        ("detector", {"weights": str(other)}),
+        ("detector", {"confidence": 0.3}),
+        ("detector", {"side_px": 96}),
+        ("detector", {"minimum_mask_px": 21}),
+        ("encoder", {"crop_padding": 0.2}),
+        ("encoder", {"weights": str(other)}),
+        ("encoder", {"model": "ViT-B-16"}),
+    ):
+        assert changed(section, **values) != before, values

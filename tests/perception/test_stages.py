@@ -1,0 +1,148 @@
+"""The stages detections, maps and nouns: what is looked at again, and what comes out."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ovman.perception import detections, maps, nouns
+from ovman.perception.clusters import Detection, clusters
+from ovman.perception.records import read_detections, read_maps, read_nouns
+from ovman.perception.weights import WeightsError
+from tests.perception.test_recorded import change_picture, record
+
+PIXELS = 5
+
+
+class Looks:
+    """Networks that find the left half of every picture, and count the pictures."""
+
+    side_px = 8
+
+    def __init__(self) -> None:
+        self.pictures = 0
+
+    def detect(self, pictures):
+        self.pictures += len(pictures)
+        mask = np.zeros((1, 4, 6), bool)
+        mask[:, :, :3] = True
+        return [SimpleNamespace(masks=mask, confidence=np.array([0.5])) for _ in pictures]
+
+    def images(self, crops):
+        return np.tile(np.float32([1.0, 0.0]), (len(crops), 1))
+
+    def texts(self, phrases):
+        return np.array([[len(p), 0.0] for p in phrases], np.float32) / np.maximum([[len(p)] for p in phrases], 1)
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """Three recorded tours, two of which look the same; stand-ins for the networks, and files for their weights."""
+    looks = Looks()
+    monkeypatch.setattr(detections.networks, "detector_of", lambda _: looks)
+    monkeypatch.setattr(detections.networks, "encoder_of", lambda _: looks)
+    monkeypatch.setattr(nouns, "encoder_of", lambda _: looks)
+    tours = {name: record(tmp_path / name) for name in ("untouched", "moved", "same")}
+    change_picture(tours["moved"] / "01_rgb.png")
+    for name in ("d.safetensors", "e.safetensors", "e.json"):
+        (tmp_path / name).write_text(name)
+    constants = SimpleNamespace(
+        camera=SimpleNamespace(field_of_view_deg=90.0),
+        maps=SimpleNamespace(cluster_radius_m=0.6),
+        perception=SimpleNamespace(
+            device="cpu",
+            trust_pickles=False,
+            detector=SimpleNamespace(
+                architecture="any",
+                weights=str(tmp_path / "d.safetensors"),
+                sha256="",
+                side_px=32,
+                confidence=0.25,
+                minimum_mask_px=PIXELS,
+            ),
+            encoder=SimpleNamespace(
+                model=str(tmp_path / "e.json"), weights=str(tmp_path / "e.safetensors"), sha256="", crop_padding=0.1
+            ),
+        ),
+    )
+
+    def run(output: str = "out.npz", code: str = "code", visits: dict[str, Path] = tours) -> Path:
+        detections.run(visits, constants, [code], tmp_path / "kept", tmp_path / output)
+        return tmp_path / output
+
+    return SimpleNamespace(run=run, looks=looks, constants=constants, tours=tours, directory=tmp_path)
+
+
+def test_tours_that_look_the_same_are_seen_once_and_each_is_there_under_its_name(home):
+    found = read_detections(home.run())
+    assert list(found) == ["untouched", "moved", "same"] and home.looks.pictures == 4
+    assert found["untouched"].content == found["same"].content != found["moved"].content
+    assert np.array_equal(found["untouched"].point, found["same"].point)
+    assert {len(seen) for seen in found.values()} == {2} and found["moved"].pixels.tolist() == [12, 12]
+
+
+def test_what_was_seen_is_not_looked_at_again_and_has_the_same_bytes(home):
+    first = home.run().read_bytes()
+    assert home.run("again.npz").read_bytes() == first
+    fewer = read_detections(home.run("fewer.npz", visits={"moved": home.tours["moved"]}))
+    assert list(fewer) == ["moved"] and home.looks.pictures == 4
+
+
+@pytest.mark.parametrize("what", ["detector", "encoder", "towers", "code", "confidence", "lens", "device"])
+def test_other_networks_look_again(home, what):
+    before = read_detections(home.run())
+    perception = home.constants.perception
+    if what == "detector":
+        (home.directory / "d.safetensors").write_text("other")
+    elif what == "encoder":
+        (home.directory / "e.safetensors").write_text("other")
+    elif what == "towers":
+        (home.directory / "e.json").write_text("other")
+    elif what == "confidence":
+        perception.detector.confidence = 0.3
+    elif what == "lens":
+        home.constants.camera.field_of_view_deg = 80.0
+    elif what == "device":
+        perception.device = "cuda"
+    after = read_detections(home.run(code="other" if what == "code" else "code"))
+    assert home.looks.pictures == 8
+    assert all(before[name].content != after[name].content for name in before)
+
+
+def test_what_only_clusters_looks_at_nothing(home):
+    home.run()
+    home.constants.maps.cluster_radius_m = 0.5
+    home.run()
+    assert home.looks.pictures == 4
+
+
+def test_weights_that_are_not_there_stop_before_anything_is_written(home):
+    (home.directory / "d.safetensors").unlink()
+    with pytest.raises(WeightsError, match="there is no file"):
+        home.run()
+    assert not (home.directory / "out.npz").exists() and home.looks.pictures == 0
+
+
+@pytest.mark.parametrize("radius_m", [0.1, 5.0])
+def test_maps_are_the_clusters_of_each_visits_detections(home, radius_m):
+    source = home.run()
+    home.constants.maps.cluster_radius_m = radius_m
+    maps.run([source], home.constants, [home.directory / "maps.npz"])
+    found = read_maps(home.directory / "maps.npz")
+    for name, seen in read_detections(source).items():
+        rows = zip(seen.view.tolist(), seen.point, seen.feature, strict=True)
+        expected = clusters([Detection(*row) for row in rows], radius_m)
+        assert len(found[name]) == len(expected)
+        for there, here in zip(found[name], expected, strict=True):
+            assert np.array_equal(there.position, here.position) and np.array_equal(there.track, here.track)
+            assert np.allclose(there.feature, here.feature) and there.last_seen == here.last_seen
+    assert list(found) == list(read_detections(source))
+
+
+def test_every_noun_once_in_order(home):
+    nouns.run(["sofa", "bed", "sofa"], home.constants, home.directory / "nouns.npz")
+    found = read_nouns(home.directory / "nouns.npz")
+    assert list(found) == ["bed", "sofa"] and np.linalg.norm(found["bed"]) == pytest.approx(1.0)
