@@ -11,13 +11,15 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables quick release test soak bench lint lock setup clean
+.PHONY: help tables quick models show release test soak bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
+	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
+	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
 	@echo "make release results/ into data/ovman-embedded-v1, with card, checksums and picture"
-	@echo "make test    the tests;  make soak: the long ones"
+	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint and import contracts"
 	@echo "make lock    requirements.lock from the newest releases that pyproject.toml allows"
@@ -29,13 +31,21 @@ tables: $(READY)
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
 
+models: $(READY)
+	@$(SNAKEMAKE) -- results/models
+
+show: $(READY)
+	@[ -n "$(EPISODE)" ] || { echo "Name an episode: make show EPISODE=FloorPlan201/moved/0001" >&2; exit 2; }
+	@.venv/bin/ovman show "$(EPISODE)"
+
 release: tables
-	@$(SNAKEMAKE) -- results/figures/relations.png
+	@$(SNAKEMAKE) -- results/figures/relations.png results/results.md
 	@cp results/figures/relations.png docs/relations.png
+	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/budget.png results/figures/memory.png docs/figures/
 	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v1
 
 test: $(READY)
-	@.venv/bin/python -m pytest -q
+	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder
 
 soak: $(READY)
 	@.venv/bin/python -m pytest -q -m soak
@@ -69,7 +79,7 @@ $(READY): requirements.lock pyproject.toml
 		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
 		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
-	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; two to four minutes, 6.6 GB, most of it PyTorch with its CUDA libraries)"
+	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; two to five minutes, 7 GB, most of it PyTorch with its CUDA libraries)"
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -9,10 +10,11 @@ import time
 from pathlib import Path
 
 import pytest
+import yaml
 
 from ovman import cli
 from ovman.doctor import checks
-from ovman.doctor.checks import Finding, State
+from ovman.doctor.checks import ROOT, Finding, State
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +31,8 @@ def program(folder: Path, name: str, script: str) -> None:
     (folder / name).chmod(0o755)
 
 
-def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "HERE", tuple(check for check in checks.HERE if check is not checks.perception))
     assert cli.main(["doctor"]) == 0
     lines = capsys.readouterr().out.splitlines()
     frame = next(line for line in lines if "engine frame" in line)
@@ -78,6 +81,47 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
     monkeypatch.setenv("PYTHONSAFEPATH", "1")
     found = checks.engine_process()
     assert found.state is State.ILL and "another package" in found.says and "install" in found.remedy
+
+
+def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) -> None:
+    settings = yaml.safe_load((ROOT / "config.yaml").read_text())
+    settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings))
+    found = checks.perception(tmp_path / "config.yaml")
+    assert found.state is State.ILL and found.says.startswith("perception.detector.weights: there is no file")
+    assert "make models" in found.remedy and "\n" not in found.says + found.remedy
+    assert checks.perception(tmp_path / "absent.yaml").state is State.ABSENT
+
+
+def test_both_networks_see_a_picture(tmp_path: Path) -> None:
+    from safetensors.torch import save_file
+
+    from ovman.perception import detector, encoder
+
+    towers = {
+        "embed_dim": 16,
+        "vision_cfg": {"image_size": 32, "layers": 1, "width": 64, "patch_size": 16},
+        "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 1, "layers": 1},
+    }
+    (tmp_path / "encoder.json").write_text(json.dumps(towers))
+    network = detector.empty_network("yolov8n-seg")
+    save_file(network.state_dict(), tmp_path / "detector.safetensors")
+    network = encoder.empty_network(encoder.architecture(str(tmp_path / "encoder.json")))
+    save_file(network.state_dict(), tmp_path / "encoder.safetensors")
+    settings = yaml.safe_load((ROOT / "config.yaml").read_text())
+    settings["perception"]["detector"] |= {"weights": str(tmp_path / "detector.safetensors"), "sha256": ""}
+    settings["perception"]["encoder"] |= {
+        "model": str(tmp_path / "encoder.json"), "weights": str(tmp_path / "encoder.safetensors"), "sha256": "",
+    }  # fmt: skip
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings))
+    found = checks.perception(tmp_path / "config.yaml")
+    assert found.state is State.WELL and "on cpu" in found.says and "ultralytics" in found.says
+
+
+def test_networks_that_never_answer_are_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 0.05)
+    found = checks.perception(ROOT / "config.yaml")
+    assert found.state is State.ILL and "within 0.05 s" in found.says
 
 
 def test_a_simulator_that_never_answers_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:

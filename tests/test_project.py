@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from importlib import import_module
@@ -93,6 +94,14 @@ def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:
     assert undeclared == set()
 
 
+def test_every_file_of_the_package_is_installed_with_it() -> None:
+    (patterns,) = PROJECT["tool"]["setuptools"]["package-data"].values()
+    package = ROOT / "ovman"
+    installed = {path for pattern in patterns for path in package.glob(pattern)} | set(package.rglob("*.py"))
+    left = {path for path in package.rglob("*") if path.is_file() and "cache" not in str(path.relative_to(ROOT))} - installed
+    assert left == set()
+
+
 def test_one_version() -> None:
     version = ovman.__version__
     assert Version(version)
@@ -123,6 +132,14 @@ def test_all_that_the_snakefile_imports_is_known_to_start_fast() -> None:
     files = [ROOT / "Snakefile", *(ROOT / "workflow" / "rules").iterdir()]
     imported = {name for path in files for name in re.findall(r"^from (ovman\S*) import", path.read_text(), re.MULTILINE)}
     assert imported and imported <= set(contract["source_modules"])
+
+
+def test_what_the_snakefile_imports_imports_nothing_heavy() -> None:
+    (contract,) = (c for c in PROJECT["tool"]["importlinter"]["contracts"] if "Snakefile" in c["name"])
+    wanted, heavy = contract["source_modules"], contract["forbidden_modules"]
+    program = f"import sys, {', '.join(wanted)}; print(*(set({heavy!r}) & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
 
 
 def test_arrows_of_the_design() -> None:

@@ -19,6 +19,11 @@ from pathlib import Path
 
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
 """How long a backend may take to its first frames: the engine compiles its kernels once, Unity's build is downloaded once."""
+NETWORKS_LIMIT_S = 180.0
+"""How long the networks may take to their first picture; PyTorch alone is imported for half a minute from a cold disk."""
+NETWORK_LIBRARIES = ("torch", "ultralytics", "open_clip", "safetensors")
+ROOT = Path(__file__).resolve().parents[2]
+"""Of the repository, if the package is used from it."""
 SHORT_S = 30.0
 """How long a small program may take."""
 
@@ -115,7 +120,11 @@ def engine_frame() -> Finding:
 
 def workflow() -> Finding:
     """What the benchmark needs beside the engine."""
-    missing = [name for name in ("snakemake", "pydantic", "yaml", "matplotlib") if importlib.util.find_spec(name) is None]
+    missing = [
+        name
+        for name in ("snakemake", "pydantic", "yaml", "matplotlib", "pandas", "statsmodels", "jinja2")
+        if importlib.util.find_spec(name) is None
+    ]
     if missing:
         remedy = "pip install 'ovman[benchmark]', or make setup"
         return Finding("benchmark", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
@@ -135,32 +144,48 @@ def gpu() -> Finding:
     return Finding("gpu", State.WELL, "; ".join(line.split(" (UUID")[0] for line in done.stdout.splitlines()))
 
 
-def torch() -> Finding:
-    """PyTorch, asked in a process of its own: importing it takes seconds and memory."""
-    if importlib.util.find_spec("torch") is None:
-        return Finding("torch", State.ABSENT, "not installed; nothing in this version needs it")
-    question = "import torch; print(torch.__version__, 'with CUDA' if torch.cuda.is_available() else 'on the CPU')"
+def perception(config: Path | None = None) -> Finding:
+    """Both networks of the settings on one picture, within a time limit."""
+    missing = [name for name in NETWORK_LIBRARIES if importlib.util.find_spec(name) is None]
+    if missing:
+        remedy = "pip install 'ovman[benchmark]', or make setup"
+        return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
+    file = ROOT / "config.yaml" if config is None else config
+    if not file.exists():
+        return Finding("perception", State.ABSENT, "no config.yaml beside the package; a checkout of the repository has one")
+    command = [sys.executable, "-m", "ovman.doctor.networks", str(file)]
     try:
-        done = subprocess.run([sys.executable, "-c", question], capture_output=True, text=True, timeout=SHORT_S)
+        done = subprocess.run(command, capture_output=True, text=True, timeout=NETWORKS_LIMIT_S)
     except subprocess.TimeoutExpired:
-        return Finding("torch", State.ABSENT, f"not imported within {SHORT_S:.0f} s", "install it anew")
+        return Finding(
+            "perception", State.ILL, f"no picture within {NETWORKS_LIMIT_S:g} s", "install the libraries anew: make setup"
+        )
+    if done.returncode == 2:
+        says, _, remedy = _last(done.stderr).rpartition("; ")
+        return Finding("perception", State.ILL, says, remedy)
     if done.returncode != 0:
-        return Finding("torch", State.ABSENT, _last(done.stderr), "install it anew")
-    return Finding("torch", State.WELL, done.stdout.strip())
+        return Finding("perception", State.ILL, _last(done.stderr), "install the libraries anew: make setup")
+    found = json.loads(done.stdout.splitlines()[-1])
+    libraries = ", ".join(f"{name.removesuffix('_torch')} {version}" for name, version in found["libraries"].items())
+    return Finding(
+        "perception", State.WELL,
+        f"a picture in {found['detector_ms']:.0f} ms, a crop and a noun in {found['encoder_ms']:.0f} ms on {found['device']};"
+        f" {found['start_s']:.1f} s to load; {libraries}",
+    )  # fmt: skip
 
 
 def weights() -> Finding:
-    """The paper's networks in the caches of their libraries."""
-    caches = Path(os.environ.get("HF_HOME", Path.home() / ".cache" / "huggingface")) / "hub"
+    """The paper's networks, where they are kept once they have been downloaded."""
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    hub = Path(os.environ.get("HF_HOME") or cache / "huggingface") / "hub"
     wanted = {
-        "yolov8m-seg": [Path("yolov8m-seg.pt"), Path("weights") / "yolov8m-seg.pt"],
-        "ViT-B-16 laion2b_s34b_b88k": [caches / "models--laion--CLIP-ViT-B-16-laion2B-s34B-b88K"],
+        "yolov8m-seg": any((cache / "ovman").glob("*/yolov8m-seg.pt")),
+        "ViT-B-16 laion2b_s34b_b88k": (hub / "models--laion--CLIP-ViT-B-16-laion2B-s34B-b88K").exists(),
     }
-    there = [name for name, places in wanted.items() if any(place.exists() for place in places)]
-    if len(there) == len(wanted):
-        return Finding("weights", State.WELL, ", ".join(there))
-    missing = ", ".join(name for name in wanted if name not in there)
-    return Finding("weights", State.ABSENT, f"{missing} not there; nothing in this version needs them")
+    if all(wanted.values()):
+        return Finding("paper's weights", State.WELL, ", ".join(wanted))
+    missing = ", ".join(name for name, there in wanted.items() if not there)
+    return Finding("paper's weights", State.ABSENT, f"{missing} not there; only overlays/thor.yaml asks for them")
 
 
 def vulkan() -> Finding:
@@ -193,7 +218,7 @@ def unity_frame() -> Finding:
     return frame("thor", "unity frame", "mend what stands above; Unity's own words are at the end of ~/.ai2thor/log/unity.log")
 
 
-HERE: tuple[Callable[[], Finding], ...] = (python, client, engine_process, engine_frame, workflow, torch, weights, gpu)
+HERE: tuple[Callable[[], Finding], ...] = (python, client, engine_process, engine_frame, workflow, perception, weights, gpu)
 """What is always looked at."""
 UNITY: tuple[Callable[[], Finding], ...] = (vulkan, unity_build, unity_frame)
 """What is looked at if Unity is asked for."""
