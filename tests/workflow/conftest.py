@@ -61,13 +61,13 @@ class World:
 
     def results(self) -> dict[str, bytes]:
         """The bytes of everything that a reader of the results sees."""
-        kept = ("episodes", "predictions", "executions", "runs", "metrics", "tables", "admissible", "certified", "trials")
-        return {
-            str(path.relative_to(self.directory)): path.read_bytes()
-            for stage in kept
-            for path in sorted((self.directory / "results" / stage).rglob("*"))
-            if path.is_file() and path.name != ".snakemake_timestamp"
-        }
+        kept = (
+            *("trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz"),
+            *("predictions", "executions", "runs", "language", "metrics", "tables"),
+        )
+        roots = [self.directory / "results" / name for name in kept]
+        files = [path for root in roots for path in ([root] if root.is_file() else sorted(root.rglob("*"))) if path.is_file()]
+        return {str(p.relative_to(self.directory)): p.read_bytes() for p in files if p.name != ".snakemake_timestamp"}
 
     def units(self) -> Mapping[str, Sequence[str]]:
         """Keys of the finished units in every journal, in the order in which they were finished."""
