@@ -21,6 +21,7 @@ class AbstentionReason(StrEnum):
     DISPLACEMENT_ABOVE_TAU = "displacement_above_tau"  # STABLE: even the steadiest pair moved
     NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold
     NOTHING_GROUNDED = "nothing_grounded"  # no object of the maps is what the noun means; so it is with empty maps
+    NOT_PARSED = "not_parsed"  # the sentence names no query
 
 
 @dataclass(frozen=True, slots=True)

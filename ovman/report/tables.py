@@ -10,6 +10,7 @@ from typing import Any
 from ovman.report.budget import budget_table
 from ovman.report.constants import constants_table
 from ovman.report.difficulty import difficulty_table
+from ovman.report.language import language_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
 from ovman.report.navigation import navigation_table
@@ -33,6 +34,7 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
     "navigation": lambda rows, constants: navigation_table(rows),
     "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence),
     "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
+    "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
         rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px
     ),

@@ -8,6 +8,7 @@ SHOWN = [
     "navigation",
     "difficulty",
     "budget",
+    "language",
     "perception",
     "backprojection",
 ]

@@ -1,0 +1,184 @@
+"""Stage `language`: how well held-out sentences are understood, and which success is left with queries read from them. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from pathlib import Path
+from typing import Any
+
+from ovman.agents import prediction
+from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
+from ovman.agents.prediction import Prediction
+from ovman.agents.predictions import Perceived, read_perceived, reference_constants
+from ovman.analysis.metrics import csv_text, read_cases, record
+from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
+from ovman.analysis.rates import ALL
+from ovman.analysis.statistics import mcnemar_exact, wilson_interval
+from ovman.language import noun
+from ovman.language.held_out import read_held_out
+from ovman.language.parser import Parsed, ParseFailure
+from ovman.task import Relation
+from ovman.task.record import line, read_records
+
+SUPPLIED = "two_visits"
+SENTENCES, RELATION_INFERRED, INFERRED, METRICS = (
+    "sentences.jsonl",
+    "two_visits_relation_inferred.jsonl",
+    "two_visits_inferred.jsonl",
+    "language.csv",
+)
+
+
+class What(StrEnum):
+    """What a row counts. Of the sentences: OBJECT, RELATION and BOTH, read right; READ_AS, what each relation was read as. Of the
+    episodes: successes of the two-visit agent with the query SUPPLIED, with the noun supplied and RELATION_INFERRED from the
+    sentence, and with both INFERRED; there a sentence that is not parsed is a failure."""
+
+    OBJECT = "object"
+    RELATION = "relation"
+    BOTH = "both"
+    SUPPLIED = "supplied"
+    RELATION_INFERRED = "relation_inferred"
+    INFERRED = "inferred"
+    READ_AS = "read_as"
+
+
+@dataclass(frozen=True, slots=True)
+class LanguageRate:
+    """relation: the one that was meant, or "all". read_as: of READ_AS rows, a relation or the name of a failure; else None.
+
+    count of n; low, high: Wilson's interval at ``confidence``. wins, losses: episodes that succeed unlike with the query
+    supplied, p of their exact McNemar test; None but for the two inferred rows. origin: where the sentences are from.
+    """
+
+    what: What
+    relation: str
+    read_as: str | None
+    n: int
+    count: int
+    rate: float
+    low: float
+    high: float
+    confidence: float
+    wins: int | None = None
+    losses: int | None = None
+    p: float | None = None
+    origin: str = ""
+
+
+def run(
+    episodes_file: Path,
+    supplied_file: Path,
+    maps_files: Sequence[Path],
+    nouns_file: Path,
+    held_out_file: Path,
+    constants: Any,
+    output_dir: Path,
+) -> None:
+    """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
+
+    supplied_file: the predictions of the arm two_visits. constants: benchmark.seed, success.radius_m, evaluation.confidence and
+    those of the reference agent. Raises ValueError in one line.
+    """
+    episodes = list(read_records(episodes_file))
+    held_out = read_held_out(held_out_file)
+    asked = [ask(episode, held_out, constants.benchmark.seed) for episode in episodes]
+    perceived = read_perceived(maps_files, nouns_file)
+    supplied = prediction.read(supplied_file)
+    relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
+    both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
+    cases = read_cases(episodes_file)
+    rates = language_rates(
+        asked,
+        {
+            What.SUPPLIED: successes(cases, supplied, constants),
+            What.RELATION_INFERRED: successes(cases, relation_inferred, constants),
+            What.INFERRED: successes(cases, both_inferred, constants),
+        },
+        constants.evaluation.confidence,
+        held_out.origin,
+    )
+    output_dir.mkdir(parents=True, exist_ok=True)
+    (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
+    prediction.write(output_dir / RELATION_INFERRED, relation_inferred)
+    prediction.write(output_dir / INFERRED, both_inferred)
+    header = [field.name for field in fields(LanguageRate)]
+    (output_dir / METRICS).write_text(csv_text(header, map(record, rates)), encoding="utf-8")
+    right = sum(one.object_right and one.relation_right for one in asked)
+    print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
+
+
+def inferred(
+    file: str,
+    episodes: Sequence[Mapping[str, Any]],
+    asked: Sequence[Asked],
+    perceived: Mapping[str, Perceived],
+    constants: Any,
+    *,
+    said_noun: bool,
+) -> list[Prediction]:
+    """What the two-visit agent answers to the queries as they were understood.
+
+    file: named after the arm. said_noun: whether the noun is the one that was understood, or the category's own, supplied.
+    """
+    reference, arm = reference_constants(constants), Path(file).stem
+    predictions = []
+    for episode, one in zip(episodes, asked, strict=True):
+        match one.understood:
+            case Parsed(noun_phrase, relation):
+                phrase = noun_phrase if said_noun else noun(episode["category"])
+                outcome, evidence = answer(phrase, relation, episode["visits"], perceived[episode["scene"]], reference)
+                predictions.append(Prediction(one.episode, arm, 0, outcome, evidence))
+            case ParseFailure():
+                predictions.append(Prediction(one.episode, arm, 0, NOT_UNDERSTOOD))
+    return predictions
+
+
+def successes(cases: Sequence[Case], predictions: Sequence[Prediction], constants: Any) -> dict[str, bool]:
+    """Which episodes succeed, by their ids. The gate is that of ``static_outcomes``."""
+    judged: list[StaticOutcome] = static_outcomes(cases, predictions, radius_m=constants.success.radius_m, samples=1, seed=0)
+    return {outcome.episode: outcome.success == 1.0 for outcome in judged}
+
+
+def language_rates(
+    asked: Sequence[Asked], succeeded: Mapping[What, Mapping[str, bool]], confidence: float, origin: str
+) -> list[LanguageRate]:
+    """Every row of "language.csv": by what, then by relation with "all" last; READ_AS rows at the end, those that count."""
+    right: Mapping[What, Callable[[Asked], bool]] = {
+        What.OBJECT: lambda one: one.object_right,
+        What.RELATION: lambda one: one.relation_right,
+        What.BOTH: lambda one: one.object_right and one.relation_right,
+        **{what: lambda one, of=of: of[one.episode] for what, of in succeeded.items()},
+    }
+    groups = {str(relation): [one for one in asked if one.relation is relation] for relation in Relation} | {ALL: list(asked)}
+    groups = {relation: group for relation, group in groups.items() if group}
+
+    def rate(what: What, relation: str, count: int, **more: Any) -> LanguageRate:
+        n = len(groups[relation])
+        low, high = wilson_interval(count, n, confidence)
+        return LanguageRate(
+            what, relation, more.pop("read_as", None), n, count, count / n, low, high, confidence, origin=origin, **more
+        )
+
+    rows = []
+    for what, is_right in right.items():
+        for relation, group in groups.items():
+            paired = _paired(group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else {}
+            rows.append(rate(what, relation, sum(map(is_right, group)), **paired))
+    for relation, group in groups.items():
+        for name in (*map(str, Relation), *map(str, ParseFailure)):
+            count = sum(one.read_as == name for one in group)
+            if count:
+                rows.append(rate(What.READ_AS, relation, count, read_as=name))
+    return rows
+
+
+_INFERRED = (What.RELATION_INFERRED, What.INFERRED)
+
+
+def _paired(group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> dict[str, Any]:
+    wins = sum(of[one.episode] and not supplied[one.episode] for one in group)
+    losses = sum(supplied[one.episode] and not of[one.episode] for one in group)
+    return {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}

@@ -1,0 +1,15 @@
+"""Stage `language`: held-out sentences, what is understood of them, and what the two-visit agent answers to that."""
+
+from ovman.analysis import language
+from ovman.job import job
+
+with job(snakemake) as work, work.gathered() as directory:
+    language.run(
+        work.input("episodes"),
+        work.input("supplied"),
+        work.inputs("maps"),
+        work.input("nouns"),
+        work.input("held_out"),
+        work.constants,
+        directory,
+    )
