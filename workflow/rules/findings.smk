@@ -7,6 +7,7 @@ READ = [
     "taxonomy",
     "difficulty",
     "budget",
+    "language",
     "perception",
     "backprojection",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from ovman.analysis.language import What
 from ovman.report.findings.sources import language, self_checked, self_checked_scenes, worst_m
 from ovman.report.findings.statement import Form, Quantity, Statement
 
@@ -13,7 +14,7 @@ STATEMENTS: tuple[Statement, ...] = (
     Statement(
         key="held_out_phrasings_are_parsed",
         claim="The parser reads object and relation of held-out phrasings right nearly always.",
-        quantities=(Quantity("both", "object and relation", language("both"), "parser_accuracy"),),
+        quantities=(Quantity("both", "object and relation", language(What.BOTH.value), "parser_accuracy"),),
         rule=f"both are right for at least {UNDERSTOOD} of the held-out sentences",
         holds=lambda q: q["both"] >= UNDERSTOOD,
     ),
@@ -21,8 +22,8 @@ STATEMENTS: tuple[Statement, ...] = (
         key="inferred_equals_supplied",
         claim="Success is the same whether the relation is supplied or inferred from the sentence.",
         quantities=(
-            Quantity("supplied", "relation supplied", language("supplied"), "success_supplied"),
-            Quantity("inferred", "relation inferred", language("inferred"), "success_inferred"),
+            Quantity("supplied", "relation supplied", language(What.SUPPLIED.value), "success_supplied"),
+            Quantity("inferred", "relation inferred", language(What.RELATION_INFERRED.value), "success_inferred"),
         ),
         rule=f"the two rates are at most {UNCHANGED} apart",
         holds=lambda q: abs(q["supplied"] - q["inferred"]) <= UNCHANGED,

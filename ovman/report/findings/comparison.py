@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ovman.analysis.language import What
 from ovman.report.findings import sources
 from ovman.report.findings.budget import GROUNDING, ORACLE, ORACLE_POSITIONS, POSITIONS
 from ovman.report.findings.memory import ONE, ONE_EMBODIED, TWO, TWO_EMBODIED
@@ -84,6 +85,14 @@ _NUMBERS_OF_INSTANCES = (
     ("three", sources.THREE_INSTANCES, "three"),
     ("four or more", sources.MORE_INSTANCES, "more"),
 )
+_LANGUAGE = (
+    ("object understood", What.OBJECT.value, ""),
+    ("relation understood", What.RELATION.value, ""),
+    ("both understood", What.BOTH.value, "parser_accuracy"),
+    ("success, noun and relation supplied", What.SUPPLIED.value, "success_supplied"),
+    ("success, relation inferred", What.RELATION_INFERRED.value, "success_inferred"),
+    ("success, noun and relation inferred", What.INFERRED.value, ""),
+)
 USED = frozenset(
     {f"{line.row}.{column}" for lines in LINES.values() for line in lines for column in line.columns}
     | {key for *_, key in _INTERVALS}
@@ -132,6 +141,21 @@ def difficulty(metrics: Metrics, paper: Paper) -> str:
         )
     heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
     return pipe_table(heads, body, [False, True, True, True, True])
+
+
+def language(metrics: Metrics, paper: Paper) -> str:
+    """What is understood of held-out sentences, and the success that is left."""
+    body = [
+        [title, _cell(sources.language(what), metrics, Form.RATE), _papers(paper, key, Form.RATE)]
+        for title, what, key in _LANGUAGE
+    ]
+    return pipe_table(["held-out sentences", "here", "paper"], body, [False, True, True])
+
+
+def origins(metrics: Metrics) -> tuple[str, ...]:
+    """Where the held-out sentences are from, as the metrics say; none where they say nothing."""
+    rows = metrics.rows("language.csv") if metrics.has("language.csv") else []
+    return tuple(dict.fromkeys(row["origin"] for row in rows if row["origin"]))
 
 
 def _interval(arm: str, metrics: Metrics) -> str:

@@ -45,6 +45,8 @@ _BREAK = "<br>"
 _RATES = {
     "recall": "recall of true masks",
     "precision": "precision of detected masks",
+    "precision_once": "the same, doubled masks wrong",
+    "precision_once": "precision, doubled ones taken as wrong",
     "top1": "right category first",
     "top5": "right category among five",
     "synonym_top1": "first, by synonyms",
@@ -130,6 +132,8 @@ def rendered(metrics: Metrics, paper: Paper, explanations: Mapping[str, Explanat
         intervals=comparison.intervals(metrics, paper),
         taxonomy=beside_paper(TAXONOMY, "outcome", metrics, paper),
         difficulty=comparison.difficulty(metrics, paper),
+        language=comparison.language(metrics, paper),
+        origins="; ".join(comparison.origins(metrics)),
         perception=_perception(metrics),
         figures=FIGURES,
         **{

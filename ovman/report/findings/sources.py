@@ -8,6 +8,7 @@ from scipy.stats import fisher_exact
 
 from ovman.analysis.comparisons import AGENT
 from ovman.analysis.difficulty import MANY, By
+from ovman.analysis.segmentation import TRUE
 from ovman.analysis.taxonomy import LOST, Verdict
 from ovman.report.findings.metrics import Cell, Metrics, Missing, number
 from ovman.task import Relation
@@ -140,26 +141,26 @@ def worst_m(column: str) -> Read:
     """The largest error of the self-check of the back-projection, in metres, over all true masks."""
 
     def read(metrics: Metrics) -> Cell:
-        source = f"backprojection.csv (all masks): greatest {column}"
-        return Cell(max(number(row[column], source) for row in metrics.rows("backprojection.csv")), source)
+        source = f"backprojection.csv (true masks): greatest {column}"
+        return Cell(max(number(row[column], source) for row in metrics.rows("backprojection.csv", mask=TRUE)), source)
 
     return read
 
 
 def self_checked(metrics: Metrics) -> Cell:
     """How many objects the self-check of the back-projection saw."""
-    rows = metrics.rows("backprojection.csv")
+    rows = metrics.rows("backprojection.csv", mask=TRUE)
     return Cell(float(len({(row["scene"], row["object"]) for row in rows})), "backprojection.csv: distinct (scene, object)")
 
 
 def self_checked_scenes(metrics: Metrics) -> Cell:
     """How many scenes the self-check of the back-projection saw."""
-    return Cell(float(len({row["scene"] for row in metrics.rows("backprojection.csv")})), "backprojection.csv: distinct scene")
+    return Cell(float(len({row["scene"] for row in metrics.rows("backprojection.csv", mask=TRUE)})), "backprojection.csv: distinct scene")
 
 
-def language(what: str) -> Read:
-    """A rate of language.csv."""
-    return lambda metrics: metrics.cell("language.csv", "rate", what=what)
+def language(what: str, column: str = "rate") -> Read:
+    """A rate over all held-out sentences, or over the episodes that they are about."""
+    return lambda metrics: metrics.cell("language.csv", column, what=what, relation=ALL)
 
 
 def less(greater: Read, lesser: Read) -> Read:

@@ -149,11 +149,15 @@ def papers_files(paper: Paper) -> Files:
         ],
         "budget.csv": [_row(rung=rung, relation=ALL, n=n[ALL], **cells) for rung, cells in rungs.items()],
         "language.csv": [
-            _row(what=what, rate=get(key))
-            for what, key in (("both", "parser_accuracy"), ("supplied", "success_supplied"), ("inferred", "success_inferred"))
+            _row(what=what, relation=ALL, read_as="", n=n[ALL], rate=get(key), origin="made up")
+            for what, key in (
+                ("both", "parser_accuracy"),
+                ("supplied", "success_supplied"),
+                ("relation_inferred", "success_inferred"),
+            )
         ],
         "backprojection.csv": [
-            _row(scene="FloorPlan1", object=f"Chair|{k}", median_box_m=0.01 * k, ray_box_m=get("single_ray_worst_m") / (k + 1))
+            _row(scene="FloorPlan1", object=f"Chair|{k}", mask="true", median_box_m=0.01 * k, ray_box_m=get("single_ray_worst_m") / (k + 1))
             for k in range(5)
         ],
     }
