@@ -87,7 +87,7 @@ def predict(
     if named(arm).positions is Source.HANDED:
         return _from_positions(arm, query, trial["measured"], constants), None
     if perceived is None:
-        raise ValueError(f"{arm!r} answers from maps of its own: give it what was perceived")
+        raise ValueError(f"{arm!r} answers from maps of its own, and there are none of {candidate['scene']}; make the stage maps")
     return _from_maps(arm, query, trial["measured"], constants, perceived)
 
 
