@@ -16,20 +16,8 @@ from ovman.report.markdown import pipe_table
 from ovman.task import Episode, Rejection, Relation, read_episodes
 from ovman.task.record import read_records
 
-FILES = (
-    "episodes/main.jsonl",
-    "metrics/rejections.csv",
-    "metrics/static_outcomes.csv",
-    "metrics/embodied_outcomes.csv",
-    "metrics/static_rates.csv",
-    "metrics/embodied_rates.csv",
-    "metrics/taxonomy.csv",
-    "metrics/significance.csv",
-    "metrics/navigation.csv",
-    "metrics/difficulty.csv",
-    "metrics/budget.csv",
-)
-TREES = ("scenes", "trials", "certified", "predictions", "runs", "tables")
+FILES = ("episodes/main.jsonl",)
+TREES = ("scenes", "trials", "certified", "predictions", "runs", "metrics", "tables")
 HIDDEN = "."
 
 
