@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ovman.analysis.instances import TrueObject, TrueScene, depth_m, true_ids
-from ovman.analysis.segmentation import segmented
+from ovman.analysis.segmentation import DETECTED, TRUE, segmented
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
 from ovman.sim.visit import Visit
 
 if TYPE_CHECKING:
     from ovman.perception.records import Detected
-
-TRUE, DETECTED = "true", "detected"
-
 
 @dataclass(frozen=True, slots=True)
 class Localised:

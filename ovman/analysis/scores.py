@@ -39,7 +39,8 @@ class Score:
     """One row: the members of a group. What does not apply is None.
 
     true, recalled: true instances in single views, and how many were found. found, right: detected masks, and how many show an
-    instance; doubled: how many of those show one that a surer mask shows. crops: right masks whose category was looked for;
+    instance; doubled: how many of those show one that a surer mask shows, which precision counts as right and precision_once as
+    wrong. crops: right masks whose category was looked for;
     named: those whose category has synonyms, on which own_* and synonym_* are compared. chance_*: guessing. off_box_*: from the
     place of a right mask to its object's box, metres.
     """
@@ -53,6 +54,7 @@ class Score:
     right: int | None = None
     precision: float | None = None
     doubled: int | None = None
+    precision_once: float | None = None
     crops: int | None = None
     top1: float | None = None
     top5: float | None = None
@@ -156,6 +158,7 @@ def _score(pool: _Pool, group: str, value: str, true: np.ndarray, mask: np.ndarr
         right=int(right.sum()),
         precision=_rate(right[mask]) if wrong else None,
         doubled=int(pool.doubled[mask].sum()),
+        precision_once=_rate((right & ~pool.doubled)[mask]) if wrong else None,
         crops=int(right.sum()),
         top1=_rate(crop["top1"]),
         top5=_rate(crop["top5"]),

@@ -10,6 +10,8 @@ import numpy as np
 from ovman.perception.overlap import intersection_over_union
 
 LEAST_IOU = 0.5
+TRUE, DETECTED = "true", "detected"
+"""Where a mask comes from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.analysis.instances import TrueObject, TrueScene
-from ovman.analysis.localisation import DETECTED, TRUE, box_distance_m, centre_distance_m, localised
+from ovman.analysis.localisation import box_distance_m, centre_distance_m, localised
+from ovman.analysis.segmentation import DETECTED, TRUE
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
 from tests.analysis.recordings import LEAST_PX, SIDE, detected, mask, write_scene, write_visit
 

@@ -66,6 +66,7 @@ def test_shifted_masks_find_nothing(scene, tmp_path):
 def test_masks_on_one_instance_are_told_apart(scene, tmp_path):
     whole = all_of(scene, tmp_path, perfect(views=1, names=("Sofa|1", "Sofa|1", "Vase|1")))
     assert (whole.recalled, whole.right, whole.doubled) == (2, 3, 1)
+    assert whole.precision == 1.0 and whole.precision_once == pytest.approx(2 / 3)
 
 
 def test_without_any_mask(scene, tmp_path):
