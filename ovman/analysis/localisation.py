@@ -17,6 +17,7 @@ from ovman.sim.visit import Visit
 if TYPE_CHECKING:
     from ovman.perception.records import Detected
 
+
 @dataclass(frozen=True, slots=True)
 class Localised:
     """One mask of an untouched tour, and how far two estimates of its place are off, metres.
