@@ -155,7 +155,8 @@ def self_checked(metrics: Metrics) -> Cell:
 
 def self_checked_scenes(metrics: Metrics) -> Cell:
     """How many scenes the self-check of the back-projection saw."""
-    return Cell(float(len({row["scene"] for row in metrics.rows("backprojection.csv", mask=TRUE)})), "backprojection.csv: distinct scene")
+    rows = metrics.rows("backprojection.csv", mask=TRUE)
+    return Cell(float(len({row["scene"] for row in rows})), "backprojection.csv: distinct scene")
 
 
 def language(what: str, column: str = "rate") -> Read:

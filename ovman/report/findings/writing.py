@@ -30,7 +30,7 @@ def written(value: float, form: Form) -> str:
 
 
 def p_value(p: float) -> str:
-    """0.032, 0.0004 as 4 × 10⁻⁴, and 0 as a bound."""
+    """0.032, 0.00043 as 4.3 × 10⁻⁴, and 0 as a bound."""
     if p < SMALLEST_P:
         return f"< {_power(SMALLEST_P)}"
     return f"{p:.3f}" if p >= 0.001 else _power(p)
@@ -47,6 +47,6 @@ def papers(figure: Figure, form: Form) -> str:
 
 
 def _power(p: float) -> str:
-    mantissa, exponent = f"{p:.0e}".split("e")
+    mantissa, exponent = f"{p:.1e}".replace(".0e", "e").split("e")
     power = f"10{str(int(exponent)).translate(_SUPERSCRIPT)}"
     return power if mantissa == "1" else f"{mantissa} × {power}"

@@ -157,7 +157,13 @@ def papers_files(paper: Paper) -> Files:
             )
         ],
         "backprojection.csv": [
-            _row(scene="FloorPlan1", object=f"Chair|{k}", mask="true", median_box_m=0.01 * k, ray_box_m=get("single_ray_worst_m") / (k + 1))
+            _row(
+                scene="FloorPlan1",
+                object=f"Chair|{k}",
+                mask="true",
+                median_box_m=0.01 * k,
+                ray_box_m=get("single_ray_worst_m") / (k + 1),
+            )
             for k in range(5)
         ],
     }

@@ -6,6 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
+from ovman.config import canonical, load
+from ovman.constants import StageConstants
 from ovman.report.findings import charts, page
 from ovman.report.findings.explanations import Explanation, beside, read
 from ovman.report.findings.metrics import Metrics
@@ -16,6 +18,8 @@ from ovman.report.findings.statement import Verdict, judged
 from ovman.report.findings.statements import STATEMENTS
 from tests.report.findings.papers import Files, metrics_of, papers_files
 
+ROOT = Path(__file__).parents[3]
+DOCS, RELEASED = ROOT / "docs", ROOT / "data" / "ovman-embedded-v1"
 PAPER = Paper.read()
 TEXT = TEMPLATE.read_text(encoding="utf-8")
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -198,6 +202,14 @@ def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
     assert all((tmp_path / "one" / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
     linked = re.findall(r"!\[[^]]*\]\(([^)]*)\)", (tmp_path / "one" / "results.md").read_text())
     assert linked == ["figures/budget.png", "figures/memory.png"]
+
+
+@pytest.mark.skipif(not (DOCS / "results.md").exists(), reason="no page has been released")
+def test_the_page_in_docs_is_that_of_the_released_metrics():
+    released = Metrics.read(sorted((RELEASED / "metrics").glob("*.csv")))
+    owned = StageConstants(canonical(load(ROOT / "config.yaml"), "findings"))
+    assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, PAPER, read(), TEXT, owned)
+    assert all((DOCS / page.FIGURES / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
 
 
 def test_charts_of_nothing_are_drawn_all_the_same(tmp_path):
