@@ -46,7 +46,6 @@ _RATES = {
     "recall": "recall of true masks",
     "precision": "precision of detected masks",
     "precision_once": "the same, doubled masks wrong",
-    "precision_once": "precision, doubled ones taken as wrong",
     "top1": "right category first",
     "top5": "right category among five",
     "synonym_top1": "first, by synonyms",
