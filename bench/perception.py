@@ -1,4 +1,6 @@
-"""What mapping costs an episode, on one core: `python bench/perception.py [--config config.yaml] [--scenes FloorPlan201 ...] [--repeats 3]`.
+"""What mapping costs an episode, on one core.
+
+    python bench/perception.py [--config config.yaml] [--scenes FloorPlan201 ...] [--repeats 3]
 
 Tours of some floor plans are recorded with the engine and mapped with the networks of the configuration. An episode has two
 tours, many of which it shares with others; each is mapped once, so that an episode costs as many as there are distinct tours to

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -50,18 +51,16 @@ def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndar
 def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.ndarray:
     """`median_point` of N masks (N, H, W) bool of one frame, (N, 3), over their pixels that have depth (more than 0).
 
-    NaN for a mask without such a pixel. The frame's points are computed once, not once a mask.
+    NaN for a mask without such a pixel.
     """
     height, width = depth.shape
-    columns, rows = np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5)
-    rays = _rays(rows.ravel(), columns.ravel(), depth.shape, camera)
-    points = np.ascontiguousarray((rays * depth.reshape(-1, 1)).T) + np.array(camera.position)[:, None]
-    there = depth.ravel() > 0
+    lens, axes, flat = _lens(height, width, camera.field_of_view_deg), camera.axes(), depth.ravel()
+    there = flat > 0
     medians = np.full((len(masks), 3), np.nan)
     for found, mask in zip(medians, masks.reshape(len(masks), height * width), strict=True):
         inside = np.flatnonzero(mask & there)
         if len(inside):
-            found[:] = np.median(points[:, inside], axis=1)
+            found[:] = np.median(axes @ (lens[:, inside] * flat[inside]), axis=1) + camera.position
     return medians
 
 
@@ -77,9 +76,20 @@ def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.
     return ray * np.median(depth[rows, columns]) + np.array(camera.position)
 
 
+@lru_cache(maxsize=4)
+def _lens(height: int, width: int, field_of_view_deg: float) -> np.ndarray:
+    """K^-1 (u, v, 1) of every pixel of a frame, row by row: (3, height * width)."""
+    rows, columns = np.indices((height, width)).reshape(2, -1) + 0.5
+    return _before(rows, columns, height, width, field_of_view_deg)
+
+
 def _rays(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, ...], camera: Camera) -> np.ndarray:
     """R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
-    height, width = shape
-    focal_px = height / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2)
+    return (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+
+
+def _before(rows: np.ndarray, columns: np.ndarray, height: int, width: int, field_of_view_deg: float) -> np.ndarray:
+    """K^-1 (u, v, 1) of image points, for a camera that looks along +z with +y up: (3, N)."""
+    focal_px = height / 2 / math.tan(math.radians(field_of_view_deg) / 2)
     aside, up = (columns - width / 2) / focal_px, (height / 2 - rows) / focal_px
-    return np.stack([aside, up, np.ones_like(aside)], axis=1) @ camera.axes().T
+    return np.stack([aside, up, np.ones_like(aside)])
