@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ovman.analysis.language import What
-from ovman.report.findings.sources import language, self_checked, self_checked_scenes, worst_m
+from ovman.report.findings.sources import language, self_checked, worst_m
 from ovman.report.findings.statement import Form, Quantity, Statement
 
 UNDERSTOOD = 0.9
@@ -34,8 +34,8 @@ STATEMENTS: tuple[Statement, ...] = (
         quantities=(
             Quantity("ray", "worst single ray", worst_m("ray_box_m"), "single_ray_worst_m", Form.METRES),
             Quantity("median", "worst median", worst_m("median_box_m"), None, Form.METRES),
-            Quantity("objects", "objects", self_checked, "self_check_objects", Form.COUNT, decides=False),
-            Quantity("scenes", "scenes", self_checked_scenes, "self_check_scenes", Form.COUNT, decides=False),
+            Quantity("objects", "objects", self_checked("scene", "object"), "self_check_objects", Form.COUNT, decides=False),
+            Quantity("scenes", "scenes", self_checked("scene"), "self_check_scenes", Form.COUNT, decides=False),
         ),
         rule=f"off the object's box, the worst single ray lies more than {SUCCESS_RADIUS_M} m and farther than the worst median",
         holds=lambda q: q["ray"] > max(SUCCESS_RADIUS_M, q["median"]),

@@ -154,8 +154,10 @@ def language(metrics: Metrics, paper: Paper) -> str:
 
 def origins(metrics: Metrics) -> tuple[str, ...]:
     """Where the held-out sentences are from, as the metrics say; none where they say nothing."""
-    rows = metrics.rows("language.csv") if metrics.has("language.csv") else []
-    return tuple(dict.fromkeys(row["origin"] for row in rows if row["origin"]))
+    try:
+        return tuple(dict.fromkeys(filter(None, metrics.texts("language.csv", "origin"))))
+    except Missing:
+        return ()
 
 
 def _interval(arm: str, metrics: Metrics) -> str:

@@ -44,10 +44,6 @@ class Metrics:
                 files[path.name] = list(reader)
         return cls(files)
 
-    def has(self, file: str) -> bool:
-        """Whether there is a file of this name."""
-        return file in self._files
-
     def rows(self, file: str, **where: str) -> list[Record]:
         """The rows of a file in which each column of `where` has that very text.
 
@@ -70,10 +66,19 @@ class Metrics:
         if len(found) > 1:
             raise ValueError(f"{file}: {len(found)} rows of {_words(where)}, there must be one; make the metrics again")
         source = f"{file} ({_words(where)}): {column}"
-        return Cell(number(_text(file, found[0], column), source), source)
+        return Cell(_number(_text(file, found[0], column), source), source)
+
+    def texts(self, file: str, column: str, **where: str) -> list[str]:
+        """What the rows that `where` names have in `column`. Raises as ``rows`` does."""
+        return [_text(file, row, column) for row in self.rows(file, **where)]
+
+    def numbers(self, file: str, column: str, **where: str) -> list[float]:
+        """The numbers in `column` of the rows that `where` names. Raises as ``cell`` does."""
+        source = f"{file} ({_words(where)}): {column}"
+        return [_number(text, source) for text in self.texts(file, column, **where)]
 
 
-def number(text: str, source: str) -> float:
+def _number(text: str, source: str) -> float:
     """A finite number. Raises Missing for no text, ValueError that names `source` for anything else."""
     if not text:
         raise Missing(f"{source} is empty")

@@ -15,7 +15,7 @@ from ovman.report.findings.comparison import EMBODIED, STATIC, TAXONOMY, beside_
 from ovman.report.findings.explanations import Explanation, beside
 from ovman.report.findings.explanations import read as read_explanations
 from ovman.report.findings.memory import ONE, TWO, TWO_EMBODIED
-from ovman.report.findings.metrics import Metrics
+from ovman.report.findings.metrics import Metrics, Missing
 from ovman.report.findings.paper import Paper
 from ovman.report.findings.sources import ALL, EPISODES, Read
 from ovman.report.findings.statement import Form, Judgement, Quantity, Verdict, judged
@@ -193,9 +193,10 @@ def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper) -> 
 
 
 def _perception(metrics: Metrics) -> str:
-    rows = metrics.rows("perception.csv") if metrics.has("perception.csv") else []
-    if not rows:
-        return "There is no perception.csv, so nothing can be told.\n"
+    try:
+        rows = metrics.rows("perception.csv")
+    except Missing as error:
+        return f"Nothing can be told: {error}.\n"
     body = [
         [_RATES.get(bar.rate, bar.rate), written(bar.reached, Form.RATE), f"≥ {written(bar.least, Form.RATE)}", bar.verdict]
         for bar in bars(rows).values()

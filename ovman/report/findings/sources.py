@@ -10,7 +10,7 @@ from ovman.analysis.comparisons import AGENT
 from ovman.analysis.difficulty import MANY, By
 from ovman.analysis.segmentation import TRUE
 from ovman.analysis.taxonomy import LOST, Verdict
-from ovman.report.findings.metrics import Cell, Metrics, Missing, number
+from ovman.report.findings.metrics import Cell, Metrics, Missing
 from ovman.task import Relation
 
 Read = Callable[[Metrics], Cell]
@@ -45,8 +45,8 @@ def over_seeds(arm: str, column: str) -> Read:
     """The mean of a column of navigation.csv over the seeds of an embodied arm, all episodes."""
 
     def read(metrics: Metrics) -> Cell:
-        source = f"navigation.csv ({arm}, all, mean over seeds): {column}"
-        return Cell(_mean([number(row[column], source) for row in metrics.rows("navigation.csv", arm=arm, relation=ALL)]), source)
+        values = metrics.numbers("navigation.csv", column, arm=arm, relation=ALL)
+        return Cell(_mean(values), f"navigation.csv ({arm}, all, mean over seeds): {column}")
 
     return read
 
@@ -61,9 +61,8 @@ def largest_p(arm: str, baseline: str) -> Read:
     """The largest p over all episodes among the seeds that two arms share."""
 
     def read(metrics: Metrics) -> Cell:
-        source = f"significance.csv ({arm}, {baseline}, all, largest of the seeds): p"
-        rows = metrics.rows("significance.csv", arm=arm, baseline=baseline, relation=ALL)
-        return Cell(max(number(row["p"], source) for row in rows), source)
+        values = metrics.numbers("significance.csv", "p", arm=arm, baseline=baseline, relation=ALL)
+        return Cell(max(values), f"significance.csv ({arm}, {baseline}, all, largest of the seeds): p")
 
     return read
 
@@ -129,34 +128,28 @@ def of_scenes(arm: str, choose: Callable[[Sequence[float]], float]) -> Read:
     """The lowest (min) or highest (max) success of a static arm among the scenes."""
 
     def read(metrics: Metrics) -> Cell:
-        rows = metrics.rows("difficulty.csv", by=By.SCENE.value, arm=arm)
-        rates = [number(row["rate"], f"difficulty.csv ({row['group']}, {arm}): rate") for row in rows]
-        value = choose(rates)
-        return Cell(value, f"difficulty.csv ({rows[rates.index(value)]['group']}, {arm}): rate")
+        where = {"by": By.SCENE.value, "arm": arm}
+        rates = metrics.numbers("difficulty.csv", "rate", **where)
+        scene = metrics.texts("difficulty.csv", "group", **where)[rates.index(value := choose(rates))]
+        return Cell(value, f"difficulty.csv ({scene}, {arm}): rate")
 
     return read
 
 
 def worst_m(column: str) -> Read:
     """The largest error of the self-check of the back-projection, in metres, over all true masks."""
+    source = f"backprojection.csv (true masks): greatest {column}"
+    return lambda metrics: Cell(max(metrics.numbers("backprojection.csv", column, mask=TRUE)), source)
+
+
+def self_checked(*columns: str) -> Read:
+    """How many distinct objects, or scenes, the self-check of the back-projection saw: values of these columns together."""
 
     def read(metrics: Metrics) -> Cell:
-        source = f"backprojection.csv (true masks): greatest {column}"
-        return Cell(max(number(row[column], source) for row in metrics.rows("backprojection.csv", mask=TRUE)), source)
+        values = [metrics.texts("backprojection.csv", column, mask=TRUE) for column in columns]
+        return Cell(float(len(set(zip(*values, strict=True)))), f"backprojection.csv (true masks): distinct {', '.join(columns)}")
 
     return read
-
-
-def self_checked(metrics: Metrics) -> Cell:
-    """How many objects the self-check of the back-projection saw."""
-    rows = metrics.rows("backprojection.csv", mask=TRUE)
-    return Cell(float(len({(row["scene"], row["object"]) for row in rows})), "backprojection.csv: distinct (scene, object)")
-
-
-def self_checked_scenes(metrics: Metrics) -> Cell:
-    """How many scenes the self-check of the back-projection saw."""
-    rows = metrics.rows("backprojection.csv", mask=TRUE)
-    return Cell(float(len({row["scene"] for row in rows})), "backprojection.csv: distinct scene")
 
 
 def language(what: str, column: str = "rate") -> Read:
@@ -196,7 +189,7 @@ def highest(figures: Sequence[Read]) -> Read:
 
 def _seed(metrics: Metrics, file: str, index: int, **where: str) -> str:
     """The index-th of the seeds, by number, of the rows of `where`."""
-    seeds = sorted({row["seed"] for row in metrics.rows(file, **where)}, key=int)
+    seeds = sorted(set(metrics.texts(file, "seed", **where)), key=int)
     if index >= len(seeds):
         raise Missing(f"{file} has {len(seeds)} of the {index + 1} seeds of {', '.join(where.values())} that are needed")
     return seeds[index]

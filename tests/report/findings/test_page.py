@@ -120,6 +120,12 @@ def test_no_metrics_at_all_is_a_page_too():
     assert "0 hold here, 0 do not" in " ".join(text.split()) and "over — episodes" in text
 
 
+def test_files_without_rows_are_a_page_too():
+    empty = of({name: [] for name in (*papers_files(PAPER), "perception.csv")})
+    assert empty.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
+    assert "Nothing can be told: perception.csv has no rows." in empty
+
+
 def test_a_small_run_is_called_one():
     files = papers_files(PAPER)
     text = of(files | {"static_rates.csv": [row | {"n": "14"} for row in files["static_rates.csv"]]})

@@ -99,6 +99,15 @@ def test_nothing_can_be_told_without_a_figure_that_decides(statement):
 
 
 @each_statement
+def test_a_column_that_is_gone_is_one_line(statement):
+    files = papers_files(PAPER)
+    for file, _, column in sorted(numbers_read(deciding(statement), files)):
+        rows = [{name: text for name, text in row.items() if name != column} for row in files[file]]
+        with pytest.raises(ValueError, match=f"^{file}: no column {column}, there are .*; make the metrics again$"):
+            judged(statement, metrics_of(files | {file: rows}))
+
+
+@each_statement
 def test_what_only_is_shown_decides_nothing(statement):
     files = papers_files(PAPER)
     shown = tuple(quantity for quantity in statement.quantities if not quantity.decides)
