@@ -87,6 +87,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "executions": (*_RUNNING, "grounding.*", "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
     "runs": ("success.*",),
     "metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence", "evaluation.near_miss_m"),
+    "static": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence", "evaluation.near_miss_m"),
     "language": (
         "benchmark.seed",
         "grounding.*",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,14 +48,19 @@ def run(metrics: Sequence[Path], constants: Any, output_dir: Path) -> None:
     metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    tables = [constants_table(constants), *(_table(path, constants) for path in metrics)]
+    write([constants_table(constants), *(table(path, constants) for path in metrics)], output_dir)
+
+
+def write(tables: Iterable[Table], output_dir: Path) -> None:
+    """Each table as .csv, .md and .tex under its name."""
     output_dir.mkdir(parents=True, exist_ok=True)
     for table in tables:
         for suffix, render in ((".csv", csv_text), (".md", markdown), (".tex", latex)):
             (output_dir / f"{table.name}{suffix}").write_text(render(table), encoding="utf-8", newline="\n")
 
 
-def _table(path: Path, constants: Any) -> Table:
+def table(path: Path, constants: Any) -> Table:
+    """The table of a file of metrics. Raises as ``run`` does."""
     if path.stem not in TABLES:
         raise ValueError(f"{path}: no table shows it; those that are shown are {', '.join(TABLES)}")
     with path.open(encoding="utf-8", newline="") as file:
