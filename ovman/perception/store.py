@@ -29,6 +29,9 @@ class Store:
                 return read_detections(path)[content], True
             except (RecordError, KeyError):
                 path.unlink(missing_ok=True)
+        for left in path.parent.glob(f".{path.name}.*.partial"):
+            if not _alive(int(left.name.split(".")[-2])):
+                left.unlink(missing_ok=True)
         partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
         try:
             write_detections(partial, {content: look()})
@@ -36,3 +39,13 @@ class Store:
         finally:
             partial.unlink(missing_ok=True)
         return read_detections(path)[content], False
+
+
+def _alive(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

@@ -62,3 +62,13 @@ def test_a_file_that_is_not_what_it_should_be_is_made_again(tmp_path, spoilt):
     found, known = store.kept(CONTENT, some)
     assert not known and found.content == CONTENT
     assert store.kept(CONTENT, some)[1]
+
+
+def test_what_a_killed_process_left_goes_and_what_a_living_one_writes_stays(tmp_path):
+    place = tmp_path / CONTENT[:2]
+    place.mkdir()
+    dead, living = (place / f".{CONTENT}.npz.{process}.partial" for process in (2**30, os.getppid()))
+    for file in (dead, living):
+        file.write_bytes(b"half")
+    Store(tmp_path).kept(CONTENT, some)
+    assert not dead.exists() and living.read_bytes() == b"half"

@@ -44,9 +44,21 @@ def test_one_job_at_a_time(tmp_path, given):
     assert (tmp_path / "turns").read_text().split() == ["in", "out"] * 4
 
 
-def test_the_stages_that_start_a_simulator_ask_for_the_gpu_of_the_unity_build_only(tmp_path):
-    for backend, gpu in (("thor", "1"), ("embedded", "0")):
-        said = World(tmp_path).snakemake("--dry-run", overlay={"benchmark": {"backend": backend}})
-        asked = dict(re.findall(r"^rule (\w+):.*?^    resources: .*?(?:gpu=(\d))?$", said.stdout, re.MULTILINE | re.DOTALL))
-        assert {stage for stage, n in asked.items() if n == gpu} == {"scenes", "trials", "certified", "executions"}
-        assert asked.keys() >= {"candidates", "tables"} and not asked["candidates"] and not asked["tables"]
+SIMULATOR, NETWORK = {"scenes", "trials", "certified", "executions"}, {"detections", "nouns"}
+
+
+@pytest.mark.parametrize(
+    ("overlay", "hungry"),
+    [
+        ({}, set()),
+        ({"benchmark": {"backend": "thor"}}, SIMULATOR),
+        ({"perception": {"device": "cuda"}}, NETWORK),
+    ],
+    ids=["neither", "the Unity build", "networks on a GPU"],
+)
+def test_the_stages_that_need_a_gpu_ask_for_it(tmp_path, overlay, hungry):
+    said = World(tmp_path).snakemake("--dry-run", overlay=overlay)
+    asked = dict(re.findall(r"^rule (\w+):.*?^    resources: .*?(?:gpu=(\d))?$", said.stdout, re.MULTILINE | re.DOTALL))
+    assert {stage for stage, n in asked.items() if n == "1"} == hungry
+    assert {stage for stage, n in asked.items() if n} == SIMULATOR | NETWORK
+    assert asked.keys() >= {"candidates", "tables"}
