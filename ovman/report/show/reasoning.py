@@ -17,7 +17,7 @@ from ovman.agents.association import associate, cost_matrix, distances
 from ovman.agents.grounding import similarities
 from ovman.agents.prediction import Prediction
 from ovman.perception.clusters import Cluster
-from ovman.report.show.results import Results
+from ovman.report.show.results import MAKE, Results, ShowError
 from ovman.sim.recorded import world_state
 
 VISITS = ("first", "second")
@@ -91,9 +91,14 @@ def reasonings(results: Results, episode: Mapping[str, Any], settings: Any) -> l
 def of_maps(
     arm: str, maps: Sequence[Sequence[Cluster]], prediction: Prediction, noun: np.ndarray | None, settings: Any
 ) -> Reasoning:
-    """From an agent's maps of both visits and the evidence that its prediction records."""
+    """From an agent's maps of both visits and the evidence that its prediction records.
+
+    ShowError where the evidence names objects that the maps do not have.
+    """
     evidence = prediction.evidence
     chosen = [set(evidence.grounded_1 or ()), set(evidence.grounded_2)]
+    if any(i >= len(clusters) for indices, clusters in zip(chosen, maps, strict=True) for i in indices):
+        raise ShowError(f"{prediction.episode}: the prediction of {arm} was made from other maps than these; `{MAKE}` makes both")
     scores = [None if noun is None else similarities([c.feature for c in clusters], noun) for clusters in maps]
     nearest = _nearest([{i: maps[v][i].position for i in sorted(chosen[v])} for v in (0, 1)])
     items = tuple(

@@ -13,7 +13,7 @@ import pytest
 
 from ovman.agents.arms import Kind, of_kind
 from ovman.report.show.page import page
-from ovman.report.show.results import Results
+from ovman.report.show.results import Results, ShowError
 from ovman.task import Relation
 from tests.report.show.conftest import ROOT, SCENE
 from tests.report.show.html_reader import Page
@@ -124,7 +124,7 @@ def test_own_and_handed_evidence_agree_where_perception_is_right(pages, name):
 def test_equal_files_make_equal_pages(made, settings, pages):
     program = (
         "import sys; from pathlib import Path; from ovman import config; from ovman.report.show.page import page;"
-        "from ovman.report.show.results import Results;"
+        "from ovman.report.show.results import Results, ShowError;"
         "sys.stdout.reconfigure(encoding='utf-8', newline='\\n');"
         "sys.stdout.write(page(Results(Path(sys.argv[1])), sys.argv[2], config.load(sys.argv[3])))"
     )
@@ -173,3 +173,14 @@ def test_what_is_absent_is_named(tmp_path, made, settings, gone, words):
     read = Page(page(Results(root), IDS[0], settings))
     assert words is None or words in read.all("main")[0].text
     assert words is None or "make tables" in read.all("main")[0].text
+
+
+def test_evidence_of_other_maps_is_refused(tmp_path, made, settings):
+    root = tmp_path / "results"
+    shutil.copytree(made, root)
+    path = root / "predictions" / "two_visits.jsonl"
+    answered = [json.loads(text) for text in path.read_text().splitlines()]
+    answered[0]["evidence"]["grounded"]["second"].append(99)
+    path.write_text("".join(json.dumps(record) + "\n" for record in answered))
+    with pytest.raises(ShowError, match="two_visits was made from other maps"):
+        page(Results(root), answered[0]["episode"], settings)
