@@ -113,6 +113,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "candidates.delta_min_m",
         "candidates.spawn_clearance_m",
         "association.*",
+        "grounding.*",
+        "maps.*",
         "admissibility.*",
         "primitives.*",
         "mover.*",

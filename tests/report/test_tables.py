@@ -188,13 +188,14 @@ def test_constants_are_those_in_force(constants):
     assert list(before) == list(KEYS)
     assert before["success.radius_m"]["symbol"] == "R"
     for key in KEYS:
-        section, name = key.split(".")
-        value = getattr(getattr(constants, section), name)
+        *sections, name = key.split(".")
+        section = reduce(getattr, sections, constants)
+        value = getattr(section, name)
         changed = [*value, 75] if isinstance(value, list) else value + 3
-        setattr(getattr(constants, section), name, changed)
+        setattr(section, name, changed)
         after = {row["setting"]: row for row in csv.DictReader(io.StringIO(table_csv(constants_table(constants))))}
         assert {other for other in KEYS if after[other] != before[other]} == {key}
-        setattr(getattr(constants, section), name, value)
+        setattr(section, name, value)
 
 
 def test_values_of_the_paper(constants):
