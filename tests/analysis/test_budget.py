@@ -11,8 +11,8 @@ from ovman.analysis.rates import Interval, static_rates
 from ovman.analysis.significance import significance
 from tests.analysis.fabricated import static
 
-PROPERTY = settings(max_examples=30, derandomize=True, deadline=None)
-BOOLEANS = st.lists(st.tuples(*[st.booleans()] * len(RUNGS)), min_size=1, max_size=40)
+PROPERTY = settings(max_examples=12, derandomize=True, deadline=None)
+BOOLEANS = st.lists(st.tuples(*[st.booleans()] * len(RUNGS)), min_size=1, max_size=24)
 
 
 def steps_of(outcomes):

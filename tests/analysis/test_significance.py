@@ -13,8 +13,8 @@ from ovman.analysis.significance import Method, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 from tests.analysis.fabricated import embodied, static
 
-PROPERTY = settings(max_examples=30, derandomize=True, deadline=None)
-SUCCESSES = st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=40)
+PROPERTY = settings(max_examples=12, derandomize=True, deadline=None)
+SUCCESSES = st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=24)
 ONE, TWO, HANDED = "single_visit", "two_visits", "grounding_two_visits"
 
 
@@ -34,7 +34,7 @@ def test_wins_and_losses_are_the_discordant_episodes(successes):
 
 
 @PROPERTY
-@given(st.lists(st.tuples(st.booleans(), st.floats(0, 1)), min_size=1, max_size=40))
+@given(st.lists(st.tuples(st.booleans(), st.floats(0, 1)), min_size=1, max_size=24))
 def test_against_a_stochastic_pick_wins_are_expected_and_the_test_is_its_tail(episodes):
     outcomes = [static(TWO, i, ours) for i, (ours, _) in enumerate(episodes)]
     outcomes += [static(ONE, i, p, "expected") for i, (_, p) in enumerate(episodes)]
