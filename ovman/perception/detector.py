@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -38,9 +38,6 @@ class Detector:
     """
 
     def __init__(self, network: Any, side_px: int, confidence: float, device: str = "cpu") -> None:
-        os.environ.setdefault("YOLO_AUTOINSTALL", "false")
-        from ultralytics.models.yolo.segment import SegmentationPredictor
-
         network = network.to(device).float().eval()
         network.pt_path = None
         options = {
@@ -54,7 +51,7 @@ class Detector:
             "save": False,
             "mode": "predict",
         }
-        self._predict = SegmentationPredictor(overrides=options)
+        self._predict = _predictor(options)
         self._predict.setup_model(network, verbose=False)
 
     @property
@@ -77,7 +74,7 @@ class Detector:
 
 def empty_network(architecture: str, classes: int = 1) -> Any:
     """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for one that it has not."""
-    os.environ.setdefault("YOLO_AUTOINSTALL", "false")
+    _keep_to_itself()
     from ultralytics.nn.tasks import SegmentationModel
 
     try:
@@ -91,3 +88,31 @@ def network_of(weights: Path, architecture: str, trust_pickles: bool = False) ->
     tensors = state(weights, trust_pickles, KEY)
     scores = [value for name, value in tensors.items() if _SCORES.fullmatch(name)]
     return fitting(empty_network(architecture, len(scores[0]) if scores else 1), tensors, weights.name, KEY)
+
+
+def _predictor(options: Mapping[str, Any]) -> Any:
+    """ultralytics' predictor, which looks for the instances of one picture after the other.
+
+    Given several, its suppression of overlaps stops after two seconds of wall clock and leaves the rest of them without any.
+    """
+    _keep_to_itself()
+    from ultralytics.models.yolo.segment import SegmentationPredictor
+
+    class Unhurried(SegmentationPredictor):
+        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
+            boxes, prototypes = preds[0] if isinstance(preds[0], tuple) else preds[:2]
+            return [
+                result
+                for n in range(len(orig_imgs))
+                for result in super(Unhurried, self).postprocess(
+                    ((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1]
+                )
+            ]
+
+    return Unhurried(overrides=dict(options))
+
+
+def _keep_to_itself() -> None:
+    """Before ultralytics is imported: it installs nothing, and neither asks nor tells anybody anything on the network."""
+    for name, value in (("YOLO_AUTOINSTALL", "false"), ("YOLO_OFFLINE", "true")):
+        os.environ.setdefault(name, value)

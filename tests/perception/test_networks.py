@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -81,6 +82,17 @@ def test_a_small_detector_finds_masks_of_the_pictures_size_surest_first_and_the_
     assert all(
         np.array_equal(a.masks, b.masks) and np.array_equal(a.confidence, b.confidence) for a, b in zip(found, again, strict=True)
     )
+
+
+def test_a_busy_machine_finds_no_less(small, monkeypatch):
+    """Whatever the clock says in between."""
+    detect = networks.detector_of(small).detect
+    calm = detect(FRAMES)
+    hours = itertools.count(0, 3600)
+    monkeypatch.setattr("ultralytics.utils.nms.time", SimpleNamespace(time=lambda: next(hours)))
+    busy = detect(FRAMES)
+    assert next(hours) > 0 and all(len(one.masks) for one in calm)
+    assert all(np.array_equal(a.masks, b.masks) for a, b in zip(calm, busy, strict=True))
 
 
 def test_no_pictures_no_detections(small):
