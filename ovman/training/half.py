@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -22,17 +21,13 @@ class HalfNetwork(SegmentationModel):
 
 
 class HalfTrainer(SegmentationTrainer):
-    """Trains a HalfNetwork, from the weights `start` if they are given (tensors by name)."""
-
-    def __init__(self, overrides: dict[str, Any], start: Mapping[str, torch.Tensor] | None = None) -> None:
-        self._start = start
-        super().__init__(overrides=overrides)
+    """Trains a HalfNetwork."""
 
     def get_model(self, cfg: Any = None, weights: Any = None, verbose: bool = True) -> HalfNetwork:
         network = HalfNetwork(cfg, nc=self.data["nc"], ch=self.data["channels"], verbose=verbose)
         network.names = self.data["names"]
-        if self._start is not None:
-            network.load_state_dict({name: value.float() for name, value in self._start.items()})
+        if weights:
+            network.load(weights)
         return network
 
     def validate(self) -> tuple[dict[str, float], float]:

@@ -1,4 +1,4 @@
-"""Stage `detector`: trains the class-agnostic detector, from random weights or further from those that it is given."""
+"""Stage `detector`: trains the class-agnostic detector."""
 
 from pathlib import Path
 
@@ -6,7 +6,6 @@ from ovman.job import job
 from ovman.training import detector
 
 with job(snakemake) as work:
-    weights, curve = work.output("weights"), work.output("curve")
-    folder = Path("results", "training", snakemake.rule)
-    start = next(iter(work.inputs("start")), None)
-    detector.run(work.inputs("taught"), work.inputs("held_out"), work.constants, start, folder, weights, curve)
+    folder = Path("results", "training", "detector")
+    taught, held_out = work.inputs("taught"), work.inputs("held_out")
+    detector.run(taught, held_out, work.constants, folder, work.output("weights"), work.output("curve"))
