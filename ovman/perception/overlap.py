@@ -17,9 +17,7 @@ class Found:
     right: int = 0
 
     def __add__(self, other: Found) -> Found:
-        return Found(
-            self.true + other.true, self.recalled + other.recalled, self.found + other.found, self.right + other.right
-        )
+        return Found(self.true + other.true, self.recalled + other.recalled, self.found + other.found, self.right + other.right)
 
     @property
     def recall(self) -> float:
