@@ -20,7 +20,7 @@ from ovman.engine.client import log
 from ovman.engine.client.event import thrown
 from ovman.engine.client.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
 
-DEADLINE_S = 20.0
+DEADLINE_S = 60.0
 END = struct.pack("!BI", 255, 0)
 
 
