@@ -11,10 +11,11 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables quick models show release test soak bench lint lock setup clean
+.PHONY: help tables static quick models show release test soak bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
+	@echo "make static  the tables of the static gate alone, in results/static: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
@@ -27,6 +28,9 @@ help:
 
 tables: $(READY)
 	@$(SNAKEMAKE) -- results/tables
+
+static: $(READY)
+	@$(SNAKEMAKE) -- results/static
 
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
