@@ -20,7 +20,7 @@ from ovman.engine.client import log
 from ovman.engine.client.event import thrown
 from ovman.engine.client.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
 
-DEADLINE_S = 60.0
+DEADLINE_S = 20.0
 END = struct.pack("!BI", 255, 0)
 
 
@@ -29,7 +29,14 @@ class Client:
 
     def __init__(self, environment, log=subprocess.DEVNULL, directory=None):
         self.process = subprocess.Popen(
-            shlex.split(executable()), env=environment, stdout=log, stderr=log, stdin=subprocess.DEVNULL, cwd=directory
+            shlex.split(executable()),
+            env=environment,
+            stdout=log,
+            stderr=log,
+            stdin=subprocess.DEVNULL,
+            cwd=directory,
+            # Under nohup the tests, and with them the engine, would be deaf to it.
+            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
         )
         self.reader = open(environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0)  # noqa: SIM115
         self.receive()
