@@ -7,9 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.perception.overlap import intersection_over_union
+from ovman.perception.overlap import LEAST_IOU, intersection_over_union
 
-LEAST_IOU = 0.5
 TRUE, DETECTED = "true", "detected"
 """Where a mask comes from."""
 

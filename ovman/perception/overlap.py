@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+LEAST_IOU = 0.5
+"""A mask shows the instance that it overlaps by at least this."""
+
 
 @dataclass(frozen=True, slots=True)
 class Found:
@@ -40,7 +43,7 @@ def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> t
     return inter / np.maximum(masks.sum(axis=(1, 2))[:, None] + sizes[None] - inter, 1), sizes
 
 
-def found(iou: np.ndarray, sizes: np.ndarray, least_px: int, least_iou: float = 0.5) -> Found:
+def found(iou: np.ndarray, sizes: np.ndarray, least_px: int, least_iou: float = LEAST_IOU) -> Found:
     """What IoU (N, K) says: true instances are those of at least `least_px` pixels; a mask on a smaller one is right too."""
     true = sizes >= least_px
     recalled = iou.max(axis=0, initial=0.0) >= least_iou

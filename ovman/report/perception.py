@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SCENE, SIZE
-from ovman.analysis.segmentation import LEAST_IOU
+from ovman.perception.overlap import LEAST_IOU
 from ovman.report.table import CSV_AND_MARKDOWN, Column, Row, Table
 
 Record = Mapping[str, str]

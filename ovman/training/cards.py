@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE
-from ovman.analysis.segmentation import LEAST_IOU
 from ovman.config import load
+from ovman.perception.overlap import LEAST_IOU
 from ovman.report.markdown import EMPTY, pipe_table
 from ovman.report.perception import SYNONYMS_BELOW, Record, bars, by_category
 from ovman.sections import Config

@@ -12,15 +12,13 @@ import numpy as np
 
 from ovman.perception.crop import crop
 from ovman.perception.detector import Detector, network_of
-from ovman.perception.overlap import intersection_over_union
+from ovman.perception.overlap import LEAST_IOU
 from ovman.training.pictures import Picture
 from ovman.training.recorded import read, recorded
+from ovman.training.seen import seen
 
 LEAST_PX = 150
 """Smallest true mask that is learned from; the agent encodes larger ones alone."""
-LEAST_IOU = 0.5
-"""A detected mask shows the instance that it overlaps by at least this."""
-CHUNK = 16
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,15 +90,10 @@ def _true(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:
 
 
 def _detected(folder: Path, detector: Any, least_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
-    chosen = recorded([folder], every)
-    for start in range(0, len(chosen), CHUNK):
-        pictures = list(read(chosen[start : start + CHUNK]))
-        for picture, seen in zip(pictures, detector.detect([p.rgb for p in pictures]), strict=True):
-            masks = seen.masks[seen.masks.sum(axis=(1, 2)) >= least_px]
-            overlaps, _ = intersection_over_union(masks, picture.ids, len(picture.objects))
-            for mask, row in zip(masks, overlaps, strict=True):
-                if row.max(initial=0.0) >= LEAST_IOU:
-                    yield picture, mask, int(row.argmax())
+    for picture, masks, overlaps, _ in seen(detector, recorded([folder], every), least_px):
+        for mask, row in zip(masks, overlaps, strict=True):
+            if row.max(initial=0.0) >= LEAST_IOU:
+                yield picture, mask, int(row.argmax())
 
 
 def _crops(scene: str, shown: Iterator[tuple[Picture, np.ndarray, int]], padding: float, side_px: int) -> Crops:

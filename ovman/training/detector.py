@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ovman.perception.detector import Detector
-from ovman.perception.overlap import Found, found, intersection_over_union
-from ovman.training.recorded import read, recorded
+from ovman.perception.overlap import Found, found
+from ovman.training.recorded import recorded
+from ovman.training.seen import seen
 
-CHUNK = 16
-"""Pictures that are shown to the detector at a time."""
 WARM_UP_EPOCHS = 0.25
 FINAL_RATE = 0.01
 """Learning rate at the end as a share of the peak."""
@@ -36,14 +35,9 @@ AUGMENTATION = {
 
 def judged(detector: Detector, folders: Sequence[Path], least_px: int, every: int = 1) -> Found:
     """Recall and precision of a detector on recorded pictures: masks of at least `least_px`, IoU at least 0.5."""
-    chosen = recorded(folders, every)
     total = Found()
-    for start in range(0, len(chosen), CHUNK):
-        pictures = list(read(chosen[start : start + CHUNK]))
-        for picture, seen in zip(pictures, detector.detect([p.rgb for p in pictures]), strict=True):
-            large = seen.masks[seen.masks.sum(axis=(1, 2)) >= least_px]
-            iou, sizes = intersection_over_union(large, picture.ids, len(picture.objects))
-            total += found(iou, sizes, least_px)
+    for _, _, iou, sizes in seen(detector, recorded(folders, every), least_px):
+        total += found(iou, sizes, least_px)
     return total
 
 

@@ -17,8 +17,10 @@ from typing import Any
 import numpy as np
 import torch
 import torch.nn.functional as F
+from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
 
 from ovman.language.vocabulary import SYNONYMS, nouns
+from ovman.perception.encoder import Architecture, empty_network
 from ovman.training.augmentation import augmented
 from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
 from ovman.training.crops import Crops
@@ -39,8 +41,8 @@ REVERSE, ATTRIBUTE, ATTRIBUTED = 0.3, 0.3, 96
 SMALL_PX, SMALL_SHARE = 600, 0.3
 """Crops of masks below SMALL_PX are drawn less often, down to this share."""
 CHUNK = 512
-MEAN, DEVIATION = (0.48145466, 0.4578275, 0.40821073), (0.26862954, 0.26130258, 0.27577711)
-"""Of the pictures that CLIP was trained on, which open_clip's towers expect (open_clip.constants)."""
+TOWERS = Architecture("encoder.json", MODEL, OPENAI_DATASET_MEAN, OPENAI_DATASET_STD)
+"""As `ovman.perception.encoder` has them once they are in a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,14 +78,12 @@ class Lessons:
 
 def build() -> Any:
     """The towers with random weights."""
-    from open_clip.model import CLIP
-
-    return CLIP(MODEL["embed_dim"], dict(MODEL["vision_cfg"]), dict(MODEL["text_cfg"]))
+    return empty_network(TOWERS)
 
 
 def prepared(images: torch.Tensor) -> torch.Tensor:
     """Images (B, 3, S, S) in 0 to 1 as the image tower wants them."""
-    mean, deviation = (torch.tensor(v, device=images.device).view(1, 3, 1, 1) for v in (MEAN, DEVIATION))
+    mean, deviation = (torch.tensor(v, device=images.device).view(1, 3, 1, 1) for v in (TOWERS.mean, TOWERS.deviation))
     return ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
 
 

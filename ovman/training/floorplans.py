@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-EVERY = tuple(f"FloorPlan{first + n}" for first in (0, 200, 300, 400) for n in range(1, 31))
+from ovman.sections import FLOOR_PLANS
+
 HELD_OUT_EVERY = 9
 """One in so many of the floor plans is kept for the curves; kitchens, living rooms, bedrooms and bathrooms alike."""
 
@@ -18,7 +19,7 @@ class FloorPlans:
     held_out: tuple[str, ...]
 
 
-def floor_plans(benchmark: Collection[str], every: Sequence[str] = EVERY) -> FloorPlans:
+def floor_plans(benchmark: Collection[str], every: Sequence[str] = FLOOR_PLANS) -> FloorPlans:
     """The iTHOR floor plans without those of `benchmark`, divided. Raises ValueError if the benchmark leaves none."""
     rest = [scene for scene in every if scene not in benchmark]
     held_out = tuple(rest[4::HELD_OUT_EVERY])
