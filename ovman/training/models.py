@@ -18,15 +18,16 @@ LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
 
 
 def run(files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: Any, output: Path) -> None:
-    """Writes the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the three curves and
+    """Writes the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the four curves and
     training.json, which says what they were made from.
 
-    files: "detector", "encoder" (weights), "detector_curve", "encoder_true_curve", "encoder_curve".
+    files: "detector", "encoder" (weights), "detector_first_curve", "detector_curve",
+    "encoder_true_curve", "encoder_curve".
     """
     output.mkdir(parents=True, exist_ok=True)
     for name in ("detector", "encoder"):
         shutil.copyfile(files[name], output / f"{name}.safetensors")
-    for name in ("detector_curve", "encoder_true_curve", "encoder_curve"):
+    for name in ("detector_first_curve", "detector_curve", "encoder_true_curve", "encoder_curve"):
         shutil.copyfile(files[name], output / f"{name}.jsonl")
     (output / "encoder.json").write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
     plans = floor_plans(constants.benchmark.scenes)

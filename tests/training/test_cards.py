@@ -36,7 +36,8 @@ def models(tmp_path):
     save_file({"b.weight": np.zeros((1000, 7), np.float16)}, folder / "encoder.safetensors")
     towers = {"vision_cfg": {"image_size": 64, "layers": [2, 2], "width": 24}, "text_cfg": {"width": 64, "layers": 3}}
     (folder / "encoder.json").write_text(json.dumps({"embed_dim": 128} | towers))
-    (folder / "detector_curve.jsonl").write_text(looks(*range(500, 15001, 500)))
+    (folder / "detector_first_curve.jsonl").write_text(looks(*range(500, 15001, 500)))
+    (folder / "detector_curve.jsonl").write_text(looks(500, 700))
     rates = {"top1": 0.512, "top5": 0.8, "synonyms_top1": 0.4}
     (folder / "encoder_true_curve.jsonl").write_text(looks(500, 1000, true=rates))
     (folder / "encoder_curve.jsonl").write_text(looks(300, true=rates, detected=rates | {"top1": 0.431}))
@@ -69,7 +70,7 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
     texts = {name: " ".join(text.split()) for name, text in cards.cards(models, perception, CONFIG).items()}
     assert set(texts) == {"README.md", "detector.md", "encoder.md"}
     detector, encoder, readme = (texts[name] for name in ("detector.md", "encoder.md", "README.md"))
-    assert "12 parameters (F16)" in detector and "15000 steps" in detector and "21,360 pictures of 2" in detector
+    assert "12 parameters (F16)" in detector and "15000 and 700 steps" in detector and "21,360 pictures of 2" in detector
     assert "| recall | 0.765 | ≥ 0.750 | met" in detector and "12 of the detected masks" in detector
     assert "masks of below 600 px: recall 0.400" in detector
     assert "7,000 parameters" in encoder and "123,456 crops around true masks and 2,345 crops" in encoder
@@ -90,7 +91,7 @@ def test_other_files_other_cards(models, perception):
 
 
 def test_a_long_curve_is_shown_from_end_to_end(models):
-    points = cards.curve([models / "detector_curve.jsonl"])
+    points = cards.curve([models / "detector_first_curve.jsonl"])
     lines = cards.curve_table(points, cards.SHOWN["detector"]).splitlines()
     assert len(lines) == 2 + cards.LINES
     steps = [int(line.split("|")[1]) for line in lines[2:]]

@@ -34,10 +34,29 @@ rule crops:
         "../scripts/crops.py"
 
 
+rule detector_first:
+    input:
+        taught=expand("results/training/pictures/{scene}", scene=PLANS.taught),
+        held_out=expand("results/training/pictures/{scene}", scene=PLANS.held_out),
+    output:
+        weights="results/training/detector_first.safetensors",
+        curve="results/training/detector_first.jsonl",
+    log:
+        "logs/detector_first.log",
+    benchmark:
+        "benchmarks/detector_first.tsv"
+    params:
+        constants=stage("detector"),
+    script:
+        "../scripts/detector.py"
+
+
+# Further, without mosaics, while the encoder learns from what the first detector finds.
 rule detector:
     input:
         taught=expand("results/training/pictures/{scene}", scene=PLANS.taught),
         held_out=expand("results/training/pictures/{scene}", scene=PLANS.held_out),
+        start="results/training/detector_first.safetensors",
     output:
         weights="results/training/detector.safetensors",
         curve="results/training/detector.jsonl",
@@ -54,7 +73,7 @@ rule detector:
 rule detected:
     input:
         pictures=expand("results/training/pictures/{scene}", scene=(*PLANS.taught, *PLANS.held_out)),
-        weights="results/training/detector.safetensors",
+        weights="results/training/detector_first.safetensors",
     output:
         crops=expand("results/training/crops/detected/{scene}.npz", scene=(*PLANS.taught, *PLANS.held_out)),
     log:
@@ -108,6 +127,7 @@ rule models:
         pictures=expand("results/training/pictures/{scene}", scene=(*PLANS.taught, *PLANS.held_out)),
         crops=expand("results/training/crops/{masks}/{scene}.npz", masks=("true", "detected"), scene=PLANS.taught),
         detector="results/training/detector.safetensors",
+        detector_first_curve="results/training/detector_first.jsonl",
         detector_curve="results/training/detector.jsonl",
         encoder="results/training/encoder.safetensors",
         encoder_true_curve="results/training/encoder_true.jsonl",

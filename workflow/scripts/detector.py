@@ -1,4 +1,4 @@
-"""Stage `detector`: trains the class-agnostic detector."""
+"""Stage `detector`: trains the class-agnostic detector, from random weights or further from those that it is given."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ from ovman.job import job
 from ovman.training import detector
 
 with job(snakemake) as work:
-    folder = Path("results", "training", "detector")
-    taught, held_out = work.inputs("taught"), work.inputs("held_out")
-    detector.run(taught, held_out, work.constants, folder, work.output("weights"), work.output("curve"))
+    weights, curve = work.output("weights"), work.output("curve")
+    folder = Path("results", "training", snakemake.rule)
+    start = next(iter(work.inputs("start")), None)
+    detector.run(work.inputs("taught"), work.inputs("held_out"), work.constants, start, folder, weights, curve)

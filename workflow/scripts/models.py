@@ -4,6 +4,6 @@ from ovman.job import job
 from ovman.training import models
 
 with job(snakemake) as work:
-    names = ("detector", "detector_curve", "encoder", "encoder_true_curve", "encoder_curve")
+    names = ("detector", "detector_first_curve", "detector_curve", "encoder", "encoder_true_curve", "encoder_curve")
     files = {name: work.input(name) for name in names}
     models.run(files, work.inputs("pictures"), work.inputs("crops"), work.constants, work.output("models"))
