@@ -1,4 +1,4 @@
-"""ultralytics' trainer with its network in bfloat16 on a CPU too; half the time where the CPU computes in it, and a tenth less with its channels last."""
+"""ultralytics' trainer with its network in bfloat16 on a CPU too, channels last; half the time where the CPU computes in it."""
 
 from __future__ import annotations
 
