@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 SCENE = "FloorPlan201"
-SIDE_PX, FIELD_OF_VIEW_DEG, STEP_M, TURN_DEG = 300, 90.0, 0.25, 90.0
 REPEATS = 8
 """Frames of which the quickest counts."""
 
@@ -21,9 +20,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Prints as JSON what a frame of a backend ("embedded", "thor") took: start_s, frame_ms, resident_mb, size_px, objects."""
     (backend,) = sys.argv[1:] if arguments is None else arguments
     from ovman.sim import controller
+    from ovman.sim.embodiment import Embodiment
 
     began = time.perf_counter()
-    simulator = controller.start(backend, SCENE, SIDE_PX, SIDE_PX, FIELD_OF_VIEW_DEG, STEP_M, TURN_DEG)
+    simulator = controller.start(backend, SCENE, Embodiment(300, 300, 90.0, 0.25, 30.0))
     start_s = time.perf_counter() - began
     try:
         simulator.step("RotateRight")

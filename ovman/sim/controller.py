@@ -8,6 +8,8 @@ import threading
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from ovman.sim.embodiment import Embodiment
+
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
@@ -20,30 +22,15 @@ NONSENSE = bytes(5)
 """A frame of a type that there is not."""
 
 
-def start(
-    backend: str, scene: str, width_px: int, height_px: int, field_of_view_deg: float, step_m: float, turn_deg: float
-) -> Controller:
+def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
     """A running ai2thor Controller on `scene`.
 
-    `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Frames are
-    `width_px` x `height_px` with a vertical field of view in degrees; MoveAhead goes `step_m` metres, RotateLeft turns
-    `turn_deg`. Raises ValueError for another backend.
+    `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). ValueError for
+    another backend.
     """
     from ai2thor.controller import Controller
 
-    shared: dict[str, Any] = {
-        "scene": scene,
-        "width": width_px,
-        "height": height_px,
-        "fieldOfView": field_of_view_deg,
-        "gridSize": step_m,
-        "snapToGrid": False,
-        "rotateStepDegrees": turn_deg,
-        "renderDepthImage": True,
-        "renderInstanceSegmentation": True,
-        # Of the initialisation alone: a world that was just reset is looked at when it is as it should be.
-        "renderImage": False,
-    }
+    shared = {"scene": scene, "width": embodiment.width_px, "height": embodiment.height_px, **embodiment.initialization()}
     if backend == "embedded":
         from ovman.engine import executable
 

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
 
 DEATHS = 3
 """Simulators that may die over one piece of work: what kills one after the other is no accident."""
@@ -46,12 +47,13 @@ class Session:
     """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
 
     A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
-    and primitives.turn_deg. Every step that fails raises SimulatorError unless it is said to be allowed, and
-    SimulatorDied if there is no simulator any more; see `surviving`.
+    and primitives.turn_deg. `embodiment` is the agent's body where it is another than the benchmark's own. Every step that fails
+    raises SimulatorError unless it is said to be allowed, and SimulatorDied if there is no simulator any more; see `surviving`.
     """
 
-    def __init__(self, scene: str, constants: Any) -> None:
+    def __init__(self, scene: str, constants: Any, embodiment: Embodiment | None = None) -> None:
         self.scene = scene
+        self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment
         self._constants = constants
         self._controller: Any = None
         self._event: Any = None
@@ -100,16 +102,7 @@ class Session:
         """The untouched scene; starts the simulator the first time."""
         with self._watched("Reset"):
             if self._controller is None:
-                c = self._constants
-                self._controller = controller.start(
-                    c.benchmark.backend,
-                    self.scene,
-                    c.camera.width_px,
-                    c.camera.height_px,
-                    c.camera.field_of_view_deg,
-                    c.primitives.step_m,
-                    c.primitives.turn_deg,
-                )
+                self._controller = controller.start(self._constants.benchmark.backend, self.scene, self.embodiment)
                 self._event = self._controller.last_event
             else:
                 self._event = self._controller.reset(self.scene)
@@ -154,6 +147,8 @@ class Session:
 
     def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> Any:
         """Put the agent at `pose`; returns the event, which is false if something is in the way (only with `allowed`)."""
+        # A body that neither stands nor crouches says so in its metadata, and is not to be told.
+        stands = self._event.metadata["agent"]["isStanding"] is not None
         return self.step(
             "TeleportFull",
             image=image,
@@ -161,7 +156,7 @@ class Session:
             position={"x": pose.x, "y": self._height_m, "z": pose.z},
             rotation={"x": 0.0, "y": pose.yaw_deg, "z": 0.0},
             horizon=pose.horizon_deg,
-            standing=True,
+            **({"standing": True} if stands else {}),
         )
 
     def reachable(self) -> list[tuple[float, float]]:

@@ -17,6 +17,7 @@ import numpy as np
 
 from ovman.seeds import generator
 from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import Picture, pictures
@@ -24,18 +25,10 @@ from ovman.training.pictures import Picture, pictures
 
 def run(scene: str, constants: Any, output: Path) -> None:
     """Records the pictures of a scene into the directory `output`: training.views of them, or training.held_out_views."""
-    camera, training = constants.camera, constants.training
+    training = constants.training
     taught = scene in floor_plans(constants.benchmark.scenes).taught
     views = training.views if taught else training.held_out_views
-    simulator = controller.start(
-        constants.benchmark.backend,
-        scene,
-        camera.width_px,
-        camera.height_px,
-        camera.field_of_view_deg,
-        constants.primitives.step_m,
-        constants.primitives.turn_deg,
-    )
+    simulator = controller.start(constants.benchmark.backend, scene, Embodiment.of(constants))
     try:
         rng = generator(training.seed, "pictures", scene)
         count = write(output, pictures(simulator, scene, views, rng))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
 from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
 
 SIDE_PX, FIELD_OF_VIEW_DEG = 200, 90.0
 SLACK_M = 0.02
@@ -67,7 +68,7 @@ def test_nothing_has_no_place(place):
 
 @pytest.fixture(scope="module")
 def simulator() -> Iterator[Any]:
-    started = controller.start("embedded", "FloorPlan203", SIDE_PX, SIDE_PX, FIELD_OF_VIEW_DEG, 0.25, 90.0)
+    started = controller.start("embedded", "FloorPlan203", Embodiment(SIDE_PX, SIDE_PX, FIELD_OF_VIEW_DEG, 0.25, 90.0))
     yield started
     started.stop()
 

@@ -16,6 +16,7 @@ from ovman.constants import StageConstants
 from ovman.generation import candidates, scenes, trials
 from ovman.journal import Journal
 from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
 
 ROOT = Path(__file__).parents[2]
@@ -112,9 +113,8 @@ def test_one_death_after_the_other_is_no_accident(session):
 def test_death_while_it_is_started(monkeypatch, delay_s):
     """Before it has opened its pipes, the client would open them for ever."""
     monkeypatch.setattr("ovman.engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
-    c = constants("trials")
     with pytest.raises(ConnectionError):
-        controller.start("embedded", SCENE, 300, 300, 90.0, c.primitives.step_m, c.primitives.turn_deg)
+        controller.start("embedded", SCENE, Embodiment.of(constants("trials")))
 
 
 def _trials(directory, scene, drawn):

@@ -5,6 +5,7 @@ import pytest
 
 from ovman.seeds import generator
 from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
 from ovman.training.crops import Crops, true_crops
 from ovman.training.pictures import VIEWS_A_DRAW, pictures
 from ovman.training.record import write
@@ -15,7 +16,7 @@ COUNT = VIEWS_A_DRAW + 2
 
 @pytest.fixture(scope="module")
 def simulator():
-    started = controller.start("embedded", "FloorPlan202", 120, 120, 90.0, 0.25, 30.0)
+    started = controller.start("embedded", "FloorPlan202", Embodiment(120, 120, 90.0, 0.25, 30.0))
     yield started
     started.stop()
 

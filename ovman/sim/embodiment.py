@@ -1,0 +1,48 @@
+"""What an agent is in the simulator: AI2-THOR's kind of body, its camera, its step and its turn."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Embodiment:
+    """A body with a camera.
+
+    Frames are `width_px` x `height_px` with a vertical field of view in degrees; MoveAhead goes `step_m` metres, RotateLeft turns
+    `turn_deg`. `mode` is AI2-THOR's agentMode: "default", or "locobot", whose moves and turns are inexact where it is `noisy`.
+    `instances`: whether images come with instance segmentation; RGB and depth always do.
+    """
+
+    width_px: int
+    height_px: int
+    field_of_view_deg: float
+    step_m: float
+    turn_deg: float
+    mode: str = "default"
+    noisy: bool = False
+    instances: bool = True
+
+    @staticmethod
+    def of(constants: Any) -> Embodiment:
+        """The benchmark's own, from a stage's view that owns camera.*, primitives.step_m and primitives.turn_deg."""
+        camera, primitives = constants.camera, constants.primitives
+        return Embodiment(camera.width_px, camera.height_px, camera.field_of_view_deg, primitives.step_m, primitives.turn_deg)
+
+    def initialization(self) -> dict[str, Any]:
+        """Parameters of the Controller that AI2-THOR keeps until they are given anew: a reset brings them back by itself."""
+        given: dict[str, Any] = {
+            "fieldOfView": self.field_of_view_deg,
+            "gridSize": self.step_m,
+            # Turns other than quarters are refused on a grid.
+            "snapToGrid": False,
+            "rotateStepDegrees": self.turn_deg,
+            "renderDepthImage": True,
+            "renderInstanceSegmentation": self.instances,
+            # Of the initialisation alone: a world that was just reset is looked at when it is as it should be.
+            "renderImage": False,
+        }
+        if self.mode != "default":
+            given |= {"agentMode": self.mode, "applyActionNoise": self.noisy}
+        return given
