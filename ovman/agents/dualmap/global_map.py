@@ -1,0 +1,123 @@
+"""DualMap's global (abstract) map: anchors, i.e. furniture that seldom moves, with what was seen on it.
+
+Source: DualMap's abstract map. No anchor is ever deleted: furniture at a new place is a new anchor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ovman.agents.dualmap.cloud import FLOOR, Cloud, area, footprint, shared_area, thinned
+from ovman.agents.dualmap.constants import GlobalConstants
+from ovman.agents.dualmap.local_map import Departure
+from ovman.agents.dualmap.map_object import MapObject
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Related:
+    """What was seen on an anchor: position (2,) x and z of its box's centre, metres; feature (K,) of unit length."""
+
+    position: np.ndarray
+    feature: np.ndarray
+    class_id: int
+    observations: int
+    first_seen: int
+    last_seen: int
+
+    @staticmethod
+    def of(thing: MapObject) -> Related:
+        """What the global map keeps of an object that stands on furniture."""
+        return Related(
+            thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen
+        )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Anchor:
+    """uid: the name of the object that it was first; flat (N, 2): its points on the floor plane, one a voxel, metres."""
+
+    uid: int
+    flat: np.ndarray
+    feature: np.ndarray
+    class_id: int
+    observations: int
+    first_seen: int
+    last_seen: int
+    related: tuple[Related, ...]
+
+    @staticmethod
+    def of(departure: Departure, voxel_m: float) -> Anchor:
+        """The anchor that furniture becomes when it leaves a local map."""
+        thing = departure.object
+        return Anchor(
+            thing.uid,
+            _flat(thing.points[:, FLOOR], voxel_m),
+            thing.feature,
+            thing.class_id,
+            len(thing.seen),
+            thing.first_seen,
+            thing.last_seen,
+            tuple(Related.of(up) for up in departure.related),
+        )
+
+    @property
+    def footprint(self) -> np.ndarray:
+        """(4,): least x, z and greatest x, z, metres."""
+        return np.concatenate([self.flat.min(axis=0), self.flat.max(axis=0)])
+
+    @property
+    def position(self) -> np.ndarray:
+        """(2,) x and z of the footprint's centre, metres."""
+        return (self.flat.min(axis=0) + self.flat.max(axis=0)) / 2
+
+
+class GlobalMap:
+    """Anchors in the order that they came in, after those of an earlier visit if there are any."""
+
+    def __init__(self, voxel_m: float, constants: GlobalConstants, preloaded: Iterable[Anchor] = ()) -> None:
+        self.anchors: list[Anchor] = list(preloaded)
+        self._voxel_m, self._constants = voxel_m, constants
+
+    def take(self, departures: Iterable[Departure]) -> None:
+        """Take in what has left a local map, one after the other."""
+        for departure in departures:
+            self.merge(Anchor.of(departure, self._voxel_m))
+
+    def merge(self, new: Anchor) -> None:
+        """Merge with the anchor whose footprint it shares the greatest fraction of, if that is above `overlap`; else add it."""
+        if self.anchors:
+            prints = np.stack([anchor.footprint for anchor in self.anchors])
+            shared = overlap(new.footprint, prints)
+            nearest = int(shared.argmax())
+            if shared[nearest] > self._constants.overlap:
+                self.anchors[nearest] = merged(self.anchors[nearest], new, self._voxel_m)
+                return
+        self.anchors.append(new)
+
+
+def overlap(rectangle: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
+    """(N,) area that a rectangle (4,) shares with each of rectangles (N, 4), over the smaller of the two areas."""
+    smaller = np.minimum(area(rectangle), area(rectangles))
+    return np.divide(shared_area(rectangle, rectangles), smaller, out=np.zeros(len(rectangles)), where=smaller > 0)
+
+
+def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:
+    """The old anchor with both clouds and all that was seen on them; it looks like the one of more points on the floor plane."""
+    looks = new if len(new.flat) > len(old.flat) else old
+    return replace(
+        old,
+        flat=_flat(np.concatenate([old.flat, new.flat]), voxel_m),
+        feature=looks.feature,
+        class_id=looks.class_id,
+        observations=old.observations + new.observations,
+        last_seen=new.last_seen,
+        related=old.related + new.related,
+    )
+
+
+def _flat(points: np.ndarray, voxel_m: float) -> np.ndarray:
+    """Points (N, 2) of the floor plane, one a voxel."""
+    return thinned(Cloud(np.insert(points, 1, 0.0, axis=1)).points, voxel_m)[:, FLOOR]

@@ -1,0 +1,170 @@
+"""DualMap's local (concrete) map: observations of keyframes are matched to objects, which settle or go.
+
+Source: DualMap's concrete map. Nothing that has settled is ever deleted or moved: an object at a new place is a new entry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ovman.agents.dualmap.cloud import box_iou
+from ovman.agents.dualmap.constants import GlobalConstants, LocalConstants
+from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, is_stable
+from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
+from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.relation import lies_on
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Departure:
+    """Furniture that leaves the local map for the global one, with what stands on it."""
+
+    object: MapObject
+    related: tuple[MapObject, ...]
+
+
+class LocalMap:
+    """The map of one run. Its keyframes are numbered from 0.
+
+    run: which of the observations' clouds are its own; kinds: how many classes there are; draws: the names of its objects;
+    handing_on: None where objects that have settled stay (local mapping only), else what is "on" what, and settled objects leave.
+    """
+
+    def __init__(
+        self,
+        run: int,
+        kinds: int,
+        constants: LocalConstants,
+        draws: np.random.Generator,
+        handing_on: GlobalConstants | None = None,
+        unknown: int | None = None,
+    ) -> None:
+        self.objects: list[MapObject] = []
+        self.departures: list[Departure] = []
+        self.frame = -1
+        self._run, self._kinds, self._constants, self._draws = run, kinds, constants, draws
+        self._handing_on, self._unknown = handing_on, unknown
+
+    def copy(self, draws: np.random.Generator) -> LocalMap:
+        """A map of its own that goes on from here, its new objects named by `draws`."""
+        other = LocalMap(self._run, self._kinds, self._constants, draws, self._handing_on, self._unknown)
+        other.objects = [thing.copy() for thing in self.objects]
+        other.departures = list(self.departures)
+        other.frame = self.frame
+        return other
+
+    def observe(self, observations: Sequence[Observation]) -> None:
+        """One keyframe. All observations are matched to the map as it was before; several may be of one object."""
+        self.frame += 1
+        seen = [Seen.of(observation, self._run, self.frame) for observation in observations]
+        touched = set()
+        before = len(self.objects)
+        for one, match in zip(seen, matches(seen, self.objects, self._constants), strict=True):
+            if match is None:
+                self.objects.append(MapObject(self._uid(), [one], [one.cloud], one.feature.copy(), one.cloud.box))
+            else:
+                self.objects[match].add(one, self._constants)
+                touched.add(match)
+        for index in sorted(touched):
+            self._split(index)
+        self._advance(before)
+
+    def flush(self) -> None:
+        """Empty keyframes until nothing is undecided: what is unstable goes."""
+        for _ in range(self._constants.life.flush):
+            self.observe(())
+
+    def _uid(self) -> int:
+        return int(self._draws.integers(2**63))
+
+    def _split(self, index: int) -> None:
+        whole = self.objects[index]
+        if len(whole.seen) < 2 or whole.seen[-2].frame != self.frame:
+            return
+        pair = together(whole.seen, self.frame - self._constants.split_window + 1)
+        if pair is not None and pair[2] > self._constants.split_frames:
+            self.objects[index], other = parted(whole, pair[0], pair[1], self._uid(), self._constants)
+            self.objects.append(other)
+
+    def _advance(self, before: int) -> None:
+        life = self._constants.life
+        for thing in self.objects[:before]:
+            missed = self.frame - thing.last_seen
+            if missed <= life.window:
+                thing.stage = _FRESH
+            elif thing.stage.phase is not Phase.SETTLED:
+                entering = thing.stage.phase is Phase.UPDATING
+                thing.stage = advanced(thing.stage, missed, entering and self.stable(thing), life)
+        self.objects = [thing for thing in self.objects if thing.stage.phase is not Phase.GONE]
+        if self._handing_on is not None and any(thing.stage.phase is Phase.SETTLED for thing in self.objects):
+            self._hand_on(self._handing_on)
+
+    def stable(self, thing: MapObject) -> bool:
+        """Whether an object may stay."""
+        classes, confidences = [s.class_id for s in thing.seen], [s.confidence for s in thing.seen]
+        return is_stable(classes, confidences, self._kinds, self._constants.life)
+
+    def _hand_on(self, constants: GlobalConstants) -> None:
+        """Settled furniture departs with what is on it; what else has settled and is on nothing is dropped."""
+        on = {
+            thing.uid: [low for low in self.objects if low is not thing and lies_on(thing, low, constants)] for thing in self.objects
+        }
+        leaving: set[int] = set()
+        for thing in self.objects:
+            if thing.stage.phase is not Phase.SETTLED:
+                continue
+            if not thing.low_mobility:
+                if not on[thing.uid]:
+                    leaving.add(thing.uid)
+                continue
+            leaving.add(thing.uid)
+            if thing.class_id != self._unknown:
+                related = [
+                    up
+                    for up in self.objects
+                    if not up.low_mobility and up.uid not in leaving and any(low is thing for low in on[up.uid])
+                ]
+                self.departures.append(Departure(thing, tuple(related)))
+                leaving.update(up.uid for up in related)
+        self.objects = [thing for thing in self.objects if thing.uid not in leaving]
+
+
+_FRESH = Stage()
+
+
+def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: LocalConstants) -> list[int | None]:
+    """For each observation the index of the object that it is one of, None for something new.
+
+    The similarity is spatial, the fraction of the observation's points near the object's cloud (0 where their boxes hardly
+    overlap), plus visual, the cosine of their features. An observation is one of the most similar object if that is above
+    `match`; of equally similar ones the first. As `match` is at least 1, features alone match nothing.
+    """
+    if not seen or not objects:
+        return [None] * len(seen)
+    overlapping = box_iou(np.stack([one.cloud.box for one in seen]), np.stack([thing.box for thing in objects]))
+    return [
+        _match(one, [(j, objects[j]) for j in np.flatnonzero(row >= constants.least_iou).tolist()], constants)
+        for one, row in zip(seen, overlapping, strict=True)
+    ]
+
+
+def _match(one: Seen, objects: Sequence[tuple[int, MapObject]], constants: LocalConstants) -> int | None:
+    possible = []
+    for j, thing in objects:
+        visual = float(one.feature @ thing.feature)
+        # No more points can be near an object's cloud than lie in its box.
+        if visual + 1.0 > constants.match:
+            low, high = thing.box[:3] - constants.near_m, thing.box[3:] + constants.near_m
+            inside = np.count_nonzero(((one.cloud.points >= low) & (one.cloud.points <= high)).all(axis=1))
+            possible.append((visual + inside / len(one.cloud), j, visual, thing))
+    best, most = None, constants.match
+    for greatest, j, visual, thing in sorted(possible, key=lambda each: (-each[0], each[1])):
+        if greatest < most:
+            break
+        similarity = visual + thing.shared(one.cloud.points, constants.near_m)
+        if similarity > most or (similarity == most and best is not None and j < best):
+            best, most = j, similarity
+    return best
