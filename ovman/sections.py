@@ -141,6 +141,7 @@ class Association(_Section):
     track_spread_m: Annotated[float, Field(ge=0)] = Field(description="metres, tau_trk")
 
 
+Commit = Annotated[str, Field(pattern=r"^[0-9a-f]{40}$")]
 Sha256 = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
 
 
@@ -224,6 +225,69 @@ class Training(_Section):
     encoder: EncoderTraining
 
 
+class ArmEntry(_Section):
+    """One arm of the evaluation."""
+
+    kind: Literal["static", "embodied"] = Field(description="judged by the point that it predicts, or by where it stops")
+    agent: Annotated[str, Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$")] = Field(
+        description='"module:function", docs/agents.md says what the function is given and gives back'
+    )
+    system: str = Field(min_length=1, description="title of its row; an embodied arm's \"agent\"")
+    memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
+    grounding: Literal["own", "handed"] = Field("own", description="whether it finds out itself what the noun means")
+    positions: Literal["own", "handed"] = Field("own", description="whether it finds out itself where things are")
+    answer: Literal["own", "handed"] = Field("own", description="handed to the oracle only")
+    needs: Annotated[tuple[Literal["tours", "maps", "networks", "dualmap"], ...], BeforeValidator(_sequence)] = Field(
+        (), description="what it is given beside query and observations"
+    )
+    constants: Annotated[tuple[str, ...], BeforeValidator(_sequence)] = Field(
+        (), description='settings that it reads, "section.name" or "section.*"; a change of one reruns it'
+    )
+    executes: str | None = Field(None, description="the static arm whose predictions an embodied arm drives to")
+    expected: bool = Field(False, description="its static success is the expectation over a stochastic pick")
+    runs: Some = Field(1, description="runs of a static arm over all episodes; its rates are their means")
+    embodiment: Literal["default", "locobot"] = Field("default", description="body and camera of an embodied arm")
+    budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")
+    cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
+
+
+def _there(value: Any) -> Any:
+    return {name: entry for name, entry in value.items() if entry is not None} if isinstance(value, dict) else value
+
+
+Arms = Annotated[dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")], ArmEntry], BeforeValidator(_there)]
+"""By name, in the order of the tables; an entry that is null is left out."""
+
+
+class ReleasedCow(_Section):
+    """CoW's released code, run from the user's clone."""
+
+    root: str = Field(description="folder of the clone; empty leaves the system out")
+    commit: Commit = Field(description="Git commit that the clone must be at")
+    python: str = Field(description="Python interpreter of the clone's own environment")
+    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
+    threshold: Annotated[float, Field(gt=0, lt=1)] = Field(description="relevance from which it takes a detection, as released")
+    budget: Some = Field(description="actions, as released")
+    processes: Some = Field(description="runners side by side, each with an agent of its own for a share of the episodes")
+
+
+class ReleasedDualmap(_Section):
+    """DualMap's released code, run from the user's clone."""
+
+    root: str = Field(description="folder of the clone; empty leaves the system out")
+    commit: Commit = Field(description="Git commit that the clone must be at")
+    python: str = Field(description="Python interpreter of the clone's own environment")
+    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
+    guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
+
+
+class Released(_Section):
+    """The baselines as their authors released them."""
+
+    cow: ReleasedCow
+    dualmap: ReleasedDualmap
+
+
 class SingleVisit(_Section):
     """The single-visit baseline."""
 
@@ -265,4 +329,6 @@ class Config(_Section):
     association: Association
     single_visit: SingleVisit
     evaluation: Evaluation
+    released: Released
     training: Training
+    arms: Arms = Field(default_factory=dict)
