@@ -1,0 +1,39 @@
+"""Whether a released system was run, as a record: tables say why a row is not there."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+SCHEMA = "ovman-released/1"
+
+
+@dataclass(frozen=True)
+class Status:
+    """system: its title in the tables; says: in one line what is missing and how to get it, empty where it was run."""
+
+    system: str
+    says: str = ""
+
+    @property
+    def run(self) -> bool:
+        return not self.says
+
+    def write(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps({"schema": SCHEMA, "run": self.run, **asdict(self)}) + "\n", encoding="utf-8")
+
+
+def read(path: Path) -> Status:
+    """Raises ValueError for a file that is no such record."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(record, dict) or record.get("schema") != SCHEMA:
+        raise ValueError(f"{path}: is no record {SCHEMA!r}; remove it, and it is made again")
+    return Status(record["system"], record["says"])
+
+
+def notes(paths: Iterable[Path]) -> list[str]:
+    """One sentence for each system that was not run."""
+    return [f"{status.system} was not run: {status.says}." for status in map(read, paths) if not status.run]
