@@ -19,9 +19,11 @@ __all__ = [
     "Detected",
     "Masks",
     "RecordError",
+    "read_arrays",
     "read_detections",
     "read_maps",
     "read_nouns",
+    "write_arrays",
     "write_detections",
     "write_maps",
     "write_nouns",
@@ -43,12 +45,12 @@ def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
         arrays[f"{number}.bits"] = seen.packed.bits()
         arrays[f"{number}.shape"] = np.array([seen.packed.height, seen.packed.width])
         arrays[f"{number}.content"] = np.array(seen.content)
-    _write(path, DETECTIONS, arrays, compressed=True)
+    write_arrays(path, DETECTIONS, arrays, compressed=True)
 
 
 def read_detections(path: Path) -> dict[str, Detected]:
     """The detections of visits by their names. RecordError for a file that is none of detections."""
-    arrays = _read(path, DETECTIONS, skip=".bits")
+    arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
     def bits(number: int) -> Callable[[], np.ndarray]:
         def read() -> np.ndarray:
@@ -80,12 +82,12 @@ def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
         "track": np.concatenate([np.zeros((0, 2)), *(c.track for c in every)]),
         "views": np.concatenate([np.zeros(0, np.int64), *(c.views for c in every)]).astype(np.int64),
     }
-    _write(path, MAPS, arrays)
+    write_arrays(path, MAPS, arrays)
 
 
 def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
     """The maps of visits by their names: (p, f, T) of every cluster. RecordError for a file that is none of maps."""
-    arrays = _read(path, MAPS)
+    arrays = read_arrays(path, MAPS)
     ends = np.cumsum(arrays["points"])
     starts = (ends - arrays["points"]).tolist()
     track, views = arrays["track"], arrays["views"]
@@ -102,16 +104,17 @@ def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
 
 def write_nouns(path: Path, nouns: Mapping[str, np.ndarray]) -> None:
     """Writes the embeddings (K,) of noun phrases."""
-    _write(path, NOUNS, {"nouns": np.array(list(nouns), str), "feature": np.array(list(nouns.values()), np.float32)})
+    write_arrays(path, NOUNS, {"nouns": np.array(list(nouns), str), "feature": np.array(list(nouns.values()), np.float32)})
 
 
 def read_nouns(path: Path) -> dict[str, np.ndarray]:
     """The unit embedding (K,) of every noun phrase. RecordError for a file that is none of nouns."""
-    arrays = _read(path, NOUNS)
+    arrays = read_arrays(path, NOUNS)
     return dict(zip(arrays["nouns"].tolist(), arrays["feature"], strict=True))
 
 
-def _write(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed: bool = False) -> None:
+def write_arrays(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed: bool = False) -> None:
+    """Writes arrays without pickles under the name of what they are (`schema`)."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("wb") as file:  # a file, since NumPy would add a suffix to a name
         (np.savez_compressed if compressed else np.savez)(file, allow_pickle=False, schema=np.array(schema), **arrays)
@@ -119,8 +122,8 @@ def _write(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed
         os.fsync(file.fileno())
 
 
-def _read(path: Path, schema: str, skip: str | None = None) -> dict[str, np.ndarray]:
-    """All arrays of a file but those whose name ends in `skip`."""
+def read_arrays(path: Path, schema: str, skip: str | None = None) -> dict[str, np.ndarray]:
+    """All arrays of a file but those whose name ends in `skip`. RecordError for a file that is none of `schema`."""
     try:
         with np.load(path) as file:
             found = str(file["schema"]) if "schema" in file else "nothing"
