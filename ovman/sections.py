@@ -20,6 +20,7 @@ Whole = Annotated[int, BeforeValidator(_whole)]
 Count = Annotated[Whole, Field(ge=0)]
 Some = Annotated[Whole, Field(ge=1)]
 Metres = Annotated[float, Field(gt=0)]
+Voxels = Annotated[float, Field(gt=0)]
 Probability = Annotated[float, Field(ge=0, lt=1)]
 
 
@@ -225,6 +226,89 @@ class Training(_Section):
     encoder: EncoderTraining
 
 
+class Locobot(_Section):
+    """AI2-THOR's LoCoBot, the body of CoW."""
+
+    side_px: Some = Field(description="of its square frames")
+    field_of_view_deg: Annotated[float, Field(gt=0, lt=180)] = Field(description="vertical and horizontal")
+
+
+class Cow(_Section):
+    """The constants of CoW."""
+
+    similarity: Annotated[float, Field(ge=-1, le=1)] = Field(description="cosine from which an instance is the category")
+    centre_only: bool = Field(description="whether the centre of a box alone is relevant, or all of it")
+    image_px: Some = Field(description="side of the depth and relevance images that are mapped")
+    voxel_m: Metres = Field(description="side of a voxel")
+    camera_height_m: Metres = Field(description="of the camera above the floor")
+    floor_tolerance_m: Metres = Field(description="up to which a point is at the height of the floor")
+    ceiling_m: Metres = Field(description="height from which nothing is mapped")
+    nearest_depth_m: Metres = Field(description="up to which a pixel has no depth")
+    unchanged_depth_m: Metres = Field(description="mean and spread of a change of depth below which an action has failed")
+    spin_turns: Some = Field(description="turns of a look around")
+    ray_step_voxels: Voxels = Field(description="along rays over the floor")
+    relevant: Probability = Field(description="relevance above which a voxel is of interest")
+    frontier_cells: Some = Field(description="fewest cells that are a frontier")
+    cluster_voxels: Annotated[float, Field(gt=1, le=2)] = Field(description="distance below which frontier cells hang together")
+    waypoint_voxels: Voxels = Field(description="distance up to which a waypoint is reached")
+    visited_voxels: Some = Field(description="side of the square around a target that was visited")
+    expansions: Some = Field(description="of the search for actions to a waypoint")
+    stop_voxels: Voxels = Field(description="distance to a region of interest below which the agent stops")
+
+
+Fraction = Annotated[float, Field(gt=0, le=1)]
+
+
+class DualmapLife(_Section):
+    """How long an object of DualMap's local map lives."""
+
+    window: Some = Field(description="keyframes since it was seen during which it is being updated")
+    stable: Some = Field(description="observations of a stable object")
+    majority: Probability = Field(description="share of its commonest class above which it is stable")
+    filter_probability: Probability = Field(description="greatest probability of a converged class filter")
+    filter_entropy: Annotated[float, Field(gt=0)] = Field(description="nats")
+    filter_change: Fraction = Field(description="of the greatest probability")
+    filter_span: Some = Field(description="observations over which it has changed by less")
+    pending: Some = Field(description="keyframes after the window until an unstable object is removed")
+    waiting: Some = Field(description="keyframes after the window until a stable object has settled")
+
+
+class DualmapLocal(_Section):
+    """DualMap's local map."""
+
+    near_m: Metres = Field(description="metres between points that count as shared")
+    least_iou: Annotated[float, Field(ge=0, lt=1)] = Field(description="of two 3-D boxes, below which nothing is shared")
+    match: Annotated[float, Field(ge=1, lt=2)] = Field(
+        description="shared fraction + cosine above which two are one; at least 1, so that looks alone match nothing"
+    )
+    voxel_m: Metres = Field(description="metres, one point a voxel")
+    thin_every: Annotated[Whole, Field(ge=2)] = Field(description="observations between two thinnings of a cloud")
+    split_frames: Some = Field(description="keyframes with two classes, above which an object is two")
+    split_window: Some = Field(description="keyframes that are looked back on")
+    life: DualmapLife
+
+
+class DualmapGlobal(_Section):
+    """DualMap's global map."""
+
+    overlap: Fraction = Field(description="of the smaller footprint, above which two anchors are one")
+    plane_bin_m: Metres = Field(description="metres, bin of heights")
+    on_overlap: Fraction = Field(description="of the upper footprint over the lower, from which it is on it")
+    on_below_m: Annotated[float, Field(ge=0)] = Field(description="metres below the upper object's lowest point")
+    on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres above it")
+
+
+class Dualmap(_Section):
+    """DualMap, reimplemented."""
+
+    runs: Some = Field(description="runs that differ in what DualMap draws at random")
+    maintained: Literal["concatenated_local", "preloaded_global"] = Field(
+        description="which map is maintained through both visits"
+    )
+    local_map: DualmapLocal
+    global_map: DualmapGlobal
+
+
 class ArmEntry(_Section):
     """One arm of the evaluation."""
 
@@ -232,7 +316,7 @@ class ArmEntry(_Section):
     agent: Annotated[str, Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$")] = Field(
         description='"module:function", docs/agents.md says what the function is given and gives back'
     )
-    system: str = Field(min_length=1, description="title of its row; an embodied arm's \"agent\"")
+    system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
     memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
     grounding: Literal["own", "handed"] = Field("own", description="whether it finds out itself what the noun means")
     positions: Literal["own", "handed"] = Field("own", description="whether it finds out itself where things are")
@@ -329,6 +413,9 @@ class Config(_Section):
     association: Association
     single_visit: SingleVisit
     evaluation: Evaluation
+    dualmap: Dualmap
     released: Released
     training: Training
+    locobot: Locobot
+    cow: Cow
     arms: Arms = Field(default_factory=dict)

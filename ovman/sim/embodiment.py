@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 
@@ -29,6 +29,22 @@ class Embodiment:
         """The benchmark's own, from a stage's view that owns camera.*, primitives.step_m and primitives.turn_deg."""
         camera, primitives = constants.camera, constants.primitives
         return Embodiment(camera.width_px, camera.height_px, camera.field_of_view_deg, primitives.step_m, primitives.turn_deg)
+
+    @staticmethod
+    def named(name: str, constants: Any) -> Embodiment:
+        """The one that an arm names: "default", the benchmark's own, or "locobot", CoW's. The latter owns locobot.* as well.
+
+        ValueError for another name.
+        """
+        own = Embodiment.of(constants)
+        if name == "default":
+            return own
+        if name == "locobot":
+            side_px, field_of_view_deg = constants.locobot.side_px, constants.locobot.field_of_view_deg
+            return replace(
+                own, width_px=side_px, height_px=side_px, field_of_view_deg=field_of_view_deg, mode="locobot", noisy=True
+            )
+        raise ValueError(f"{name!r} is no embodiment; there are default and locobot")
 
     def initialization(self) -> dict[str, Any]:
         """Parameters of the Controller that AI2-THOR keeps until they are given anew: a reset brings them back by itself."""

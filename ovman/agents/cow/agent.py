@@ -1,0 +1,160 @@
+"""CoW's policy: spin, explore, exploit; stop at the first thing that seems to be of the category."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+
+import numpy as np
+
+from ovman.agents.agent import Action, Observation, Visit
+from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.frontiers import frontier_targets
+from ovman.agents.cow.odometry import Pose, failed
+from ovman.agents.cow.paths import Paths
+from ovman.agents.cow.relevance import Localiser
+from ovman.agents.cow.scan import Scan, scan, square
+from ovman.agents.cow.steering import facing, steered, turns
+from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.task import Query
+
+
+class Mode(StrEnum):
+    """SPIN: look around. EXPLORE: to the frontiers, the nearest first. EXPLOIT: to what may be the category."""
+
+    SPIN = "spin"
+    EXPLORE = "explore"
+    EXPLOIT = "exploit"
+
+
+class Cow:
+    """CoW's agent for one episode. Of an observation it uses the RGB and depth images and the lens, and nothing else.
+
+    It has no memory of another visit and no use for the relation: tours are not looked at. Deterministic.
+    """
+
+    def __init__(self, localiser: Localiser, constants: CowConstants) -> None:
+        self._localiser, self._constants = localiser, constants
+        self._begin()
+
+    def familiarise(self, visit: Visit) -> None:
+        """Nothing is kept of a tour."""
+        self._begin()
+
+    def revisit(self, visit: Visit) -> None:
+        """Nothing is kept of a tour."""
+
+    def ask(self, query: Query) -> None:
+        """What to look for: any instance of the category."""
+        self._localiser.look_for(query.category)
+
+    def _begin(self) -> None:
+        self.pose = Pose()
+        self.mode = Mode.SPIN
+        self.map = VoxelMap(self._constants)
+        self._queue: list[Action] = []
+        self._spun = 0
+        self._depth: np.ndarray | None = None
+        self._last: Action | None = None
+        self._failed: Action | None = None
+
+    @property
+    def cell(self) -> Cell:
+        """The voxel that the agent believes to be in."""
+        return self.pose.cell(self._constants.voxel_m)
+
+    def act(self, observation: Observation) -> Action:
+        """The next action, given the images at the present pose."""
+        constants = self._constants
+        assert observation.rgb is not None and observation.depth is not None, "CoW needs images"
+        depth = square(observation.depth, constants.image_px)
+        self._reckon(depth)
+        relevance = self._localiser.relevance(observation.rgb)
+        seen = scan(depth, relevance, self.pose, observation.field_of_view_deg, constants)
+        self.map.update(seen, self.cell)
+        self._last = self._decide(seen)
+        return self._last
+
+    def _reckon(self, depth: np.ndarray) -> None:
+        """Moves the believed pose by the last action, unless hardly anything changed before the camera."""
+        self._failed = None
+        if self._last is not None and self._depth is not None:
+            if failed(self._depth, depth, self._constants.unchanged_depth_m):
+                self._failed = self._last
+            else:
+                self.pose = self.pose.after(self._last, self._constants.step_m, self._constants.turn_deg)
+        self._depth = depth
+
+    def _decide(self, seen: Scan) -> Action:
+        if self.map.regions and self.mode is not Mode.EXPLOIT:
+            self.mode, self._queue = Mode.EXPLOIT, []
+        if self.mode is Mode.SPIN:
+            if self._spun < self._constants.spin_turns:
+                self._spun += 1
+                return Action.ROTATE_LEFT
+            self.mode = Mode.EXPLORE
+        if not self._queue:
+            self._queue = list(self._explore() if self.mode is Mode.EXPLORE else self._exploit())
+        if not self._queue:
+            return self._confused(seen)
+        return self._queue.pop(0)
+
+    def _confused(self, seen: Scan) -> Action:
+        """No way leads anywhere: forgets the map but for what is in view, and looks around again."""
+        self.map = VoxelMap(self._constants)
+        self.map.update(seen, self.cell)
+        self.mode, self._spun = Mode.SPIN, 1
+        return Action.ROTATE_LEFT
+
+    def _explore(self) -> tuple[Action, ...]:
+        """Actions towards the nearest frontier that a way leads to; none where there is no such frontier."""
+        paths = Paths(self.map, self.cell)
+        for target in frontier_targets(self.map, self.cell, self._constants):
+            if self.map.visited(target) or (way := paths.to(target)) is None:
+                continue
+            waypoint = self._waypoint(way)
+            if waypoint is not None:
+                return self._steered(waypoint)
+            self.map.visit(target)
+        return ()
+
+    def _exploit(self) -> tuple[Action, ...]:
+        """Actions towards the nearest region of interest, and STOP where it is near."""
+        paths = Paths(self.map, self.cell)
+        for region in self.map.regions:
+            proxy = self._proxy(region)
+            if proxy is None:
+                return (Action.STOP,)
+            if self._away(region) < self._constants.stop_voxels:
+                return (*facing(self.pose, region, self._constants), Action.STOP)
+            if (way := paths.to(proxy)) is not None:
+                return self._follow(way)
+        targets = frontier_targets(self.map, self.cell, self._constants)
+        for target in sorted(targets, key=lambda t: min(math.dist(t, region) for region in self.map.regions)):
+            if (way := paths.to(target)) is not None:
+                return self._follow(way)
+        return ()
+
+    def _follow(self, way: list[Cell]) -> tuple[Action, ...]:
+        waypoint = self._waypoint(way)
+        return turns(1) if waypoint is None else self._steered(waypoint)
+
+    def _steered(self, waypoint: Cell) -> tuple[Action, ...]:
+        return steered(self.map, self.pose, waypoint, self._constants, self._failed) or ()
+
+    def _away(self, cell: Cell) -> float:
+        """Distance to a cell in voxels."""
+        return math.dist(self.cell, cell)
+
+    def _waypoint(self, way: list[Cell]) -> Cell | None:
+        """The first cell of a way that is not reached yet."""
+        return next((cell for cell in way if self._away(cell) > self._constants.waypoint_voxels), None)
+
+    def _proxy(self, region: Cell) -> Cell | None:
+        """The first known cell that is not occupied on the line from a region to the agent: where to go to be near it."""
+        start, end = np.array(region, dtype=float), np.array(self.cell, dtype=float)
+        count = max(int(math.dist(region, self.cell) / self._constants.ray_step_voxels), 1)
+        cells = np.rint(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - start)).astype(int)
+        states = self.map.states(cells)
+        there = np.flatnonzero((states != State.UNKNOWN) & (states != State.OCCUPIED))
+        return None if not len(there) else (int(cells[there[0], 0]), int(cells[there[0], 1]))

@@ -1,0 +1,36 @@
+"""Where the known free space borders on the unknown, and which of its places are worth going to."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage
+
+from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.voxel_map import EIGHT, Cell, State, VoxelMap
+
+
+def frontier_targets(known: VoxelMap, agent: Cell, constants: CowConstants) -> list[Cell]:
+    """One cell for each stretch of frontier, the nearest to the agent first.
+
+    Frontier cells without a free neighbour among the eight around them do not count, and fewer than `frontier_cells` of them are
+    none. Single-linkage clusters of cells at a distance below `cluster_voxels` = 1.5 are what hangs together over edges and
+    corners; the target is the member nearest to the mean of its cluster.
+    """
+    state = known.state
+    frontier = (state == State.FRONTIER) & ndimage.binary_dilation(state == State.FREE, EIGHT)
+    if frontier.sum() < constants.frontier_cells:
+        return []
+    reach = 1.0 < constants.cluster_voxels <= 2.0
+    if not reach:
+        raise ValueError(f"cow.cluster_voxels is {constants.cluster_voxels}; cells hang together for more than 1 and at most 2")
+    labels, count = ndimage.label(frontier, EIGHT if constants.cluster_voxels > np.sqrt(2.0) else None)
+    cells = np.argwhere(frontier)
+    label = labels[frontier]
+    means = np.stack([np.bincount(label, cells[:, axis], count + 1)[1:] for axis in (0, 1)], axis=1)
+    means /= np.bincount(label, minlength=count + 1)[1:, None]
+    off = np.hypot(*(cells - means[label - 1]).T)
+    order = np.lexsort((off, label))
+    first = order[np.unique(label[order], return_index=True)[1]]
+    targets = cells[first] + known.origin
+    distance = np.hypot(*(targets - np.array(agent)).T)
+    return [(int(i), int(j)) for i, j in targets[np.argsort(distance, kind="stable")]]

@@ -1,0 +1,68 @@
+"""Shortest ways over the free voxels."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+
+STRAIGHT, DIAGONAL = 1.0, 1.41
+"""Lengths of an edge to one of the eight neighbours, in voxels."""
+NOWHERE = -9999
+"""scipy's predecessor of a cell that no way leads to."""
+
+
+class Paths:
+    """The shortest ways from one cell to every other, of the lengths that A* finds one after the other.
+
+    Edges join free cells to their eight neighbours. The cell that the agent stands in is free whatever the map says.
+    """
+
+    def __init__(self, known: VoxelMap, start: Cell) -> None:
+        rows, columns = np.nonzero(known.state)
+        low = np.array([rows.min(), columns.min()])
+        self._origin = low + known.origin
+        state = known.state[low[0] : rows.max() + 1, low[1] : columns.max() + 1]
+        free = (state == State.FREE) | (state == State.FRONTIER)
+        self._shape = free.shape
+        self._start = self._inside(start)
+        if self._start is None:
+            self._number = np.full(free.shape, -1)
+            return
+        free[self._start] = True
+        self._number = np.full(free.shape, -1)
+        self._number[free] = np.arange(np.count_nonzero(free))
+        self._cells = np.argwhere(free)
+        edges = [self._edges(free, *way) for way in ((0, 1), (1, 0), (1, 1), (1, -1))]
+        lengths = np.concatenate([np.full(len(e[0]), STRAIGHT if k < 2 else DIAGONAL) for k, e in enumerate(edges)])
+        ends = np.concatenate(edges, axis=1)
+        count = len(self._cells)
+        graph = coo_matrix((lengths, (ends[0], ends[1])), shape=(count, count)).tocsr()
+        _, self._before = dijkstra(graph, directed=False, indices=int(self._number[self._start]), return_predecessors=True)
+
+    def to(self, goal: Cell) -> list[Cell] | None:
+        """The cells of a shortest way, from the start to `goal`; None where none leads there."""
+        inside = self._inside(goal)
+        number = -1 if inside is None else int(self._number[inside])
+        if number < 0:
+            return None
+        way = [number]
+        while (before := int(self._before[way[-1]])) != NOWHERE:
+            way.append(before)
+        if self._start is None or way[-1] != self._number[self._start]:
+            return None
+        return [(int(i), int(j)) for i, j in self._cells[way[::-1]] + self._origin]
+
+    def _inside(self, cell: Cell) -> Cell | None:
+        i, j = int(cell[0] - self._origin[0]), int(cell[1] - self._origin[1])
+        return (i, j) if 0 <= i < self._shape[0] and 0 <= j < self._shape[1] else None
+
+    def _edges(self, free: np.ndarray, down: int, right: int) -> np.ndarray:
+        """(2, N) numbers of free cells and of their free neighbours in one direction."""
+        height, width = free.shape
+        here = np.s_[: height - down, max(-right, 0) : width - max(right, 0)]
+        there = np.s_[down:, max(right, 0) : width - max(-right, 0)]
+        both = free[here] & free[there]
+        return np.stack([self._number[here][both], self._number[there][both]])

@@ -1,0 +1,96 @@
+"""What CoW sees with: which pixels show the category that is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from ovman.agents.cow.constants import CowConstants
+from ovman.language import noun
+from ovman.perception.crop import crop
+
+PROMPT = "a photo of a {}."
+
+
+class Localiser(Protocol):
+    """Says where a category may be in an image."""
+
+    def look_for(self, category: str) -> None:
+        """The category that `relevance` is about from now on."""
+
+    def relevance(self, rgb: np.ndarray) -> np.ndarray:
+        """(image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
+
+
+class Segments(Protocol):
+    """Masks of one picture: `ovman.perception.detector.Detections`."""
+
+    masks: np.ndarray
+
+
+class Segmenter(Protocol):
+    """Finds instances in pictures: `ovman.perception.detector.Detector`."""
+
+    def detect(self, pictures: Sequence[np.ndarray]) -> Sequence[Segments]: ...
+
+
+class Embedder(Protocol):
+    """Embeds crops and texts: `ovman.perception.encoder.Encoder`."""
+
+    side_px: int
+
+    def images(self, crops: np.ndarray) -> np.ndarray: ...
+
+    def texts(self, phrases: Sequence[str]) -> np.ndarray: ...
+
+
+def prompt(category: str) -> str:
+    """What the text tower is given: "a photo of a house plant."."""
+    return PROMPT.format(noun(category))
+
+
+class OpenVocabularyLocaliser:
+    """The networks of the reference agent in the place of OWL-ViT: class-agnostic instances whose crops are compared to the prompt.
+
+    smallest: share of the image that a mask covers at least; crop_padding: of the longer side of a mask's box.
+    """
+
+    def __init__(
+        self, detector: Segmenter, encoder: Embedder, constants: CowConstants, smallest: float, crop_padding: float
+    ) -> None:
+        self._detector, self._encoder, self._constants = detector, encoder, constants
+        self._smallest, self._crop_padding = smallest, crop_padding
+        self._text = np.zeros(0, np.float32)
+
+    def look_for(self, category: str) -> None:
+        """Embeds the prompt of a category."""
+        self._text = self._encoder.texts([prompt(category)])[0]
+
+    def relevance(self, rgb: np.ndarray) -> np.ndarray:
+        """1 where an instance is that is similar enough: at the centre of its box alone, or all over the box."""
+        boxes, similarity = self.similarities(rgb)
+        side_px, found = self._constants.image_px, np.zeros((self._constants.image_px,) * 2, np.float32)
+        scale = side_px / np.array(rgb.shape[:2] * 2)
+        for top, left, bottom, right in boxes[similarity >= self._constants.similarity] * scale:
+            if self._constants.centre_only:
+                found[int((top + bottom) / 2), int((left + right) / 2)] = 1.0
+            else:
+                found[int(top) : max(int(bottom), int(top) + 1), int(left) : max(int(right), int(left) + 1)] = 1.0
+        return found
+
+    def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The instances of an image (H, W, 3): boxes (N, 4) top, left, bottom, right in pixels, and similarities (N,) to the prompt."""
+        (seen,) = self._detector.detect([rgb])
+        masks = seen.masks[seen.masks.sum(axis=(1, 2), dtype=np.int64) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
+        if not len(masks):
+            return np.zeros((0, 4)), np.zeros(0, np.float32)
+        crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]
+        return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops)) @ self._text
+
+
+def _box(mask: np.ndarray) -> np.ndarray:
+    """(4,): top, left, bottom, right of a mask (H, W), the latter two outside."""
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1], dtype=float)

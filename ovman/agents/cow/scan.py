@@ -1,0 +1,86 @@
+"""What a depth image says of the space around the agent."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.odometry import Pose
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scan:
+    """The points of one depth image that count, seen from the believed pose.
+
+    cells: (N, 2) int, their voxels on the floor plane; floor: (N,) bool, those at the height of the floor; height: (N,) metres
+    above the camera; relevance: (N,) in [0, 1]; origin: (2,) the camera's place in voxels, not rounded; blind: (M, 2) in voxels,
+    not rounded, the nearest of the points below the camera in every column of space before it.
+    """
+
+    cells: np.ndarray
+    floor: np.ndarray
+    height: np.ndarray
+    relevance: np.ndarray
+    origin: np.ndarray
+    blind: np.ndarray
+
+
+def square(image: np.ndarray, side_px: int) -> np.ndarray:
+    """An image (H, W, ...) at (side_px, side_px, ...), each pixel the nearest of the image's."""
+    height, width = image.shape[:2]
+    if (height, width) == (side_px, side_px):
+        return image
+    rows, columns = ((np.arange(side_px) + 0.5) * n / side_px for n in (height, width))
+    return image[rows.astype(int)[:, None], columns.astype(int)]
+
+
+def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg: float, constants: CowConstants) -> Scan:
+    """The points of a depth image (S, S), metres along the optical axis, with the relevance (S, S) of its pixels.
+
+    What is nearer than the camera sees, and what is above the ceiling, does not count.
+    """
+    aside, up = _lens(len(depth), field_of_view_deg)
+    flat = depth.ravel()
+    y = up * flat
+    ceiling_m = constants.ceiling_m - constants.camera_height_m - constants.floor_tolerance_m
+    counts = np.flatnonzero((flat > constants.nearest_depth_m) & (y <= ceiling_m))
+    ahead, y = flat[counts], y[counts]
+    right = aside[counts] * ahead
+    yaw = math.radians(pose.yaw_deg)
+    sine, cosine, voxel_m = math.sin(yaw), math.cos(yaw), constants.voxel_m
+    x, z = pose.x + cosine * right + sine * ahead, pose.z - sine * right + cosine * ahead
+    return Scan(
+        cells=np.rint(np.stack([x, z], axis=1) / voxel_m).astype(np.int32),
+        floor=np.abs(y + constants.camera_height_m) <= constants.floor_tolerance_m,
+        height=y,
+        relevance=relevance.ravel()[counts],
+        origin=np.array([pose.x, pose.z]) / voxel_m,
+        blind=_nearest(np.rint(right / voxel_m).astype(np.int32), ahead, y < 0.0, x, z) / voxel_m,
+    )
+
+
+def _nearest(column: np.ndarray, ahead: np.ndarray, below: np.ndarray, x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    """(M, 2): x and z of the nearest point below the camera in every column of voxels before it."""
+    points = np.flatnonzero(below)
+    if not len(points):
+        return np.zeros((0, 2))
+    columns = column[points] - column[points].min()
+    nearest = np.full(columns.max() + 1, np.inf, ahead.dtype)
+    np.minimum.at(nearest, columns, ahead[points])
+    first = np.full(len(nearest), -1)
+    at = np.flatnonzero(ahead[points] == nearest[columns])
+    first[columns[at]] = points[at]
+    chosen = first[first >= 0]
+    return np.stack([x[chosen], z[chosen]], axis=1)
+
+
+@lru_cache(maxsize=4)
+def _lens(side_px: int, field_of_view_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Metres to the right and up for each metre ahead, of every pixel's centre, row by row."""
+    rows, columns = np.indices((side_px, side_px), dtype=np.float32).reshape(2, -1) + 0.5
+    focal_px = side_px / 2 / math.tan(math.radians(field_of_view_deg) / 2)
+    return (columns - side_px / 2) / focal_px, (side_px / 2 - rows) / focal_px

@@ -1,0 +1,73 @@
+"""From a waypoint to actions: the low-level planner."""
+
+from __future__ import annotations
+
+import heapq
+import math
+
+from ovman.agents.agent import Action
+from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.odometry import Pose
+from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+
+
+def turns(by: int) -> tuple[Action, ...]:
+    """So many turns to the left, or to the right where `by` is negative."""
+    return (Action.ROTATE_LEFT if by > 0 else Action.ROTATE_RIGHT,) * abs(by)
+
+
+def headings(count: int) -> tuple[int, ...]:
+    """How to turn to each of `count` headings, in turns to the left: 0, 1, -1, ... to a half turn, which goes left."""
+    return tuple(sorted(range(1 - (count + 1) // 2, count // 2 + 1), key=lambda k: (abs(k), k < 0)))
+
+
+def steered(
+    known: VoxelMap, pose: Pose, goal: Cell, constants: CowConstants, forbidden: Action | None = None
+) -> tuple[Action, ...] | None:
+    """Actions that lead to within `waypoint_voxels` of a goal; None where the search finds none.
+
+    Best-first by the distance to the goal over macro-actions, each a turn to one of the headings and a step; at most
+    `expansions` of them, every cell entered once, and none that is occupied. `forbidden` does not begin the first macro-action:
+    it has just failed.
+    """
+    scale = 1.0 / constants.voxel_m
+
+    def away(at: Pose) -> float:
+        return math.hypot(at.x * scale - goal[0], at.z * scale - goal[1])
+
+    def rounded(at: Pose) -> Cell:
+        return round(at.x * scale), round(at.z * scale)
+
+    waiting: list[tuple[float, int, Pose, tuple[Action, ...]]] = [(away(pose), 0, pose, ())]
+    entered, made = {rounded(pose)}, 0
+    for _ in range(constants.expansions):
+        if not waiting:
+            return None
+        distance, _, at, actions = heapq.heappop(waiting)
+        if distance <= constants.waypoint_voxels:
+            return actions
+        for by in headings(constants.headings):
+            macro = (*turns(by), Action.MOVE_AHEAD)
+            if not actions and macro[0] is forbidden:
+                continue
+            after = at
+            for action in macro:
+                after = after.after(action, constants.step_m, constants.turn_deg)
+            cell = rounded(after)
+            if cell in entered or known.at(cell) is State.OCCUPIED:
+                continue
+            entered.add(cell)
+            made += 1
+            heapq.heappush(waiting, (away(after), made, after, (*actions, *macro)))
+    return None
+
+
+def facing(pose: Pose, target: Cell, constants: CowConstants) -> tuple[Action, ...]:
+    """The turns to the heading that looks at a cell best."""
+    dx, dz = target[0] * constants.voxel_m - pose.x, target[1] * constants.voxel_m - pose.z
+    bearing = math.degrees(math.atan2(dx, dz))
+
+    def off(by: int) -> float:
+        return abs((bearing - (pose.yaw_deg - by * constants.turn_deg) + 180.0) % 360.0 - 180.0)
+
+    return turns(min(headings(constants.headings), key=lambda by: (round(off(by), 6), abs(by))))
