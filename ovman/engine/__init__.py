@@ -6,6 +6,8 @@ import sys
 
 DISPLAY = ":0"
 """A display that nobody opens."""
+COMMAND = "OVMAN_ENGINE"
+"""Environment variable with the command line of the engine, for processes whose own Python has not what the engine needs."""
 
 
 def executable() -> str:
@@ -14,4 +16,4 @@ def executable() -> str:
     The client refuses to start anything while the environment names no DISPLAY; where there is none, this sets one.
     """
     os.environ.setdefault("DISPLAY", DISPLAY)
-    return f"{shlex.quote(sys.executable)} -m ovman.engine"
+    return os.environ.get(COMMAND) or f"{shlex.quote(sys.executable)} -m ovman.engine"

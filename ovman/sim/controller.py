@@ -5,8 +5,11 @@ from __future__ import annotations
 import os
 import subprocess
 import threading
+import time
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ovman.sim.embodiment import Embodiment
 
@@ -14,6 +17,8 @@ if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
 BACKENDS = ("embedded", "thor")
+START_LIMIT_S = 600.0
+"""How long a simulator may take to its first scene; the engine compiles its kernels once."""
 WATCH_S = 0.2
 """How often a start is looked at."""
 ENDING_S = 1.0
@@ -23,14 +28,19 @@ NONSENSE = bytes(5)
 
 
 def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
-    """A running ai2thor Controller on `scene`.
+    """A running ai2thor Controller on `scene`, with a body and a camera. `backend` as for `launched`."""
+    from ai2thor.controller import Controller
+
+    sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
+    return launched(Controller, backend, scene=scene, **sizes, **embodiment.initialization())
+
+
+def launched(kind: type[Controller], backend: str, **options: Any) -> Controller:
+    """A running Controller of `kind` with parameters of its own.
 
     `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). ValueError for
     another backend.
     """
-    from ai2thor.controller import Controller
-
-    shared = {"scene": scene, "width": embodiment.width_px, "height": embodiment.height_px, **embodiment.initialization()}
     if backend == "embedded":
         from ovman.engine import executable
 
@@ -38,14 +48,14 @@ def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
         hidden = os.environ.pop("CUDA_VISIBLE_DEVICES", None)
         try:
             # Without a time limit the end of a pipe is the end of the engine; with one, the client waits for the limit.
-            return _started(Controller, local_executable_path=executable(), server_timeout=None, **shared)
+            return _started(kind, local_executable_path=executable(), server_timeout=None, **options)
         finally:
             if hidden is not None:
                 os.environ["CUDA_VISIBLE_DEVICES"] = hidden
     if backend == "thor":
         from ai2thor.platform import CloudRendering
 
-        return _started(Controller, platform=CloudRendering, **shared)
+        return _started(kind, platform=CloudRendering, **options)
     raise ValueError(f"benchmark.backend: {backend!r} is not one of {', '.join(BACKENDS)}")
 
 
@@ -58,11 +68,27 @@ def ended(controller: Controller) -> bool:
         return False
 
 
-def _started(kind: type[Controller], **options: Any) -> Controller:
-    """A Controller of these options. ConnectionError if its simulator ends meanwhile.
+def _lengthen_depth(made: Controller) -> None:
+    """Unity's depth at z metres reads z (far - near) / far. From now on every depth image of `made` is z."""
+    server = made.server
+    read = server.create_event
+    scale = np.float32(server.camera_far_plane / (server.camera_far_plane - server.camera_near_plane))
 
-    A simulator that ends before it has opened its pipes would leave the client opening them for ever. What is left of a failed
-    start is ended.
+    def event(metadata: Any, files: Any) -> Any:
+        made_of = read(metadata, files)
+        if made_of.depth_frame is not None:
+            made_of.depth_frame = made_of.depth_frame * scale
+        made_of.third_party_depth_frames = [depth * scale for depth in made_of.third_party_depth_frames]
+        return made_of
+
+    server.create_event = event
+
+
+def _started(kind: type[Controller], **options: Any) -> Controller:
+    """A Controller of these options. ConnectionError if its simulator ends meanwhile, or takes longer than START_LIMIT_S.
+
+    A simulator that ends before it has opened its pipes would leave the client opening them for ever, and so would one that never
+    opens them. What is left of a failed start is ended.
     """
     made = kind.__new__(kind)
     done = threading.Event()
@@ -84,11 +110,20 @@ def _started(kind: type[Controller], **options: Any) -> Controller:
 
 
 def _let_go(starting: Controller, done: threading.Event) -> None:
-    """Says nonsense to a client whose simulator has ended during its start: an end of file it would not believe for minutes."""
+    """Says nonsense to a client whose simulator has ended during its start: an end of file it would not believe for minutes.
+
+    A simulator that takes too long is ended first.
+    """
+    begun = None
     while not done.wait(WATCH_S):
         server = vars(starting).get("server")
         process = getattr(server, "unity_proc", None)
-        if process is None or process.poll() is None:
+        if process is None:
+            continue
+        begun = begun or time.monotonic()
+        if process.poll() is None and time.monotonic() - begun > START_LIMIT_S:
+            process.kill()
+        if process.poll() is None:
             continue
         for path, way in ((server.server_pipe_path, os.O_WRONLY), (server.client_pipe_path, os.O_RDONLY)):
             with suppress(OSError):
