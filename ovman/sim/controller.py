@@ -32,7 +32,10 @@ def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
     from ai2thor.controller import Controller
 
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
-    return launched(Controller, backend, scene=scene, **sizes, **embodiment.initialization())
+    made = launched(Controller, backend, scene=scene, **sizes, **embodiment.initialization())
+    if backend == "thor":
+        _lengthen_depth(made)
+    return made
 
 
 def launched(kind: type[Controller], backend: str, **options: Any) -> Controller:
