@@ -83,6 +83,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "maps": ("maps.*",),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
+    "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
     "predictions": ("grounding.*", "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px", "success.radius_m"),
     "executions": (*_RUNNING, "grounding.*", "association.*", "admissibility.tau_m", "admissibility.minimum_mask_px"),
     "runs": ("success.*",),

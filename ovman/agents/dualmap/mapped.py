@@ -1,0 +1,145 @@
+"""DualMap's maps as they are saved: every object's place and look, by run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+import numpy as np
+
+from ovman.agents.dualmap.global_map import Anchor
+from ovman.agents.dualmap.map_object import MapObject
+from ovman.agents.object_map import ObjectMap
+from ovman.perception.records import RecordError, read_arrays, write_arrays
+
+SCHEMA = "ovman-dualmap/1"
+
+Pair = tuple[str, str]
+"""The names of a first and of a second visit."""
+
+
+class Sort(StrEnum):
+    """OBJECT: of a local map. ANCHOR: of a global map. RELATED: what a global map has on an anchor."""
+
+    OBJECT = "object"
+    ANCHOR = "anchor"
+    RELATED = "related"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Entry:
+    """position (2,): x and z of the centre of its box, metres; feature (K,): unit; observations: of how many; first_seen,
+    last_seen: keyframes of the map's life.
+    """
+
+    position: np.ndarray
+    feature: np.ndarray
+    sort: Sort
+    class_id: int
+    observations: int
+    first_seen: int
+    last_seen: int
+
+    @staticmethod
+    def of_object(thing: MapObject) -> Entry:
+        """An object of a local map."""
+        return Entry(
+            thing.position,
+            thing.feature,
+            Sort.OBJECT,
+            thing.class_id,
+            len(thing.seen),
+            thing.first_seen,
+            thing.last_seen,
+        )
+
+    @staticmethod
+    def of_anchor(anchor: Anchor) -> tuple[Entry, ...]:
+        """An anchor and what is on it."""
+        kept = [(Sort.ANCHOR, anchor), *((Sort.RELATED, related) for related in anchor.related)]
+        return tuple(
+            Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen) for sort, k in kept
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """One saved map. frames: keyframes that it was made of."""
+
+    entries: tuple[Entry, ...]
+    frames: int
+
+    def object_map(self) -> ObjectMap:
+        """What the reference agent's rules need of it. A track is the one place that the map knows of an object, last_seen the
+        keyframe of its last observation.
+        """
+        entries = self.entries
+        return ObjectMap(
+            p=np.array([e.position for e in entries], dtype=np.float64).reshape(-1, 2),
+            f=np.array([e.feature for e in entries], dtype=np.float64) if entries else np.zeros((0, 0)),
+            tracks=tuple(np.asarray(e.position, dtype=np.float64)[None] for e in entries),
+            last_seen=tuple(e.last_seen for e in entries),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class RunMaps:
+    """The maps of a scene that one run made. visits: of each visit by its name; maintained: of the two visits of each pair."""
+
+    visits: Mapping[str, Mapped]
+    maintained: Mapping[Pair, Mapped]
+
+
+def write(path: Path, runs: Sequence[RunMaps]) -> None:
+    """Write the maps of all runs of a scene. Every run has maps of the same visits and pairs."""
+    visits, pairs = list(runs[0].visits), list(runs[0].maintained)
+    if any(list(run.visits) != visits or list(run.maintained) != pairs for run in runs):
+        raise ValueError("runs of a scene have maps of the same visits and pairs")
+    maps = [mapped for run in runs for mapped in (*run.visits.values(), *run.maintained.values())]
+    every = [entry for mapped in maps for entry in mapped.entries]
+    size = len(every[0].feature) if every else 0
+    arrays = {
+        "runs": np.array(len(runs)),
+        "visits": np.array(visits, str),
+        "pairs": np.array(pairs, str).reshape(-1, 2),
+        "frames": np.array([mapped.frames for mapped in maps], np.int64),
+        "entries": np.array([len(mapped.entries) for mapped in maps], np.int64),
+        "position": np.array([e.position for e in every], np.float64).reshape(-1, 2),
+        "feature": np.array([e.feature for e in every], np.float32).reshape(-1, size),
+        "sort": np.array([e.sort for e in every], str),
+    }
+    for name in ("class_id", "observations", "first_seen", "last_seen"):
+        arrays[name] = np.array([getattr(e, name) for e in every], np.int64)
+    write_arrays(path, SCHEMA, arrays)
+
+
+def read(path: Path) -> tuple[RunMaps, ...]:
+    """The maps of all runs of a scene. RecordError for a file that is none of them."""
+    try:
+        arrays = read_arrays(path, SCHEMA)
+    except FileNotFoundError:
+        raise RecordError(f"{path} is not there; make the stage dualmap") from None
+    rows = zip(
+        arrays["position"],
+        arrays["feature"],
+        arrays["sort"].tolist(),
+        *(arrays[name].tolist() for name in ("class_id", "observations", "first_seen", "last_seen")),
+        strict=True,
+    )
+    every = [Entry(position, feature, Sort(sort), *rest) for position, feature, sort, *rest in rows]
+    ends = np.cumsum(arrays["entries"]).tolist()
+    maps = [
+        Mapped(tuple(every[end - count : end]), frames)
+        for end, count, frames in zip(ends, arrays["entries"].tolist(), arrays["frames"].tolist(), strict=True)
+    ]
+    visits, pairs = arrays["visits"].tolist(), [(first, second) for first, second in arrays["pairs"].tolist()]
+    each = len(visits) + len(pairs)
+    return tuple(
+        RunMaps(
+            dict(zip(visits, maps[run * each :][: len(visits)], strict=True)),
+            dict(zip(pairs, maps[run * each + len(visits) :][: len(pairs)], strict=True)),
+        )
+        for run in range(int(arrays["runs"]))
+    )

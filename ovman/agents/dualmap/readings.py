@@ -1,0 +1,105 @@
+"""The two readings of DualMap over two visits: a map of each, and one map that was maintained through both.
+
+CONCATENATED_LOCAL: the local map, run once over the first visit's keyframes and then the second's. PRELOADED_GLOBAL: the global
+map of the second visit, which began with the anchors of the first. Neither forgets where something was: nothing in DualMap
+deletes or moves what has settled. What differs from run to run is what differs in DualMap itself: which pixels of a mask make its
+cloud, and the order in which objects are saved, which is that of random names. DualMap can also lose keyframes where its mapper
+falls behind the camera; here it keeps up, and loses none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from ovman.agents.dualmap.constants import MapConstants
+from ovman.agents.dualmap.global_map import Anchor, GlobalMap
+from ovman.agents.dualmap.local_map import Departure, LocalMap
+from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps
+from ovman.agents.dualmap.observation import Observation
+
+Keyframes = Sequence[Sequence[Observation]]
+Draws = Callable[..., np.random.Generator]
+"""Given the names of the visits, whence the names of the objects come."""
+
+
+class Maintained(StrEnum):
+    """Which map is maintained; the maps of single visits are of the same kind."""
+
+    CONCATENATED_LOCAL = "concatenated_local"
+    PRELOADED_GLOBAL = "preloaded_global"
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One run of DualMap. number: which of the observations' clouds are its own; kinds: how many classes there are."""
+
+    number: int
+    kinds: int
+    constants: MapConstants
+    draws: Draws
+
+    def read(self, maintained: Maintained, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
+        """The maps of the visits in `walks`, by name, and of the pairs of them."""
+        pairs = list(dict.fromkeys(pairs))
+        if maintained is Maintained.CONCATENATED_LOCAL:
+            return self._concatenated_local(walks, pairs)
+        return self._preloaded_global(walks, pairs)
+
+    def _concatenated_local(self, walks: Mapping[str, Keyframes], pairs: Sequence[Pair]) -> RunMaps:
+        visits, kept = {}, {}
+        firsts = {first for first, _ in pairs}
+        for name, keyframes in walks.items():
+            now = self._seen(self._local(self.draws(name), handing_on=False), keyframes)
+            if name in firsts:
+                kept[name] = now.copy(self.draws(name))
+            visits[name] = _settled(now, len(keyframes))
+        maintained = {}
+        for first, second in pairs:
+            now = self._seen(kept[first].copy(self.draws(first, second)), walks[second])
+            maintained[first, second] = _settled(now, len(walks[first]) + len(walks[second]))
+        return RunMaps(visits, maintained)
+
+    def _preloaded_global(self, walks: Mapping[str, Keyframes], pairs: Sequence[Pair]) -> RunMaps:
+        departures, anchors = {}, {}
+        for name, keyframes in walks.items():
+            local = self._seen(self._local(self.draws(name), handing_on=True), keyframes)
+            local.flush()
+            departures[name] = local.departures
+            anchors[name] = self._anchors(local.departures)
+        visits = {name: _saved(anchors[name], len(keyframes)) for name, keyframes in walks.items()}
+        maintained = {
+            (first, second): _saved(self._anchors(departures[second], anchors[first]), len(walks[first]) + len(walks[second]))
+            for first, second in pairs
+        }
+        return RunMaps(visits, maintained)
+
+    def _local(self, draws: np.random.Generator, handing_on: bool) -> LocalMap:
+        constants = self.constants
+        return LocalMap(
+            self.number, self.kinds, constants.local, draws, constants.anchors if handing_on else None, constants.unknown
+        )
+
+    def _seen(self, local: LocalMap, keyframes: Keyframes) -> LocalMap:
+        for observations in keyframes:
+            local.observe(observations)
+        return local
+
+    def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = ()) -> list[Anchor]:
+        """The anchors of a visit in the order in which they are saved, after those that were there before it."""
+        found = GlobalMap(self.constants.local.voxel_m, self.constants.anchors, preloaded)
+        found.take(departures)
+        return sorted(found.anchors, key=lambda anchor: anchor.uid)
+
+
+def _settled(local: LocalMap, frames: int) -> Mapped:
+    """What a local map holds when it is saved."""
+    local.flush()
+    return Mapped(tuple(Entry.of_object(thing) for thing in sorted(local.objects, key=lambda thing: thing.uid)), frames)
+
+
+def _saved(anchors: Sequence[Anchor], frames: int) -> Mapped:
+    return Mapped(tuple(entry for anchor in anchors for entry in Entry.of_anchor(anchor)), frames)
