@@ -41,7 +41,7 @@ def difficulty(outcomes: Sequence[StaticOutcome], confidence: float) -> list[Dif
     """Every group with every static arm: instances 2, 3, "4+", then the scenes by the number in their name; arms as they come."""
     rows = []
     for by, key in KEYS.items():
-        for group in sorted({key(outcome) for outcome in outcomes}, key=_natural):
+        for group in sorted({key(outcome) for outcome in outcomes}, key=natural):
             for arm, of_arm in by_arm(outcomes).items():
                 rate = static_rate(arm, group, [outcome for outcome in of_arm if key(outcome) == group], confidence)
                 rows.append(
@@ -68,6 +68,7 @@ def _instances(outcome: StaticOutcome) -> str:
 KEYS: dict[By, Callable[[StaticOutcome], str]] = {By.INSTANCES: _instances, By.SCENE: lambda outcome: outcome.scene}
 
 
-def _natural(name: str) -> tuple[int, str]:
+def natural(name: str) -> tuple[int, str]:
+    """Where a name comes in an order by the number in it."""
     number = re.search(r"\d+", name)
     return (int(number.group()) if number else 0, name)

@@ -15,8 +15,12 @@ from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
+from ovman.analysis.own_task import OwnTask, own_task
+from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
+from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.task.record import records
 
@@ -24,6 +28,7 @@ STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.c
 STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
 TAXONOMY, SIGNIFICANCE, NAVIGATION = "taxonomy.csv", "significance.csv", "navigation.csv"
 DIFFICULTY, BUDGET = "difficulty.csv", "budget.csv"
+PAIRINGS, OWN_TASK, SEEDS, SCENES = "pairings.csv", "own_task.csv", "seeds.csv", "scenes.csv"
 
 # Six decimals would make nothing of them.
 P_VALUES = frozenset({"p", "p_holm"})
@@ -70,8 +75,9 @@ def run(
     confidence, radius = constants.evaluation.confidence, constants.success.radius_m
     rates = static_rates(static, confidence)
     compared, left_out = significance(static, embodied)
+    paired, unpaired = pairings(static)
     navigations = navigation(static, embodied, arms)
-    for line in left_out:
+    for line in (*left_out, *unpaired):
         print(line, flush=True)
     output_dir.mkdir(parents=True, exist_ok=True)
     for name, kind, rows in (
@@ -84,6 +90,10 @@ def run(
         (NAVIGATION, Navigation, navigations),
         (DIFFICULTY, Difficulty, difficulty(static, confidence)),
         (BUDGET, Step, budget(rates, compared)),
+        (PAIRINGS, Pairing, paired),
+        (OWN_TASK, OwnTask, own_task(embodied)),
+        (SEEDS, Pass, passes(static, embodied)),
+        (SCENES, SceneRate, scenes(static, embodied, confidence)),
     ):
         header = [field.name for field in fields(kind)]
         (output_dir / name).write_text(csv_text(header, map(record, rows)), encoding="utf-8")

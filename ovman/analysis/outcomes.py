@@ -16,6 +16,8 @@ from ovman.task import Relation
 
 RUN_SCHEMA = "ovman-run/1"
 RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
+OWN_SUCCESS = "own_success"
+"""Key of a run record: the verdict on the agent's own task, of arms that have one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,10 @@ class StaticOutcome:
 
 @dataclass(frozen=True, slots=True)
 class EmbodiedOutcome:
-    """A judged run. outcome: how it ended; path_length_m: what the agent travelled; spl: Eq. 5."""
+    """A judged run. outcome: how it ended; path_length_m: what the agent travelled; spl: Eq. 5.
+
+    own_success: whether it succeeds on the task of its own that the agent was made for, None where it has none.
+    """
 
     episode: str
     scene: str
@@ -91,6 +96,7 @@ class EmbodiedOutcome:
     spl: float
     path_length_m: float
     actions: int
+    own_success: bool | None = None
 
 
 def static_outcomes(
@@ -169,6 +175,7 @@ def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Mapping[str, Any]]) 
                     spl=float(run["spl"]),
                     path_length_m=float(run["path_length_m"]),
                     actions=int(run["actions"]),
+                    own_success=None if run.get(OWN_SUCCESS) is None else bool(run[OWN_SUCCESS]),
                 )
             )
         except KeyError as missing:

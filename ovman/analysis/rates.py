@@ -25,7 +25,7 @@ class Interval(StrEnum):
     WILSON: Wilson's score interval of a rate over n episodes. Runs of the same episodes under several seeds are no further
     episodes: the rate is their mean, and the interval is as wide as for one pass. POISSON_BINOMIAL: for the expectation over a
     stochastic pick, which is no count of successes: the central range in which the rate of one realised pass over these very
-    episodes falls.
+    episodes falls, of a run drawn at random where there are several.
     """
 
     WILSON = "wilson"
@@ -36,9 +36,10 @@ class Interval(StrEnum):
 class Rate:
     """The success of one arm on one relation, or on ``all``.
 
-    n: episodes. trials: n times seeds. successes: their count, or its expectation (a float) for a stochastic pick. rate:
-    successes over trials, in [0, 1]; low, high: the interval at ``confidence``. spl: the mean of Eq. 5 for embodied arms, None
-    for static ones; it has no interval, being neither a count nor an expectation of one.
+    n: episodes. seeds: of an embodied arm, or runs of a static one. trials: n times seeds. successes: their count, or its
+    expectation (a float) for a stochastic pick. rate: successes over trials, in [0, 1]; low, high: the interval at
+    ``confidence``. spl: the mean of Eq. 5 for embodied arms, None for static ones; it has no interval, being neither a count nor
+    an expectation of one. least, greatest: the rate of the worst and of the best seed, None where there is one.
     """
 
     arm: str
@@ -53,6 +54,8 @@ class Rate:
     interval: Interval
     confidence: float
     spl: float | None = None
+    least: float | None = None
+    greatest: float | None = None
 
 
 def static_rates(outcomes: Sequence[StaticOutcome], confidence: float) -> list[Rate]:
@@ -66,27 +69,23 @@ def static_rates(outcomes: Sequence[StaticOutcome], confidence: float) -> list[R
 
 def static_rate(arm: str, relation: str, group: Sequence[StaticOutcome], confidence: float) -> Rate:
     """The rate of one arm over a group of episodes, which is not empty."""
-    probabilities = [outcome.success for outcome in group]
     expected = any(outcome.outcome == "expected" for outcome in group)
-    interval = poisson_binomial_range(probabilities, confidence) if expected else None
-    return _rate(arm, relation, group, probabilities, interval, confidence)
+    interval = expected_range([[o.success for o in run] for run in by_seed(group).values()], confidence) if expected else None
+    return _rate(arm, relation, group, interval, confidence)
 
 
 def embodied_rates(outcomes: Sequence[EmbodiedOutcome], confidence: float) -> list[Rate]:
     """The rates of every embodied arm, means over its seeds; ordered as ``static_rates`` orders them."""
     return [
-        _rate(
-            arm,
-            relation,
-            group,
-            [float(outcome.success) for outcome in group],
-            None,
-            confidence,
-            math.fsum(outcome.spl for outcome in group) / len(group),
-        )
+        embodied_rate(arm, relation, group, confidence)
         for arm, of_arm in by_arm(outcomes).items()
         for relation, group in by_relation(of_arm)
     ]
+
+
+def embodied_rate(arm: str, relation: str, group: Sequence[EmbodiedOutcome], confidence: float) -> Rate:
+    """The rate of one arm over a group of episodes under all its seeds; the group is not empty."""
+    return _rate(arm, relation, group, None, confidence, math.fsum(outcome.spl for outcome in group) / len(group))
 
 
 def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
@@ -103,15 +102,32 @@ def by_relation(outcomes: Sequence[Outcome]) -> list[tuple[str, list[Outcome]]]:
     return [*((relation, group) for relation, group in parts if group), (ALL, list(outcomes))]
 
 
+def by_seed(outcomes: Iterable[Outcome]) -> dict[int, list[Outcome]]:
+    """The outcomes under each seed, seeds in ascending order."""
+    seeds: dict[int, list[Outcome]] = {}
+    for outcome in sorted(outcomes, key=lambda outcome: outcome.seed):
+        seeds.setdefault(outcome.seed, []).append(outcome)
+    return seeds
+
+
 def poisson_binomial_range(probabilities: Sequence[float], confidence: float) -> tuple[float, float]:
     """Central range (low, high) of the rate of independent trials with these probabilities (n,), n >= 1, exact.
 
     The realised rate lies below low, or above high, with probability at most (1 - confidence) / 2 each. low <= mean <= high up
     to the spacing 1 / n of the rates that can be realised.
     """
-    n, outside = len(probabilities), (1.0 - confidence) / 2.0
+    return expected_range([probabilities], confidence)
+
+
+def expected_range(runs: Sequence[Sequence[float]], confidence: float) -> tuple[float, float]:
+    """``poisson_binomial_range`` of one realised pass under one of several runs over the same n episodes, drawn at random.
+
+    runs: the probabilities (n,) of each run. Runs add no episodes, so the range does not narrow with their number.
+    """
+    n, outside = len(runs[0]), (1.0 - confidence) / 2.0
+    distribution = np.mean([poisson_binomial(probabilities) for probabilities in runs], axis=0)
     # From the far end inwards, so that small tails are added before large ones.
-    tails = [*np.minimum(np.cumsum(poisson_binomial(probabilities)[::-1])[::-1], 1.0).tolist(), 0.0]
+    tails = [*np.minimum(np.cumsum(distribution[::-1])[::-1], 1.0).tolist(), 0.0]
     tails[0] = 1.0
     low = max(k for k in range(n + 1) if tails[k] >= 1.0 - outside)
     high = min(k for k in range(n + 1) if tails[k + 1] <= outside)
@@ -122,19 +138,19 @@ def _rate(
     arm: str,
     relation: str,
     group: Sequence[StaticOutcome | EmbodiedOutcome],
-    successes: Iterable[float],
     interval: tuple[float, float] | None,
     confidence: float,
     spl: float | None = None,
 ) -> Rate:
-    total = math.fsum(successes)
-    n, seeds = len({outcome.episode for outcome in group}), len({outcome.seed for outcome in group})
-    low, high = interval or wilson_interval(total / seeds, n, confidence)
+    total = math.fsum(outcome.success for outcome in group)
+    seeds = [math.fsum(outcome.success for outcome in run) / len(run) for run in by_seed(group).values()]
+    n = len({outcome.episode for outcome in group})
+    low, high = interval or wilson_interval(total / len(seeds), n, confidence)
     return Rate(
         arm=arm,
         relation=relation,
         n=n,
-        seeds=seeds,
+        seeds=len(seeds),
         trials=len(group),
         successes=total,
         rate=total / len(group),
@@ -143,4 +159,6 @@ def _rate(
         interval=Interval.POISSON_BINOMIAL if interval else Interval.WILSON,
         confidence=confidence,
         spl=spl,
+        least=min(seeds) if len(seeds) > 1 else None,
+        greatest=max(seeds) if len(seeds) > 1 else None,
     )

@@ -9,7 +9,7 @@ from enum import StrEnum
 
 from ovman.analysis.comparisons import Pair, among
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.rates import ALL, by_arm, by_relation
+from ovman.analysis.rates import by_arm, by_relation, by_seed
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 
 
@@ -60,20 +60,25 @@ def _of_pair(pair: Pair, arm: Sequence, baseline: Sequence) -> list[Comparison]:
     seeds = sorted({outcome.seed for outcome in arm} & {outcome.seed for outcome in baseline})
     if not seeds:
         raise ValueError(f"{pair.arm} and {pair.baseline} share no seed; make their records again under the same seeds")
-    rows = []
-    for seed in seeds:
-        theirs = {outcome.episode: outcome for outcome in baseline if outcome.seed == seed}
-        ours = [outcome for outcome in arm if outcome.seed == seed]
-        if theirs.keys() != {outcome.episode for outcome in ours}:
-            raise ValueError(f"{pair.arm} and {pair.baseline} are not over the same episodes; make their records again")
-        family = [
-            _compare(pair, seed, relation, group, [theirs[outcome.episode] for outcome in group])
-            for relation, group in by_relation(ours)
-        ]
-        corrected = holm([row.p for row in family if row.relation != ALL])
-        *relations, whole = family
-        rows += [replace(row, p_holm=p) for row, p in zip(relations, corrected, strict=True)] + [whole]
-    return rows
+    ours, theirs = by_seed(arm), by_seed(baseline)
+    return [row for seed in seeds for row in family(pair, seed, ours[seed], theirs[seed])]
+
+
+def family(pair: Pair, seed: int, arm: Sequence, baseline: Sequence) -> list[Comparison]:
+    """One pass of an arm against one pass of its baseline: by relation, corrected for the relations, then all.
+
+    seed: what the rows are marked with. Raises ValueError where the two are not over the same episodes, or where the arm is
+    itself a stochastic pick.
+    """
+    theirs = {outcome.episode: outcome for outcome in baseline}
+    if theirs.keys() != {outcome.episode for outcome in arm}:
+        raise ValueError(f"{pair.arm} and {pair.baseline} are not over the same episodes; make their records again")
+    *relations, whole = [
+        _compare(pair, seed, relation, group, [theirs[outcome.episode] for outcome in group])
+        for relation, group in by_relation(arm)
+    ]
+    corrected = holm([row.p for row in relations])
+    return [replace(row, p_holm=p) for row, p in zip(relations, corrected, strict=True)] + [whole]
 
 
 def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequence) -> Comparison:

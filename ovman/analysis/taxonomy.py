@@ -9,7 +9,7 @@ from enum import StrEnum
 
 from ovman.analysis.navigation import Navigation
 from ovman.analysis.outcomes import StaticOutcome
-from ovman.analysis.rates import by_arm, by_relation
+from ovman.analysis.rates import by_arm, by_relation, by_seed
 
 
 class Verdict(StrEnum):
@@ -35,7 +35,8 @@ LOST = "lost_in_navigation"
 @dataclass(frozen=True, slots=True)
 class TaxonomyCount:
     """episodes: how many of the n episodes of a relation (or of ``all``) have the verdict; for ``LOST``, how many of the
-    successes the embodied arm lost under the seed. embodied and seed are None for verdicts, which no execution changes."""
+    successes the embodied arm lost under the seed. embodied is None for verdicts, which no execution changes; their seed is the
+    run of an arm with several runs, and None for one that answers once."""
 
     arm: str
     verdict: str
@@ -62,7 +63,7 @@ def verdict(outcome: StaticOutcome, radius_m: float, near_miss_m: float) -> Verd
 def taxonomy(
     outcomes: Sequence[StaticOutcome], navigations: Iterable[Navigation], radius_m: float, near_miss_m: float
 ) -> list[TaxonomyCount]:
-    """The counts of every static arm with realised answers: by arm, verdict, then relation and all; then what navigation lost.
+    """The counts of every static arm with realised answers: by arm, run, verdict, relation and all; then what navigation lost.
 
     Raises AssertionError if the verdicts of a relation do not add up to its episodes.
     """
@@ -71,18 +72,22 @@ def taxonomy(
     for arm, of_arm in by_arm(outcomes).items():
         if any(outcome.outcome == "expected" for outcome in of_arm):
             continue
-        groups = by_relation(of_arm)
-        counts = {relation: Counter(verdict(o, radius_m, near_miss_m) for o in group) for relation, group in groups}
-        for relation, group in groups:
-            assert sum(counts[relation][which] for which in Verdict) == len(group), (
-                f"{arm}, {relation}: verdicts are no partition"
-            )
-        rows += [
-            TaxonomyCount(arm, which.value, relation, counts[relation][which], len(group))
-            for which in Verdict
-            for relation, group in groups
-        ]
+        runs = by_seed(of_arm)
+        for seed, run in runs.items():
+            rows += _counts(arm, seed if len(runs) > 1 else None, run, radius_m, near_miss_m)
         rows += [
             TaxonomyCount(arm, LOST, row.relation, row.lost or 0, row.n, row.arm, row.seed) for row in lost if row.executes == arm
         ]
     return rows
+
+
+def _counts(arm: str, seed: int | None, run: Sequence[StaticOutcome], radius_m: float, near_miss_m: float) -> list[TaxonomyCount]:
+    groups = by_relation(run)
+    counts = {relation: Counter(verdict(o, radius_m, near_miss_m) for o in group) for relation, group in groups}
+    for relation, group in groups:
+        assert sum(counts[relation][which] for which in Verdict) == len(group), f"{arm}, {relation}: verdicts are no partition"
+    return [
+        TaxonomyCount(arm, which.value, relation, counts[relation][which], len(group), seed=seed)
+        for which in Verdict
+        for relation, group in groups
+    ]

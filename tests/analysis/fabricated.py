@@ -9,9 +9,18 @@ ROUND = tuple(Relation)
 
 
 def static(
-    arm: str, number: int, success: float, outcome: str = "answered", *, instances: int = 2, scene: str = "FloorPlan1", **seen
+    arm: str,
+    number: int,
+    success: float,
+    outcome: str = "answered",
+    *,
+    instances: int = 2,
+    scene: str = "FloorPlan1",
+    seed: int = 0,
+    **seen,
 ):
-    """The outcome of one episode; relations take turns with the number. seen: distance_m, other_m."""
+    """The outcome of one episode; relations take turns with the number. seed: the run of an arm with several. seen: distance_m,
+    other_m."""
     relation = ROUND[number % len(ROUND)]
     seen = {"distance_m": 0.5 if success else 3.0, **seen} if outcome == "answered" else {"distance_m": None, **seen}
     return StaticOutcome(
@@ -21,7 +30,7 @@ def static(
         category="Chair",
         instances=instances,
         arm=arm,
-        seed=0,
+        seed=seed,
         outcome=outcome,
         reason="no_candidate" if outcome == "abstained" else None,
         success=float(success),
@@ -29,12 +38,21 @@ def static(
     )
 
 
-def embodied(arm: str, number: int, success: bool, seed: int = 0, spl: float = 0.9):
-    """The run of the same episode as that of ``static`` with the same number."""
+def embodied(
+    arm: str,
+    number: int,
+    success: bool,
+    seed: int = 0,
+    spl: float = 0.9,
+    *,
+    own_success: bool | None = None,
+    scene: str = "FloorPlan1",
+):
+    """The run of the same episode as that of ``static`` with the same number and scene."""
     relation = ROUND[number % len(ROUND)]
     return EmbodiedOutcome(
-        f"FloorPlan1/{relation}/{number:04d}",
-        "FloorPlan1",
+        f"{scene}/{relation}/{number:04d}",
+        scene,
         relation,
         "Chair",
         2,
@@ -45,4 +63,5 @@ def embodied(arm: str, number: int, success: bool, seed: int = 0, spl: float = 0
         spl * success,
         3.0,
         20,
+        own_success,
     )

@@ -1,0 +1,82 @@
+"""The table of an agent's own task beside this one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ovman.agents.arms import Arm, named
+from ovman.analysis.statistics import wilson_interval
+from ovman.report.cells import Record, number, p_value, percent, signed, small_capitals, span
+from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
+
+
+def own_task_table(rows: Sequence[Record], arms: Sequence[Arm], radius_m: float, confidence: float) -> Table:
+    """One row an arm and relation, means over the seeds. rows: of "own_task.csv"; radius_m: R; confidence: of the intervals."""
+    groups: dict[tuple[str, str], list[Record]] = {}
+    for row in rows:
+        groups.setdefault((row["arm"], row["relation"]), []).append(row)
+    return Table(
+        name="own_task",
+        caption=(
+            "The same runs under two tests. Own task: the agent stopped with any instance of the queried category within "
+            f"{radius_m} m and in sight, as it was made to do. This task: Eq. 4, the instance or the place that the relation "
+            "selects. Means over the seeds, in brackets the least and the greatest of a seed. Only own, only this: runs that "
+            "succeed under one of the tests alone, of each seed in turn. p: exact two-sided McNemar test on these, the largest "
+            f"of the seeds. Ranges are Wilson {percent(confidence)} intervals of the own task, as wide as for one pass."
+        ),
+        columns=(
+            Column("agent", "agent", formats=CSV_AND_MARKDOWN),
+            Column("relation", "relation"),
+            *_columns("own", "own task"),
+            Column("own_low", "own low", numeric=True, formats=DATA),
+            Column("own_high", "own high", numeric=True, formats=DATA),
+            Column("range", percent(confidence), formats=PAGE),
+            *_columns("rate", "this task"),
+            Column("gap", "gap", numeric=True),
+            Column("only_own", "only own"),
+            Column("only_here", "only this"),
+            Column("p", "p", numeric=True, formats=DATA),
+            Column("p_page", "p", numeric=True, formats=PAGE),
+            Column("n", "n", numeric=True),
+            Column("seeds", "seeds", numeric=True),
+        ),
+        rows=tuple(_row(arms, arm, relation, of_group, confidence) for (arm, relation), of_group in groups.items()),
+        wide=True,
+    )
+
+
+def _columns(key: str, title: str) -> tuple[Column, ...]:
+    return (
+        Column(key, title, numeric=True, formats=DATA),
+        Column(f"{key}_min", f"{title} least", numeric=True, formats=DATA),
+        Column(f"{key}_max", f"{title} greatest", numeric=True, formats=DATA),
+        Column(f"{key}_page", title, formats=PAGE),
+    )
+
+
+def _row(arms: Sequence[Arm], arm: str, relation: str, rows: Sequence[Record], confidence: float) -> Row:
+    def mean(key: str) -> float:
+        return math.fsum(float(row[key]) for row in rows) / len(rows)
+
+    low, high = wilson_interval(mean("own_successes"), int(rows[0]["n"]), confidence)
+    cells = {
+        "agent": named(arms, arm).system,
+        "relation": small_capitals(relation),
+        "own_low": number(str(low)),
+        "own_high": number(str(high)),
+        "range": span(str(low), str(high)),
+        "gap": signed(str(mean("gap"))),
+        "only_own": ", ".join(row["only_own"] for row in rows),
+        "only_here": ", ".join(row["only_here"] for row in rows),
+        "p": (largest := max(rows, key=lambda row: float(row["p"]))["p"]),
+        "p_page": p_value(largest),
+        "n": rows[0]["n"],
+        "seeds": str(len(rows)),
+    }
+    for key, column in (("own", "own_rate"), ("rate", "rate")):
+        values = [float(row[column]) for row in rows]
+        middle, least, greatest = (number(str(value)) for value in (mean(column), min(values), max(values)))
+        brackets = f" ({least}–{greatest})" if len(values) > 1 else ""
+        cells |= {key: middle, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": middle + brackets}
+    return Row(cells, section=named(arms, arm).system)
