@@ -264,7 +264,7 @@ class DualmapLife(_Section):
 
     window: Some = Field(description="keyframes since it was seen during which it is being updated")
     stable: Some = Field(description="observations of a stable object")
-    majority: Probability = Field(description="share of its commonest class above which it is stable")
+    majority_one_in: Some = Field(description="more than one in so many observations are of its commonest class")
     filter_probability: Probability = Field(description="greatest probability of a converged class filter")
     filter_entropy: Annotated[float, Field(gt=0)] = Field(description="nats")
     filter_change: Fraction = Field(description="of the greatest probability")

@@ -11,7 +11,7 @@ class LifeConstants:
     """How long an object of the local map lives.
 
     window: keyframes since it was seen last during which it is being updated; stable: observations that a stable object has at
-    least; majority: its commonest class has more than this share of them; otherwise its class filter has converged, i.e. its
+    least; majority_one_in: more than one in so many of them are of its commonest class; otherwise its class filter has converged, i.e. its
     greatest probability is above filter_probability, its entropy (nats) below filter_entropy and that probability has changed
     by less than filter_change over the last filter_span observations; pending, waiting: keyframes that an unstable and a stable
     object stay on after the window.
@@ -19,7 +19,7 @@ class LifeConstants:
 
     window: int
     stable: int
-    majority: float
+    majority_one_in: int
     filter_probability: float
     filter_entropy: float
     filter_change: float

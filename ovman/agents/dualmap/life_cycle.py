@@ -60,7 +60,7 @@ def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, 
     if len(classes) < constants.stable:
         return False
     _, most = Counter(classes).most_common(1)[0]
-    return most > constants.majority * len(classes) or converged(classes, confidences, kinds, constants)
+    return most * constants.majority_one_in > len(classes) or converged(classes, confidences, kinds, constants)
 
 
 def converged(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: LifeConstants) -> bool:
