@@ -106,7 +106,7 @@ def tour(waypoints: Sequence[tuple[float, float]], headings: int) -> list[AgentP
     return [AgentPose(x, z, 360.0 * h / headings) for x, z in waypoints for h in range(headings)]
 
 
-def _frame(session: Session, world: World, pose: AgentPose) -> Any:
+def look(session: Session, world: World, pose: AgentPose) -> Any:
     """The event of the agent's view from `pose`, after the mover, if there is one, has taken its step."""
     if world.mover is None:
         return session.teleport(pose, image=True)
@@ -141,7 +141,7 @@ def record(
     here = {k: v["position"] for k, v in present.items()}
     records = []
     for i, pose in enumerate(views):
-        event = _frame(session, world, pose)
+        event = look(session, world, pose)
         index, names, sizes = _seen(event, minimum_px)
         now = {k: position(o) for k, o in dynamic().items()}
         camera = event.metadata["cameraPosition"]

@@ -1,0 +1,117 @@
+"""Dense walks: the tour of a visit again, with the frames between its views, as a video would have them.
+
+A walk passes the views of the recorded tour in their order. At a waypoint it turns once around, a frame a turn; to the next one
+it follows a shortest path on the navigation grid, a frame a step, looking where it goes. World time stands still except at the
+tour's own views: the mover takes its step at exactly those, so that a walk ends in the state that the recorded visit ended in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ovman.navigation import Grid, shortest_path
+from ovman.perception.backprojection import Camera
+from ovman.sim import visit
+from ovman.sim.change import World, position
+from ovman.sim.session import AgentPose, Session, bearing_deg
+from ovman.sim.visit import Visit
+
+SAME_M, SAME_DEG = 1e-3, 1e-3
+"""What is closer than this is the same place, or the same yaw."""
+
+
+class WalkError(RuntimeError):
+    """A walk that did not end as the visit that it follows; one line with the visit, what differs and the remedy."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """One frame of a walk.
+
+    rgb: (H, W, 3) uint8; depth: (H, W) float32 metres along the optical axis; camera: of both, in Unity's world frame; pose:
+    where the agent stands; view: which view of the recorded tour this is, None between them.
+    """
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    camera: Camera
+    pose: AgentPose
+    view: int | None
+
+
+def frames(
+    session: Session, world: World, views: Sequence[AgentPose], turn_deg: float, step_m: float, field_of_view_deg: float
+) -> Iterator[Frame]:
+    """The frames of the walk along the tour `views` in `world`, which was just made on `session`; spins by `turn_deg`, steps of
+    `step_m`, the spacing of the navigation grid.
+
+    Where there is no way from one waypoint to the next, because what was placed or moves bars it, the walk goes on at the next
+    one. SimulatorError where the simulator refuses a pose.
+    """
+    session.attend(())
+    grid: Grid | None = None
+
+    def seen(pose: AgentPose, number: int | None = None) -> Frame:
+        event = session.teleport(pose, image=True) if number is None else visit.look(session, world, pose)
+        at = session.camera
+        camera = Camera((at["x"], at["y"], at["z"]), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
+        return Frame(event.frame, event.depth_frame, camera, pose, number)
+
+    first = before = views[0]
+    for number, pose in enumerate(views):
+        if number and _apart_m(before, pose) <= SAME_M:
+            yield from map(seen, spin(before, pose.yaw_deg, turn_deg))
+        elif number:
+            yield from map(seen, spin(before, first.yaw_deg, turn_deg))
+            if grid is None or world.mover is not None:
+                grid = Grid.from_positions(session.reachable(), step_m)
+            yield from map(seen, way(grid, before, pose))
+            first = pose
+        yield seen(pose, number)
+        before = pose
+    yield from map(seen, spin(before, first.yaw_deg, turn_deg))
+
+
+def spin(here: AgentPose, yaw_deg: float, turn_deg: float) -> list[AgentPose]:
+    """The poses strictly between `here` and the next time that a spin to the right looks along `yaw_deg`; the last turn may be a
+    smaller one."""
+    left = (yaw_deg - here.yaw_deg) % 360.0 or 360.0
+    count = math.ceil((left - SAME_DEG) / turn_deg)
+    return [AgentPose(here.x, here.z, (here.yaw_deg + turn_deg * k) % 360.0, here.horizon_deg) for k in range(1, count)]
+
+
+def way(grid: Grid, here: AgentPose, there: AgentPose) -> list[AgentPose]:
+    """The poses at the cells strictly between two waypoints on a shortest path, looking where the step to each of them went.
+
+    Nothing where there is no way.
+    """
+    start, goal = grid.cell_at(here.x, here.z), grid.cell_at(there.x, there.z)
+    path = None if start is None or goal is None else shortest_path(grid, start, goal)
+    if path is None:
+        return []
+    points = [(round(x, 4), round(z, 4)) for x, z in map(grid.centre, path)]
+    return [
+        AgentPose(*point, round(bearing_deg(*before, *point), 4) % 360.0, there.horizon_deg)
+        for before, point in zip(points, points[1:-1], strict=False)
+    ]
+
+
+def check(session: Session, world: World, recorded: Visit) -> None:
+    """Raises WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
+    where = f"{session.scene}: the walk of {recorded.name}"
+    was, now = recorded.record["mover"], world.mover
+    if was is not None and (now is None or (round(now.along_m, 4), now.direction) != (was["along_m"], was["direction"])):
+        raise WalkError(f"{where} left the mover at {now}, not where the visit did ({was['along_m']}); record the visits again")
+    session.step("ResetObjectFilter")
+    objects = session.objects
+    for instance, ended in recorded.positions[-1].items():
+        if position(objects[instance]) != ended:
+            raise WalkError(f"{where} left {instance} at {position(objects[instance])}, not at {ended}; record the visits again")
+
+
+def _apart_m(a: AgentPose, b: AgentPose) -> float:
+    return math.hypot(a.x - b.x, a.z - b.z)
