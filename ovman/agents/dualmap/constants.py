@@ -11,10 +11,10 @@ class LifeConstants:
     """How long an object of the local map lives.
 
     window: keyframes since it was seen last during which it is being updated; stable: observations that a stable object has at
-    least; majority_one_in: more than one in so many of them are of its commonest class; otherwise its class filter has converged, i.e. its
-    greatest probability is above filter_probability, its entropy (nats) below filter_entropy and that probability has changed
-    by less than filter_change over the last filter_span observations; pending, waiting: keyframes that an unstable and a stable
-    object stay on after the window.
+    least; majority_one_in: more than one in so many of them are of its commonest class; otherwise its class filter has
+    converged, i.e. its greatest probability is above filter_probability, its entropy (nats) below filter_entropy and that
+    probability has changed by less than filter_change over the last filter_span observations; pending, waiting: keyframes that
+    an unstable and a stable object stay on after the window.
     """
 
     window: int

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ovman.agents.dualmap.cloud import FLOOR, Cloud, area, footprint, shared_area, thinned
+from ovman.agents.dualmap.cloud import FLOOR, Cloud, area, shared_area, thinned
 from ovman.agents.dualmap.constants import GlobalConstants
 from ovman.agents.dualmap.local_map import Departure
 from ovman.agents.dualmap.map_object import MapObject
@@ -30,9 +30,7 @@ class Related:
     @staticmethod
     def of(thing: MapObject) -> Related:
         """What the global map keeps of an object that stands on furniture."""
-        return Related(
-            thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen
-        )
+        return Related(thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

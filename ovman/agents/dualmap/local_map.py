@@ -110,7 +110,8 @@ class LocalMap:
     def _hand_on(self, constants: GlobalConstants) -> None:
         """Settled furniture departs with what is on it; what else has settled and is on nothing is dropped."""
         on = {
-            thing.uid: [low for low in self.objects if low is not thing and lies_on(thing, low, constants)] for thing in self.objects
+            thing.uid: [low for low in self.objects if low is not thing and lies_on(thing, low, constants)]
+            for thing in self.objects
         }
         leaving: set[int] = set()
         for thing in self.objects:

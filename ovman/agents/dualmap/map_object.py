@@ -16,7 +16,7 @@ from ovman.agents.dualmap.observation import Observation
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """One observation as one run has it. frame: index of the keyframe in the map's life; cloud: the points this run drew of it."""
+    """One observation as one run has it. frame: index of the keyframe in the map's life; cloud: the points that the run drew."""
 
     frame: int
     class_id: int
@@ -73,7 +73,9 @@ class MapObject:
             self.parts = [Cloud(thinned(self.points, constants.voxel_m))]
             self.box = self.parts[0].box
         else:
-            self.box = np.concatenate([np.minimum(self.box[:3], seen.cloud.box[:3]), np.maximum(self.box[3:], seen.cloud.box[3:])])
+            self.box = np.concatenate(
+                [np.minimum(self.box[:3], seen.cloud.box[:3]), np.maximum(self.box[3:], seen.cloud.box[3:])]
+            )
 
     def shared(self, points: np.ndarray, near_m: float) -> float:
         """The fraction of `points` (N, 3) within near_m of this object's cloud."""
@@ -135,7 +137,7 @@ def together(seen: Sequence[Seen], since: int) -> tuple[int, int, int] | None:
 
 
 def parted(whole: MapObject, a: int, b: int, uid: int, constants: LocalConstants) -> tuple[MapObject, MapObject]:
-    """An object as the two that its classes a and b say it is. The commoner keeps the name and the observations of any other class."""
+    """An object as the two that its classes a and b say it is. The commoner keeps the name and what was seen as a third class."""
     counts = Counter(seen.class_id for seen in whole.seen)
     lesser = a if counts[a] < counts[b] else b
     mine = [seen for seen in whole.seen if seen.class_id != lesser]
