@@ -6,6 +6,7 @@ import os
 import subprocess
 import threading
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,8 @@ from ovman.sim.embodiment import Embodiment
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
+Start = Callable[[str, str, Embodiment], Any]
+"""What `start` is: backend, scene and embodiment to a Controller, or to what answers as one."""
 BACKENDS = ("embedded", "thor")
 START_LIMIT_S = 600.0
 """How long a simulator may take to its first scene; the engine compiles its kernels once."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 
 @dataclass(frozen=True)
@@ -62,3 +65,24 @@ class Embodiment:
         if self.mode != "default":
             given |= {"agentMode": self.mode, "applyActionNoise": self.noisy}
         return given
+
+    def seen_by(self, camera: Embodiment, mask: np.ndarray) -> np.ndarray:
+        """A mask (H, W) of this camera's frame as the frame of `camera` at the same pose has it, by nearest pixels.
+
+        What is counted in pixels is then the same in the frames of any camera. What only `camera` sees is False.
+        """
+        if (self.height_px, self.width_px, self.field_of_view_deg) == (
+            camera.height_px,
+            camera.width_px,
+            camera.field_of_view_deg,
+        ):
+            return mask
+        # Tangents of the rays through the middles of the pixels; pixels are square, the field of view is vertical.
+        wide, own = (2.0 * math.tan(math.radians(c.field_of_view_deg) / 2.0) / c.height_px for c in (camera, self))
+        axes = []
+        for theirs, ours in ((camera.height_px, self.height_px), (camera.width_px, self.width_px)):
+            tangents = (np.arange(theirs) + 0.5 - theirs / 2.0) * wide
+            axes.append(np.floor(tangents / own + ours / 2.0).astype(int))
+        rows, columns = axes
+        inside = ((rows >= 0) & (rows < self.height_px))[:, None] & ((columns >= 0) & (columns < self.width_px))
+        return mask[np.clip(rows, 0, self.height_px - 1)][:, np.clip(columns, 0, self.width_px - 1)] & inside

@@ -47,13 +47,17 @@ class Session:
     """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
 
     A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
-    and primitives.turn_deg. `embodiment` is the agent's body where it is another than the benchmark's own. Every step that fails
-    raises SimulatorError unless it is said to be allowed, and SimulatorDied if there is no simulator any more; see `surviving`.
+    and primitives.turn_deg. `embodiment` is the agent's body where it is another than the benchmark's own, `start` what gives the
+    Controller where that is not `controller.start`. Every step that fails raises SimulatorError unless it is said to be allowed,
+    and SimulatorDied if there is no simulator any more; see `surviving`.
     """
 
-    def __init__(self, scene: str, constants: Any, embodiment: Embodiment | None = None) -> None:
+    def __init__(
+        self, scene: str, constants: Any, embodiment: Embodiment | None = None, start: controller.Start | None = None
+    ) -> None:
         self.scene = scene
         self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment
+        self._start = start
         self._constants = constants
         self._controller: Any = None
         self._event: Any = None
@@ -99,21 +103,24 @@ class Session:
         return self._controller is not None
 
     def reset(self) -> None:
-        """The untouched scene; starts the simulator the first time."""
+        """The untouched scene, at rest; starts the simulator the first time."""
         with self._watched("Reset"):
             if self._controller is None:
-                self._controller = controller.start(self._constants.benchmark.backend, self.scene, self.embodiment)
+                start = self._start or controller.start
+                self._controller = start(self._constants.benchmark.backend, self.scene, self.embodiment)
                 self._event = self._controller.last_event
             else:
                 self._event = self._controller.reset(self.scene)
         self._height_m = self._event.metadata["agent"]["position"]["y"]
+        self.settle()
 
     def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
         """One action; returns its event. With `image` the event carries RGB, depth and ids. A failure raises unless `allowed`."""
         with self._watched(action):
             self._event = self._controller.step(action=action, renderImage=image, **arguments)
         if not self._event.metadata["lastActionSuccess"] and not allowed:
-            raise SimulatorError(f"{self.scene}: {action}: {self._event.metadata['errorMessage']}")
+            why = self._event.metadata["errorMessage"] or f"refused without a reason: {arguments}"
+            raise SimulatorError(f"{self.scene}: {action}: {why}")
         return self._event
 
     @property
@@ -164,9 +171,9 @@ class Session:
         return [(p["x"], p["z"]) for p in self.step("GetReachablePositions").metadata["actionReturn"]]
 
     def pixels(self, object_id: str) -> int:
-        """Size of an object's instance mask in the last image, in pixels."""
+        """Size of an object's instance mask in the last image, in pixels of the benchmark's camera, whatever the body's is."""
         mask = self._event.instance_masks.mask(object_id)
-        return 0 if mask is None else int(np.count_nonzero(mask))
+        return 0 if mask is None else int(np.count_nonzero(self.embodiment.seen_by(Embodiment.of(self._constants), mask)))
 
     def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
         """Mask size of an object at each pitch of the look-down sweep from `pose` (Eq. 4, vis)."""

@@ -20,14 +20,14 @@ class Clone:
     def lacks(self) -> str | None:
         """What is wrong with the clone and what to do, in one line; None for a clean checkout of the pinned commit.
 
-        Files that Git does not track (weights, caches) do not count.
+        Files that Git does not track (weights, caches) and submodules do not count.
         """
         clone = f"git clone {self.repository} {self.root} && git -C {self.root} checkout {self.commit}"
         if not self.root.is_dir():
             return f"there is no clone in {self.root}; {clone}"
         try:
             top, head = self._git("rev-parse", "--show-toplevel"), self._git("rev-parse", "HEAD")
-            changed = self._git("status", "--porcelain", "--untracked-files=no").splitlines()
+            changed = self._git("status", "--porcelain", "--untracked-files=no", "--ignore-submodules").splitlines()
         except FileNotFoundError:
             return "git is not installed, which says whether a clone is the pinned commit; install it"
         except subprocess.TimeoutExpired:

@@ -53,11 +53,13 @@ class Needs:
 
     modules: by the name that is imported, the package to install. versions: packages that must be of one version. cached: for a
     repository of Hugging Face, groups of files of which one each must have been downloaded; the command that downloads them.
+    oldest: Python that the system's process runs with.
     """
 
     modules: Mapping[str, str]
     versions: Mapping[str, str]
     cached: Mapping[str, tuple[Sequence[Sequence[str]], str]]
+    oldest: tuple[int, int] = OLDEST
 
 
 def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping[str, str] | None = None) -> str | None:
@@ -93,8 +95,8 @@ def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping
 
 def _first(key: str, python: str, device: str, needs: Needs, found: Mapping) -> str | None:
     version = tuple(found["version"])
-    if version < OLDEST:
-        wanted, has = ".".join(map(str, OLDEST)), ".".join(map(str, version))
+    if version < needs.oldest:
+        wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, version))
         return f"{key}.python is Python {has}; the wrapper needs {wanted} or newer"
     pip = f"{shlex.quote(python)} -m pip install"
     absent = [package for module, package in needs.modules.items() if not found["modules"][module]]
