@@ -97,7 +97,8 @@ class Job:
 def job(snakemake: Any) -> Iterator[Job]:
     """The job that `snakemake` describes. What it prints, with what its child processes print, is the rule's log.
 
-    A job that asks for a GPU waits until no other job of this user has one, whatever Snakemake was told.
+    A job that asks for a GPU waits until no other job of this user has one, whatever Snakemake was told. An exception whose
+    attribute `says_all` is true names in its one line what is missing and the remedy: the log gets that line and no traceback.
     """
     _end_with(os.environ.get(WORKFLOW_PID))
     if snakemake.log:
@@ -109,8 +110,10 @@ def job(snakemake: Any) -> Iterator[Job]:
         try:
             yield work
             work._done()
-        except BaseException:
+        except BaseException as error:
             work._failed()
+            if getattr(error, "says_all", False):
+                raise SystemExit(str(error)) from None
             raise
 
 

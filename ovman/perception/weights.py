@@ -29,6 +29,8 @@ SHA256: Mapping[str, str] = {
 class WeightsError(ValueError):
     """Weights that cannot be used; one line: the setting, what is wrong, and the remedy."""
 
+    says_all = True
+
 
 def located(name: str) -> Path | None:
     """The file that a setting names, relative to the repository unless absolute; None for the name of something released.

@@ -1,0 +1,108 @@
+"""A piece of OVMAN's real work on one scene, small enough to be recorded and sent: `ovman record` and `ovman replay`.
+
+The stages' own functions do it: the survey of the scene, then a displaced, a removed and a moving instance as trials (both tours,
+the measurements around the answer, the look-down sweep), and the oracle's episode on each.
+"""
+
+from __future__ import annotations
+
+import platform
+import subprocess
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ovman import __version__, seeds
+from ovman.constants import StageConstants
+from ovman.generation.candidates import candidates
+from ovman.generation.certified import oracle_run
+from ovman.generation.scenes import survey
+from ovman.generation.trials import Trials
+from ovman.sim import controller
+from ovman.sim.embodiment import Embodiment
+from ovman.sim.session import Session
+from ovman.sim.tape.comparison import RULES, Summary, summaries
+from ovman.sim.tape.file import Header, Result, Tape, TapeError, Writer, read
+from ovman.sim.tape.live import replayed
+from ovman.sim.tape.playback import Playback
+from ovman.sim.tape.recorder import Recorder, plain
+from ovman.task import Relation
+
+STAGES = ("scenes", "candidates", "trials", "certified")
+"""Whose constants the work is done with."""
+WORK = (Relation.MOVED, Relation.REMOVED, Relation.MOVING)
+NAME_LIMIT_S = 30.0
+
+
+def work(scene: str, views: Mapping[str, StageConstants], start: controller.Start) -> Iterator[Result]:
+    """What each piece of the work comes to. `start` gives the Controller; visits are written to a directory that goes away."""
+    with tempfile.TemporaryDirectory() as visits, Session(scene, views["scenes"], start=start) as session:
+        found = survey(session, views["scenes"].tour.waypoints, views["scenes"].primitives.step_m)
+        yield Result("survey", found)
+        drawn = [c for c in candidates(found, views["candidates"]) if c["refused"] is None]
+        first = {relation: next((c for c in drawn if c["relation"] == relation.value), None) for relation in WORK}
+        trials = Trials(session, found, views["trials"], Path(visits))
+        for relation, candidate in first.items():
+            if candidate is None:
+                continue
+            trial = trials.measure(candidate)
+            yield Result(f"{relation.value} trial", trial)
+            if trial["measured"]["ended"] is None:
+                certified = views["certified"]
+                seed = seeds.integer(certified.benchmark.seed, "certification", candidate["id"], 0)
+                yield Result(f"{relation.value} oracle", oracle_run(session, trial, seed, certified))
+
+
+def record(scene: str, views: Mapping[str, StageConstants], output: Path) -> Tape:
+    """Does the work on the backend of `views` and writes all of it to `output`; what was written, read again."""
+    header = Header(
+        views["scenes"].benchmark.backend,
+        scene,
+        asdict(Embodiment.of(views["scenes"])),
+        {stage: views[stage].canonical for stage in STAGES},
+        _versions(),
+        _platform(),
+    )
+    with Writer(output, header) as writer:
+        for result in work(scene, views, Recorder.start(writer)):
+            writer.write(Result(result.work, plain(result.record)))
+    return read(output)
+
+
+def rehearsed(tape: Tape) -> list[str]:
+    """The work done again on the recorded answers: names of the results that come out otherwise than recorded.
+
+    TapeError where the work asks the simulator for something else than it did when it was recorded.
+    """
+    playback = Playback(tape)
+    views = {stage: StageConstants(text) for stage, text in tape.header.constants.items()}
+    again = {result.work: plain(result.record) for result in work(tape.header.scene, views, playback.start)}
+    if rest := playback.rest():
+        raise TapeError(f"{rest} recorded calls are not asked for any more; record it anew with this version")
+    was = tape.results()
+    return [name for name in {**was, **again} if was.get(name) != again.get(name)]
+
+
+def compared(tape: Tape, backend: str) -> list[Summary]:
+    """What `backend` answers otherwise than recorded; nothing may differ where it is the recording's own."""
+    rules: Sequence[Any] = () if tape.header.backend == backend else RULES
+    return summaries(list(replayed(tape, backend)), rules)
+
+
+def _versions() -> dict[str, str]:
+    from ai2thor.build import COMMIT_ID
+
+    return {"ovman": __version__, "ai2thor": version("ai2thor"), "build": str(COMMIT_ID), "procthor": version("procthor")}
+
+
+def _platform() -> dict[str, str]:
+    known = {"system": platform.system(), "release": platform.release(), "machine": platform.machine()}
+    try:
+        command = ["nvidia-smi", "--query-gpu=name,driver_version", "--format=csv,noheader"]
+        said = subprocess.run(command, capture_output=True, text=True, timeout=NAME_LIMIT_S)
+    except (OSError, subprocess.TimeoutExpired):
+        return known | {"gpu": "none"}
+    return known | {"gpu": "; ".join(said.stdout.split("\n")).strip("; ") or "none"}

@@ -1,0 +1,119 @@
+"""AI2-THOR's Unity build: what it needs of a machine, where it lies, and how it gets there.
+
+`python -m ovman.sim.unity` downloads it, in a process that can be ended: the client itself waits for its server without a limit.
+"""
+
+from __future__ import annotations
+
+import ctypes.util
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ai2thor.build import Build
+
+DOWNLOAD_LIMIT_S = 1800.0
+"""How long the download may take: something less than 1 GB."""
+REACH_LIMIT_S = 20.0
+"""How long its server may take to say that it has the build."""
+VULKANINFO_LIMIT_S = 30.0
+DRIVER = "the GPU's own driver with its Vulkan part (Debian, Ubuntu: sudo apt install nvidia-driver libnvidia-gl, of one version)"
+
+
+class Missing(ValueError):
+    """The machine lacks what the Unity build needs. One line: what, and the remedy."""
+
+    says_all = True
+
+    def __init__(self, what: str, remedy: str) -> None:
+        super().__init__(f"benchmark.backend is thor, but {what}; {remedy}")
+        self.what, self.remedy = what, remedy
+
+
+@dataclass(frozen=True)
+class Device:
+    """A device that Vulkan draws with, and whether it is a GPU rather than a program that plays one."""
+
+    name: str
+    is_gpu: bool
+
+
+def devices() -> tuple[Device, ...] | None:
+    """What Vulkan draws with; None where `vulkaninfo`, which knows it, is not installed. Raises Missing."""
+    if ctypes.util.find_library("vulkan") is None:
+        raise Missing("Vulkan's library is not installed", f"sudo apt install libvulkan1 vulkan-tools, and {DRIVER}")
+    if shutil.which("vulkaninfo") is None:
+        if any(device.strip().isdigit() for device in os.environ.get("CUDA_VISIBLE_DEVICES", "").split(",")):
+            raise Missing(
+                "CUDA_VISIBLE_DEVICES chooses a GPU and vulkaninfo, which the client finds it with, is not installed",
+                "sudo apt install vulkan-tools, or unset CUDA_VISIBLE_DEVICES",
+            )
+        return None
+    remedy = f"install {DRIVER}"
+    try:
+        said = subprocess.run(["vulkaninfo", "--summary"], capture_output=True, text=True, timeout=VULKANINFO_LIMIT_S)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Missing(f"vulkaninfo does not answer ({type(error).__name__})", remedy) from None
+    fields = [[part.strip() for part in line.split("=", 1)] for line in said.stdout.splitlines() if "=" in line]
+    names, kinds = ([value for key, value in fields if key == wanted] for wanted in ("deviceName", "deviceType"))
+    if said.returncode != 0 or not names:
+        lines = said.stderr.split("\n") if said.returncode else []
+        raise Missing(f"Vulkan finds no device ({next(filter(None, lines), 'vulkaninfo names none').strip()})", remedy)
+    kinds += [""] * (len(names) - len(kinds))
+    found = tuple(Device(name, not kind.endswith("_CPU")) for name, kind in zip(names, kinds, strict=False))
+    if not any(device.is_gpu for device in found):
+        raise Missing(f"Vulkan draws without a GPU here ({', '.join(device.name for device in found)})", remedy)
+    return found
+
+
+def build() -> Build:
+    """The build that the client starts."""
+    from ai2thor.build import COMMIT_ID, Build
+    from ai2thor.platform import CloudRendering
+
+    return Build(CloudRendering, COMMIT_ID, False, str(Path.home() / ".ai2thor" / "releases"))
+
+
+def is_present() -> bool:
+    """Whether the build lies where the client looks for it, whole."""
+    wanted = build()
+    return Path(wanted.executable_path).is_file() and Path(wanted.metadata_path).is_file()
+
+
+def fetch(limit_s: float = DOWNLOAD_LIMIT_S) -> None:
+    """Downloads the build if it is not there. Raises Missing, at the latest after `limit_s` seconds."""
+    if is_present():
+        return
+    remedy = f"see to it that {build().url} can be reached, or copy ~/.ai2thor from a machine that has the build"
+    print(f"downloading {build().url} to {build().releases_dir}", flush=True)
+    try:
+        said = subprocess.run([sys.executable, "-m", "ovman.sim.unity"], capture_output=True, text=True, timeout=limit_s)
+    except subprocess.TimeoutExpired:
+        raise Missing(f"its build was not downloaded within {limit_s:g} s", remedy) from None
+    if said.returncode != 0 or not is_present():
+        why = next((line.strip() for line in reversed(said.stderr.splitlines()) if line.strip()), "it ended without a word")
+        raise Missing(f"its build cannot be downloaded ({why})", remedy)
+
+
+def main() -> int:
+    """Downloads the build. Exit status 1 and one line on standard error where that fails."""
+    import requests
+
+    wanted = build()
+    try:
+        requests.head(wanted.url, timeout=REACH_LIMIT_S).raise_for_status()
+        wanted.download()
+        wanted.download_metadata()
+    except Exception as error:
+        print(f"{type(error).__name__}: {error}".splitlines()[0][:200], file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
