@@ -107,7 +107,7 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
         "frames": np.array([mapped.frames for mapped in maps], np.int64),
         "entries": np.array([len(mapped.entries) for mapped in maps], np.int64),
         "position": np.array([e.position for e in every], np.float64).reshape(-1, 2),
-        "feature": np.array([e.feature for e in every], np.float32).reshape(-1, size),
+        "feature": np.array([e.feature for e in every], np.float32).reshape(len(every), size),
         "sort": np.array([e.sort for e in every], str),
     }
     for name in ("class_id", "observations", "first_seen", "last_seen"):

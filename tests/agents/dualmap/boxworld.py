@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
+from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.observation import Observation
+from ovman.config import load
 
+CONSTANTS = MapConstants.of(load(Path(__file__).parents[3] / "config.yaml").dualmap)
+"""As in config.yaml."""
 FEATURES = 16
 
 
@@ -35,9 +40,8 @@ def surface(box: Box, eye: np.ndarray, points: int, rng: np.random.Generator) ->
     sides = [(axis, sign) for axis in range(3) for sign in (-1, 1) if sign * (eye[axis] - centre[axis]) > half[axis]]
     areas = np.array([np.prod(np.delete(half, axis)) for axis, _ in sides])
     spots = rng.uniform(-1, 1, (points, 3)) * half
-    for spot, side in zip(spots, rng.choice(len(sides), points, p=areas / areas.sum()), strict=True):
-        axis, sign = sides[side]
-        spot[axis] = sign * half[axis]
+    axis, sign = np.array(sides)[rng.choice(len(sides), points, p=areas / areas.sum())].T
+    spots[np.arange(points), axis] = sign * half[axis]
     return (centre + spots).astype(np.float32)
 
 

@@ -1,0 +1,232 @@
+"""DualMap's local map: boxes that are seen often are objects at their places; nothing that has settled is forgotten."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.dualmap.cloud import Cloud, box_iou, thinned
+from ovman.agents.dualmap.local_map import LocalMap, matches
+from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
+from ovman.agents.dualmap.observation import Observation
+from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, TOUR, Box, feature, observation, walk
+
+LOCAL = CONSTANTS.local
+
+
+def mapped(frames: Sequence[Sequence[Observation]], run: int = 0, flush: bool = True) -> LocalMap:
+    local = LocalMap(run, FEATURES, LOCAL, np.random.default_rng(run))
+    for observations in frames:
+        local.observe(observations)
+    if flush:
+        local.flush()
+    return local
+
+
+def seen(points: np.ndarray, look: np.ndarray, frame: int = 0, class_id: int = 0) -> Seen:
+    return Seen(frame, class_id, 0.8, look, Cloud(points), True)
+
+
+def sheet(points: int, rng: np.random.Generator) -> np.ndarray:
+    """Points of a box of 1 m by 0.2 m by 1 m, no two of them as near as clouds share points."""
+    places = np.stack(np.meshgrid(np.arange(20), np.arange(4), np.arange(20)), axis=-1).reshape(-1, 3) * 0.05
+    return rng.permutation(places)[:points]
+
+
+def test_ten_boxes_on_a_dense_walk_are_ten_objects_of_their_class_at_their_places():
+    objects = mapped(walk(TEN, DENSE)).objects
+    assert sorted(thing.class_id for thing in objects) == list(range(10))
+    for thing in objects:
+        x, _, z = TEN[thing.class_id].centre
+        assert np.hypot(*(thing.position - [x, z])) <= 0.1
+        assert thing.feature == pytest.approx(feature(thing.class_id), abs=1e-6)
+
+
+def test_twenty_four_views_leave_nothing_that_was_seen_eight_times():
+    frames = walk(TEN, TOUR)
+    before = mapped(frames, flush=False)
+    assert len(before.objects) == 10 and max(len(thing.seen) for thing in before.objects) < 8
+    assert mapped(frames).objects == []
+
+
+def test_a_moved_object_is_a_new_entry_and_the_old_one_stays_where_it_was():
+    second = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
+    objects = mapped([*walk(TEN, DENSE), *walk(second, DENSE, seed=1)]).objects
+    places = sorted(tuple(thing.position.round(1).tolist()) for thing in objects if thing.class_id == 0)
+    assert places == [(0.0, 0.0), (1.0, 1.8)]
+    assert len(objects) == 11
+
+
+def test_a_map_is_the_same_under_the_same_run_and_another_under_another():
+    frames = walk(TEN, DENSE, runs=2)
+    once, again, other = mapped(frames), mapped(frames), mapped(frames, run=1)
+    assert [thing.uid for thing in once.objects] == [thing.uid for thing in again.objects]
+    for a, b in zip(once.objects, again.objects, strict=True):
+        assert a.points.tobytes() == b.points.tobytes() and a.feature.tobytes() == b.feature.tobytes()
+    assert {tuple(a.position) for a in once.objects}.isdisjoint(tuple(b.position) for b in other.objects)
+
+
+def test_a_copy_grows_by_itself():
+    local = mapped(walk(TEN, DENSE), flush=False)
+    before = [thing.points.tobytes() for thing in local.objects]
+    copy = local.copy(np.random.default_rng(5))
+    for observations in walk([TEN[0].moved(1.0, 1.8), *TEN[1:]], DENSE, seed=1):
+        copy.observe(observations)
+    assert len(copy.objects) == 11 and copy.frame == local.frame + len(DENSE)
+    assert [thing.points.tobytes() for thing in local.objects] == before
+
+
+@settings(max_examples=3, derandomize=True, deadline=None)
+@given(st.randoms(use_true_random=False))
+def test_the_order_of_a_keyframes_observations_does_not_change_which_objects_there_are(random):
+    frames = walk(TEN, DENSE)
+    shuffled = [random.sample(observations, len(observations)) for observations in frames]
+
+    def content(local: LocalMap) -> list:
+        return sorted((*thing.position.tolist(), thing.class_id, len(thing.seen)) for thing in local.objects)
+
+    assert content(mapped(shuffled)) == content(mapped(frames))
+
+
+@pytest.mark.parametrize(("shared", "same"), [(0.10, False), (0.20, False), (0.30, True), (1.0, True)])
+def test_one_look_and_more_than_a_fifth_of_its_points_make_an_observation_an_objects(shared: float, same: bool):
+    rng = np.random.default_rng(0)
+    points = sheet(1000, rng)
+    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    count = round(shared * len(points))
+    apart = points.copy()
+    apart[count:] += [0.025, 0.025, 0.025]
+    match = matches([seen(apart, feature(0))], [thing], LOCAL)
+    assert thing.shared(apart, LOCAL.near_m) == pytest.approx(shared)
+    assert match == ([0] if same else [None])
+
+
+@pytest.mark.parametrize(("cosine", "same"), [(0.15, False), (0.25, True)])
+def test_all_points_and_more_than_a_fifth_of_its_look_do_too(cosine: float, same: bool):
+    points = sheet(500, np.random.default_rng(0))
+    look = cosine * feature(0) + np.sqrt(1 - cosine**2) * feature(1)
+    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    assert matches([seen(points, look)], [thing], LOCAL) == ([0] if same else [None])
+
+
+def test_the_most_similar_object_is_matched_and_one_elsewhere_never_is():
+    points = sheet(500, np.random.default_rng(0))
+    less = 0.7 * feature(0) + np.sqrt(1 - 0.49) * feature(1)
+    objects = [
+        MapObject.of(0, [seen(points + [5, 0, 0], feature(0))], LOCAL),
+        MapObject.of(1, [seen(points, less)], LOCAL),
+        MapObject.of(2, [seen(points, feature(0))], LOCAL),
+    ]
+    assert matches([seen(points, feature(0)), seen(points, less)], objects, LOCAL) == [2, 1]
+    assert matches([seen(points + [5, 0, 0], feature(1))], objects, LOCAL) == [None]
+    assert matches([seen(points, feature(0))], [], LOCAL) == [None]
+
+
+@settings(max_examples=30, derandomize=True, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_looking_at_the_likeliest_first_finds_what_comparing_with_all_does(seed: int):
+    rng = np.random.default_rng(seed)
+
+    def cloud() -> np.ndarray:
+        return rng.uniform(0, 0.15, (60, 3)) + rng.uniform(0, 0.1, 3)
+
+    def look() -> np.ndarray:
+        vector = feature(0) + rng.normal(0, 0.2, FEATURES)
+        return vector / np.linalg.norm(vector)
+
+    objects = [MapObject.of(k, [seen(cloud(), look()) for _ in range(int(rng.integers(1, 5)))], LOCAL) for k in range(6)]
+    fresh = [seen(cloud(), look()) for _ in range(4)]
+    for one, found in zip(fresh, matches(fresh, objects, LOCAL), strict=True):
+        overlap = box_iou(one.cloud.box[None], np.stack([thing.box for thing in objects]))[0] >= LOCAL.least_iou
+        near = [
+            (np.linalg.norm(one.cloud.points[:, None] - thing.points[None], axis=2).min(axis=1) <= LOCAL.near_m).mean()
+            for thing in objects
+        ]
+        similarity = [
+            float(one.feature @ thing.feature) + (share if there else 0.0)
+            for thing, share, there in zip(objects, near, overlap, strict=True)
+        ]
+        best = int(np.argmax(similarity))
+        assert found == (best if similarity[best] > LOCAL.match else None)
+
+
+def test_boxes_that_touch_share_nothing_and_equal_ones_everything():
+    boxes = np.array([[0, 0, 0, 1, 1, 1], [1, 0, 0, 2, 1, 1], [0, 0, 0, 1, 1, 2], [0, 0, 0, 1, 0, 1]], float)
+    iou = box_iou(boxes, boxes)
+    assert np.array_equal(iou, iou.T)
+    assert iou[0, 0] == 1 and iou[0, 1] == 0 and iou[0, 2] == 0.5
+    assert not iou[3].any(), "a box without volume overlaps nothing, itself included"
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 300))
+def test_a_thinned_cloud_has_a_point_a_voxel_stays_in_its_box_and_is_near_all_it_was(seed: int, count: int):
+    points = np.random.default_rng(seed).uniform(-1, 1, (count, 3)) * [0.1, 0.2, 0.3]
+    thin = thinned(points, 0.05)
+    cells = np.floor((points - points.min(axis=0)) / 0.05 + 0.5)
+    assert len(thin) == len(np.unique(cells, axis=0))
+    assert (thin >= points.min(axis=0) - 1e-9).all() and (thin <= points.max(axis=0) + 1e-9).all()
+    assert Cloud(thin).near(points, 0.05 * np.sqrt(3)).all()
+    assert thinned(points[:1], 0.05) == pytest.approx(points[:1])
+
+
+def test_a_cloud_is_appended_and_thinned_at_every_third_observation():
+    points = sheet(200, np.random.default_rng(0))
+    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    sizes = [len(thing.points)]
+    for _ in range(5):
+        thing.add(seen(points, feature(0)), LOCAL)
+        sizes.append(len(thing.points))
+    assert sizes == [200, 400, 200, 400, 600, 200]
+
+
+def test_the_feature_is_the_mean_and_the_class_the_commonest():
+    points = sheet(100, np.random.default_rng(0))
+    thing = MapObject.of(0, [seen(points, feature(k), class_id=k) for k in (4, 2, 2, 4, 2)], LOCAL)
+    assert thing.class_id == 2
+    assert thing.feature == pytest.approx((2 * feature(4) + 3 * feature(2)) / np.sqrt(13))
+
+
+def test_two_classes_in_more_than_six_common_keyframes_are_two_objects():
+    box = Box((0, 0.5, 0), (1, 1, 1), class_id=0)
+    rng, eye = np.random.default_rng(0), np.array([3.0, 1.0, 3.0])
+    like = 0.8 * feature(0) + 0.6 * feature(1)
+
+    def both(frame: int) -> list[Observation]:
+        one = observation(box, eye, frame, rng, points=600)
+        return [replace(one, class_id=k, feature=like.astype(np.float32)) for k in (0, 1)]
+
+    local = LocalMap(0, FEATURES, LOCAL, np.random.default_rng(0))
+    local.observe([both(0)[0]])
+    counts = []
+    for frame in range(1, 8):
+        local.observe(both(frame))
+        counts.append(len(local.objects))
+    assert counts == [1] * 6 + [2]
+    assert sorted((thing.class_id, len(thing.seen)) for thing in local.objects) == [(0, 8), (1, 7)]
+
+
+def test_keyframes_before_the_last_ten_do_not_count():
+    points = sheet(50, np.random.default_rng(0))
+    observations = [seen(points, feature(0), frame, k) for frame in range(20) for k in ((0, 1) if frame < 12 else (0,))]
+    assert together(observations, since=0) == (0, 1, 12)
+    assert together(observations, since=10) == (0, 1, 2)
+    assert together(observations, since=12) is None
+
+
+def test_what_was_seen_as_a_third_class_stays_with_the_commoner():
+    points = sheet(50, np.random.default_rng(0))
+    whole = MapObject.of(7, [seen(points, feature(k), frame, k) for frame, k in enumerate((0, 1, 1, 2, 1, 0))], LOCAL)
+    one, other = parted(whole, 0, 1, 8, LOCAL)
+    assert (one.uid, one.class_id, len(one.seen)) == (7, 1, 4)
+    assert (other.uid, other.class_id, len(other.seen)) == (8, 0, 2)
+
+
+def test_a_cloud_of_nothing_is_refused():
+    with pytest.raises(ValueError, match="N at least 1"):
+        Cloud(np.zeros((0, 3)))

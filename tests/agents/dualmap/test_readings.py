@@ -1,0 +1,119 @@
+"""Two readings of two visits: a map of each, and one that was maintained through both; saved and read as they were."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ovman import seeds
+from ovman.agents.dualmap.mapped import Mapped, RunMaps, Sort, read, write
+from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.perception.records import RecordError
+from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, walk
+
+CUP = Box((0.05, 0.66, 0.05), (0.14, 0.14, 0.14), class_id=13, low_mobility=False)
+MOVED = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
+WALKS = {
+    "untouched": walk([*TEN, CUP], DENSE, seed=1, runs=2),
+    "displaced": walk([*MOVED, CUP], DENSE, seed=2, runs=2),
+    "absent": walk(TEN[1:], DENSE, seed=3, runs=2),
+}
+PAIRS = [("untouched", "displaced"), ("untouched", "absent"), ("absent", "untouched"), ("untouched", "displaced")]
+
+
+def made(maintained: Maintained, number: int = 0, constants=CONSTANTS) -> RunMaps:
+    run = Run(number, FEATURES, constants, lambda *visits: seeds.generator(0, "dualmap", *visits, number))
+    return run.read(maintained, WALKS, PAIRS)
+
+
+LOCAL, GLOBAL = made(Maintained.CONCATENATED_LOCAL), made(Maintained.PRELOADED_GLOBAL)
+
+
+def places(mapped: Mapped, class_id: int = 0) -> list[tuple[float, ...]]:
+    return sorted(tuple(e.position.round(1).tolist()) for e in mapped.entries if e.class_id == class_id)
+
+
+@pytest.mark.parametrize("maps", [LOCAL, GLOBAL], ids=list(Maintained))
+def test_each_visits_map_has_what_was_there_and_a_maintained_one_former_and_present_places_side_by_side(maps: RunMaps):
+    assert list(maps.visits) == list(WALKS) and list(maps.maintained) == PAIRS[:3]
+    assert places(maps.visits["untouched"]) == [(0.0, 0.0)]
+    assert places(maps.visits["displaced"]) == [(1.0, 1.8)]
+    assert places(maps.visits["absent"]) == []
+    assert places(maps.maintained["untouched", "displaced"]) == [(0.0, 0.0), (1.0, 1.8)]
+    assert places(maps.maintained["untouched", "absent"]) == [(0.0, 0.0)]
+    assert places(maps.maintained["absent", "untouched"]) == [(0.0, 0.0)]
+    for class_id in range(1, 10):
+        assert len(places(maps.maintained["untouched", "displaced"], class_id)) == 1
+    assert maps.maintained["untouched", "displaced"].frames == 2 * len(DENSE)
+
+
+def test_a_local_map_has_objects_and_a_global_one_anchors_with_what_is_on_them():
+    assert {e.sort for e in LOCAL.visits["untouched"].entries} == {Sort.OBJECT}
+    assert [e.class_id for e in LOCAL.visits["displaced"].entries].count(13) == 1
+    found = GLOBAL.visits["untouched"].entries
+    on = [k for k, e in enumerate(found) if e.sort is Sort.RELATED]
+    assert [(found[k].class_id, found[k - 1].class_id, found[k - 1].sort) for k in on] == [(13, 0, Sort.ANCHOR)]
+    assert all(e.sort is Sort.ANCHOR for e in GLOBAL.visits["displaced"].entries), "what stands on no furniture is dropped"
+
+
+def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_walk():
+    both = {"one": [*WALKS["untouched"], *WALKS["displaced"]]}
+    run = Run(0, FEATURES, CONSTANTS, lambda *visits: np.random.default_rng(0))
+    whole = run.read(Maintained.CONCATENATED_LOCAL, both, []).visits["one"]
+    parts = LOCAL.maintained["untouched", "displaced"]
+
+    def content(mapped: Mapped) -> list:
+        return sorted((*e.position.tolist(), e.class_id, e.observations, e.first_seen, e.last_seen) for e in mapped.entries)
+
+    assert content(whole) == content(parts)
+
+
+def test_runs_differ_in_their_points_and_orders_and_each_is_its_own_every_time(tmp_path: Path):
+    files = []
+    for name in ("once", "again"):
+        files.append(tmp_path / f"{name}.npz")
+        write(files[-1], [made(Maintained.CONCATENATED_LOCAL, number) for number in (0, 1)])
+    assert files[0].read_bytes() == files[1].read_bytes()
+    one, other = read(files[0])
+    for name in WALKS:
+        p, q = one.visits[name].object_map().p, other.visits[name].object_map().p
+        assert {tuple(row) for row in p}.isdisjoint(map(tuple, q))
+        assert [e.class_id for e in one.visits[name].entries] != [e.class_id for e in other.visits[name].entries]
+
+
+def test_maps_are_read_as_they_were_written(tmp_path: Path):
+    path = tmp_path / "FloorPlan1.npz"
+    empty = RunMaps(dict.fromkeys(LOCAL.visits, Mapped((), 5)), dict.fromkeys(LOCAL.maintained, Mapped((), 9)))
+    for runs in ([LOCAL, GLOBAL], [LOCAL, empty], [empty]):
+        write(path, runs)
+        found = read(path)
+        assert len(found) == len(runs)
+        for was, now in zip(runs, found, strict=True):
+            assert list(was.visits) == list(now.visits) and list(was.maintained) == list(now.maintained)
+            for a, b in zip(
+                [*was.visits.values(), *was.maintained.values()], [*now.visits.values(), *now.maintained.values()], strict=True
+            ):
+                assert a.frames == b.frames
+                for x, y in zip(a.entries, b.entries, strict=True):
+                    assert np.array_equal(x.position, y.position) and x.feature == pytest.approx(y.feature, abs=1e-6)
+                    names = ("sort", "class_id", "observations", "first_seen", "last_seen")
+                    assert [getattr(x, n) for n in names] == [getattr(y, n) for n in names]
+
+
+def test_an_object_map_has_the_one_place_and_the_last_keyframe_of_every_object():
+    mapped = LOCAL.visits["untouched"]
+    found = mapped.object_map()
+    assert len(found) == len(mapped.entries) == 11
+    assert np.array_equal(np.concatenate(found.tracks), found.p)
+    assert found.last_seen == tuple(e.last_seen for e in mapped.entries)
+    assert np.linalg.norm(found.f, axis=1) == pytest.approx(1)
+    assert len(Mapped((), 3).object_map()) == 0
+
+
+def test_files_that_are_none_of_maps_are_refused(tmp_path: Path):
+    with pytest.raises(RecordError, match="make the stage dualmap"):
+        read(tmp_path / "none.npz")
+    with pytest.raises(ValueError, match="the same visits"):
+        write(tmp_path / "x.npz", [LOCAL, RunMaps({}, {})])
