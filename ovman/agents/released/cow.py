@@ -26,6 +26,10 @@ SYSTEM = "CoW (released)"
 REPOSITORY = "https://github.com/real-stanford/cow"
 PACKAGE_ROOT = Path(__file__).resolve().parents[3]
 OWL = "google/owlvit-base-patch32"
+_DOWNLOAD = (
+    '-c "from transformers import OwlViTForObjectDetection as M, OwlViTProcessor as P; '
+    f"[k.from_pretrained('{OWL}') for k in (M, P)]\""
+)
 NEEDS = Needs(
     modules={
         "numpy": "numpy",
@@ -44,13 +48,7 @@ NEEDS = Needs(
         "yaml": "pyyaml",
     },
     versions={"ai2thor": "5.0.0"},
-    cached={
-        OWL: (
-            (("config.json",), ("model.safetensors", "pytorch_model.bin"), ("preprocessor_config.json",)),
-            '-c "from transformers import OwlViTForObjectDetection as M, OwlViTProcessor as P; '
-            f"[k.from_pretrained('{OWL}') for k in (M, P)]\"",
-        )
-    },
+    cached={OWL: ((("config.json",), ("model.safetensors", "pytorch_model.bin"), ("preprocessor_config.json",)), _DOWNLOAD)},
 )
 OF_PLACE = ("released.cow.root", "released.cow.python")
 """Constants that say where things are, not what they do."""
