@@ -9,16 +9,16 @@ from __future__ import annotations
 import difflib
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args, get_origin
 
 import yaml
 from pydantic import BaseModel, ValidationError
 
 from ovman.constants import StageConstants, task_constants
-from ovman.sections import Config
-from ovman.stages import STAGES, canonical, constants, owned, settings
+from ovman.sections import ArmEntry, Config
+from ovman.stages import STAGES, canonical, constants, matching, owned, settings
 
 __all__ = [
     "STAGES",
@@ -39,6 +39,29 @@ _BOUNDS = (
     ("success.visible_px", "measurement.visible_px", "at most"),
     ("admissibility.validity_radius_m", "measurement.answer_to_navigable_m", "at least"),
 )
+
+
+def contradictions(arms: Mapping[str, ArmEntry], names: Iterable[str]) -> tuple[tuple[str, ...], str] | None:
+    """The first thing in section `arms` that fits nothing else in the settings: its place, and what is to be said of it."""
+    for name, arm in arms.items():
+        for pattern in arm.constants:
+            if not matching([pattern], names) or pattern == "arms":
+                return ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
+        foreign = ("expected", "runs") if arm.kind == "embodied" else ("executes", "embodiment", "budget", "cut_from")
+        for field in foreign:
+            if getattr(arm, field) != ArmEntry.model_fields[field].default:
+                return ("arms", name, field), f"is not for an arm that is {arm.kind}; take it out"
+        for field, kind in (("executes", "static"), ("cut_from", "embodied")):
+            other = getattr(arm, field)
+            if other is not None and (other not in arms or arms[other].kind != kind):
+                there = ", ".join(one for one, entry in arms.items() if entry.kind == kind and one != name)
+                return ("arms", name, field), f"is {other}, which is no {kind} arm; there are {there or 'none'}"
+        if arm.cut_from is not None:
+            whole = arms[arm.cut_from]
+            if whole.cut_from is not None or arm.budget is None or (whole.budget is not None and whole.budget < arm.budget):
+                says = "from whose runs it cannot be cut; name an arm that drives itself, for no fewer actions than `budget`"
+                return ("arms", name, "cut_from"), f"is {arm.cut_from}, {says}"
+    return None
 
 
 class ConfigError(ValueError):
@@ -62,6 +85,9 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     except ValidationError as error:
         raise ConfigError(_line(error, files)) from None
     values = settings(config)
+    if contradiction := contradictions(config.arms, values):
+        key, says = contradiction
+        raise ConfigError(f"{_file(files, key)}: {'.'.join(key)} {says}")
     for verdict, bound, needed in _BOUNDS:
         if values[bound] > values[verdict] if needed == "at most" else values[bound] < values[verdict]:
             where = _file(files, tuple(verdict.split(".")))
@@ -122,7 +148,8 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     field = _field(path)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     if first["type"] == "missing":
-        return f"{where}: {name}{meaning} is missing; add it, the repository's config.yaml has its value"
+        remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        return f"{where}: {name}{meaning} is missing; add it, {remedy}"
     value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
     says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
     if first["type"] == "value_error":
@@ -144,9 +171,12 @@ def _shown(value: Any) -> str:
 
 def _models(path: Sequence[str]) -> type[BaseModel] | None:
     model: Any = Config
-    for name in path:
+    names = iter(path)
+    for name in names:
         field = model.model_fields.get(name)
         model = field.annotation if field is not None else None
+        if get_origin(model) is dict and next(names, None) is not None:
+            model = get_args(model)[1]
         if not (isinstance(model, type) and issubclass(model, BaseModel)):
             return None
     return model
@@ -161,7 +191,7 @@ def _nearest(path: Sequence[str]) -> str:
     """The nearest setting to a wrong name: in its own section first, then anywhere."""
     model, wrong = _models(path[:-1]), path[-1]
     here = list(model.model_fields) if model is not None else []
-    everywhere = {n.rsplit(".", 1)[-1]: n for n in _names()}
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names()}
     for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
         near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
         if near:

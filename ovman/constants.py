@@ -40,7 +40,8 @@ class Section:
 class StageConstants(Section):
     """The constants of one stage, e.g. constants.camera.width_px, and the canonical text that they were read from.
 
-    `stage`: name of the stage. `canonical`: the text, which also has the digest of the stage's code; who keeps results beside
+    `stage`: name of the stage. `arm`: the entry of the arm that the job is of, with its name; of a stage that has no arm there is
+    none. `canonical`: the text, which also has the digest of the stage's code; who keeps results beside
     it knows whether they are what the stage would make now.
     """
 
@@ -55,7 +56,8 @@ class StageConstants(Section):
             for section in sections:
                 here = here.setdefault(section, {})
             here[name] = tuple(value) if isinstance(value, list) else value
-        super().__init__(record["stage"], "", _sections(record["stage"], "", tree))
+        members = _sections(record["stage"], "", tree)
+        super().__init__(record["stage"], "", {**members, "arm": record["arm"]} if "arm" in record else members)
         object.__setattr__(self, "canonical", canonical)
         object.__setattr__(self, "stage", record["stage"])
 

@@ -13,6 +13,7 @@ import os
 import sys
 from contextlib import suppress
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -36,6 +37,15 @@ def code_digest(stage: str, root: Path = ROOT) -> str:
     return _sources(root).digest(script(stage, root))
 
 
+@cache
+def module_digest(name: str, root: Path = ROOT) -> str | None:
+    """Digest of a module by its dotted name and of what it imports from its own package and from ovman; None if it is not there.
+
+    Nothing is imported: the file is looked for where Python would look.
+    """
+    return _sources(root).module_digest(name)
+
+
 def digest(entry: Path, root: Path = ROOT) -> str:
     """Hexadecimal digest of the file `entry` and of its transitive imports from the package under `root`."""
     return _Sources(root).digest(entry)
@@ -51,18 +61,31 @@ class _Sources:
 
     def __init__(self, root: Path) -> None:
         self._root = root
+        self._packages = {PACKAGE}
         self._places: dict[str, Path | None] = {}
         self._read: dict[Path, Parsed] = {}
 
     def digest(self, entry: Path) -> str:
-        parts = [self._parsed(entry)[0]]
-        parts += [f"{name}:{self._parsed(path)[0]}" for name, path in sorted(self.modules(entry).items())]
+        return self._digest([self._parsed(entry)[0]], self.modules(entry))
+
+    def module_digest(self, name: str) -> str | None:
+        packages, self._packages = self._packages, self._packages | {name.split(".")[0]}
+        try:
+            found = self._reached(_with_parents(name))
+            return self._digest([name], found) if name in found else None
+        finally:
+            self._packages = packages
+
+    def modules(self, entry: Path) -> dict[str, Path]:
+        return self._reached(self._imports(entry, ""))
+
+    def _digest(self, parts: list[str], found: dict[str, Path]) -> str:
+        parts = parts + [f"{name}:{self._parsed(path)[0]}" for name, path in sorted(found.items())]
         _memory.save()
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
-    def modules(self, entry: Path) -> dict[str, Path]:
+    def _reached(self, waiting: list[str]) -> dict[str, Path]:
         found: dict[str, Path] = {}
-        waiting = self._imports(entry, "")
         while waiting:
             name = waiting.pop()
             if name in found or name in BOUNDARY:
@@ -81,13 +104,14 @@ class _Sources:
     def _imports(self, path: Path, package: str) -> list[str]:
         """What a file imports of the package, and the packages around that. For an attribute there is no file."""
         names = {_absolute(name, level, package) for name, level in self._parsed(path)[1]}
-        ours = [name.split(".") for name in names if name.split(".")[0] == PACKAGE]
-        return [".".join(parts[:k]) for parts in ours for k in range(1, len(parts) + 1)]
+        return [part for name in names if name.split(".")[0] in self._packages for part in _with_parents(name)]
 
     def _place(self, name: str) -> Path | None:
         if name not in self._places:
-            base = self._root.joinpath(*name.split("."))
-            places = (base / "__init__.py", base.with_suffix(".py"))
+            top, *_ = name.split(".")
+            bases = [self._root / top] if top == PACKAGE else _elsewhere(top)
+            inside = [base.joinpath(*name.split(".")[1:]) for base in bases]
+            places = (place for base in inside for place in (base / "__init__.py", base.with_suffix(".py")))
             self._places[name] = next((path for path in places if path.is_file()), None)
         return self._places[name]
 
@@ -95,6 +119,23 @@ class _Sources:
         if path not in self._read:
             self._read[path] = _memory.parsed(path.read_bytes())
         return self._read[path]
+
+
+def _with_parents(name: str) -> list[str]:
+    """a.b.c is a, a.b and a.b.c."""
+    parts = name.split(".")
+    return [".".join(parts[:k]) for k in range(1, len(parts) + 1)]
+
+
+def _elsewhere(top: str) -> list[Path]:
+    """Where a top-level package or module of somebody else lies, without its suffix."""
+    with suppress(ImportError, ValueError):
+        spec = find_spec(top)
+        if spec is not None and spec.submodule_search_locations is not None:
+            return [Path(place) for place in spec.submodule_search_locations]
+        if spec is not None and spec.origin is not None and spec.origin.endswith(".py"):
+            return [Path(spec.origin).with_suffix("")]
+    return []
 
 
 @cache

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator
 
 
 def _whole(value: Any) -> Any:
@@ -298,9 +299,40 @@ class DualmapGlobal(_Section):
     on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres above it")
 
 
+class DualmapWalk(_Section):
+    """The dense walks that DualMap sees."""
+
+    side_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels, sides of a frame")
+    turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees between two frames of a spin")
+
+
+class DualmapObservation(_Section):
+    """What DualMap sees in a frame."""
+
+    published_px: Some = Field(description="pixels of a frame that counts of pixels are stated for")
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
+    least_px: Some = Field(description="pixels, smallest mask")
+    same_iou: Fraction = Field(description="of two masks that are one")
+    colour_bins: Annotated[Whole, Field(ge=1, le=256)] = Field(description="bins of a channel")
+    same_colours: Fraction = Field(description="cosine of two masks' histograms above which they are one")
+    border_px: Count = Field(description="pixels around a mask's box")
+    image_weight: Fraction = Field(description="of the crop in a feature")
+    text_weight: Annotated[float, Field(ge=0, le=1)] = Field(description="of the class name in a feature")
+    sample: Fraction = Field(description="share of a mask's pixels that become points")
+    cluster_radius_m: Metres = Field(description="metres, DBSCAN")
+    cluster_points: Some = Field(description="points, DBSCAN")
+    ceiling_m: Annotated[float, Field(ge=0)] = Field(description="metres from the ceiling's height")
+    mobility_margin: Annotated[float, Field(ge=0, le=2)] = Field(
+        description="between the cosines to what moves and what does not"
+    )
+    low_mobility: Annotated[float, Field(ge=-1, le=1)] = Field(description="least cosine to furniture that seldom moves")
+
+
 class Dualmap(_Section):
     """DualMap, reimplemented."""
 
+    walk: DualmapWalk
+    observation: DualmapObservation
     runs: Some = Field(description="runs that differ in what DualMap draws at random")
     maintained: Literal["concatenated_local", "preloaded_global"] = Field(
         description="which map is maintained through both visits"
@@ -309,11 +341,17 @@ class Dualmap(_Section):
     global_map: DualmapGlobal
 
 
+def _function(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*", value):
+        raise ValueError(f'{value!r} names no function; write "package.module:function"')
+    return value
+
+
 class ArmEntry(_Section):
     """One arm of the evaluation."""
 
     kind: Literal["static", "embodied"] = Field(description="judged by the point that it predicts, or by where it stops")
-    agent: Annotated[str, Field(pattern=r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*$")] = Field(
+    agent: Annotated[str, AfterValidator(_function)] = Field(
         description='"module:function", docs/agents.md says what the function is given and gives back'
     )
     system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
@@ -336,10 +374,15 @@ class ArmEntry(_Section):
 
 
 def _there(value: Any) -> Any:
-    return {name: entry for name, entry in value.items() if entry is not None} if isinstance(value, dict) else value
+    if not isinstance(value, dict):
+        return value
+    for name in value:
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", str(name)):
+            raise ValueError(f"{name!r} cannot name an arm, whose files are called after it; write small letters, digits and _")
+    return {name: entry for name, entry in value.items() if entry is not None}
 
 
-Arms = Annotated[dict[Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")], ArmEntry], BeforeValidator(_there)]
+Arms = Annotated[dict[str, ArmEntry], BeforeValidator(_there)]
 """By name, in the order of the tables; an entry that is null is left out."""
 
 
@@ -418,4 +461,4 @@ class Config(_Section):
     training: Training
     locobot: Locobot
     cow: Cow
-    arms: Arms = Field(default_factory=dict)
+    arms: Arms

@@ -1,12 +1,15 @@
-"""Every arm of the evaluation, once. Predictions, executions and the rows of the tables are derived from this table.
+"""The arms of the evaluation as section `arms` of config.yaml has them. Predictions, executions and the rows of the tables are
+derived from them.
 
 Imports nothing heavy: the workflow reads it before any job starts.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
 from enum import StrEnum
+from typing import Any
 
 
 class Kind(StrEnum):
@@ -23,124 +26,78 @@ class Source(StrEnum):
     HANDED = "handed"
 
 
+class Need(StrEnum):
+    """What an arm is given beside the query and its observations.
+
+    TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
+    embeddings of nouns; NETWORKS: the detector and the encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns.
+    """
+
+    TOURS = "tours"
+    MAPS = "maps"
+    NETWORKS = "networks"
+    DUALMAP = "dualmap"
+
+
 @dataclass(frozen=True, slots=True)
 class Arm:
-    """name: in file names and records. system: the row's title in the tables (an embodied arm's "agent").
+    """An arm. The fields are those of `ovman.sections.ArmEntry`, where their meaning is.
 
-    memory: what it keeps of the two visits. grounding, positions: own, or handed over as a diagnostic. executes: the static arm
-    whose predictions an embodied arm drives to, or picks its goal from where they are a stochastic pick; None where it is given
-    the answer. expected: its static success is the expectation over a stochastic pick, not a realised answer.
+    name: in file names and records. system, memory: what the tables call it; empty in a job of the arm, which has no use for
+    them. marks: the budgets at which other arms cut this one's runs.
     """
 
     name: str
     kind: Kind
-    system: str
-    memory: str
-    grounding: Source
-    positions: Source
+    agent: str
+    system: str = ""
+    memory: str = ""
+    grounding: Source = Source.OWN
+    positions: Source = Source.OWN
+    answer: Source = Source.OWN
+    needs: tuple[Need, ...] = ()
+    constants: tuple[str, ...] = ()
     executes: str | None = None
     expected: bool = False
+    runs: int = 1
+    embodiment: str = "default"
+    budget: int | None = None
+    cut_from: str | None = None
+    marks: tuple[int, ...] = ()
+
+    @staticmethod
+    def of(entry: Mapping[str, Any]) -> Arm:
+        """The arm of an entry with its name, as the canonical text of a stage has it."""
+        converted: dict[str, Any] = {"kind": Kind} | dict.fromkeys(("grounding", "positions", "answer"), Source)
+        converted |= {"needs": _needs, "constants": tuple, "marks": tuple}
+        known = {field.name for field in fields(Arm)}
+        return Arm(**{k: converted.get(k, lambda value: value)(v) for k, v in entry.items() if k in known})
+
+    @property
+    def of_maps(self) -> bool:
+        """Whether maps of the reference agent's perception are made before the arm is asked."""
+        return Need.MAPS in self.needs
 
 
-# In the order of the tables.
-ARMS: tuple[Arm, ...] = (
-    Arm(
-        "single_visit",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="single visit",
-        grounding=Source.OWN,
-        positions=Source.OWN,
-        expected=True,
-    ),
-    Arm(
-        "two_visits",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="two visits",
-        grounding=Source.OWN,
-        positions=Source.OWN,
-    ),
-    Arm(
-        "grounding_single_visit",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="single visit",
-        grounding=Source.HANDED,
-        positions=Source.OWN,
-        expected=True,
-    ),
-    Arm(
-        "grounding_two_visits",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="two visits",
-        grounding=Source.HANDED,
-        positions=Source.OWN,
-    ),
-    Arm(
-        "positions_single_visit",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="single visit",
-        grounding=Source.HANDED,
-        positions=Source.HANDED,
-        expected=True,
-    ),
-    Arm(
-        "positions_two_visits",
-        Kind.STATIC,
-        system="ours (reference)",
-        memory="two visits",
-        grounding=Source.HANDED,
-        positions=Source.HANDED,
-    ),
-    Arm(
-        "single_visit_embodied",
-        Kind.EMBODIED,
-        system="ours, 1 visit",
-        memory="single visit",
-        grounding=Source.OWN,
-        positions=Source.OWN,
-        executes="single_visit",
-    ),
-    Arm(
-        "two_visits_embodied",
-        Kind.EMBODIED,
-        system="ours, 2 visits",
-        memory="two visits",
-        grounding=Source.OWN,
-        positions=Source.OWN,
-        executes="two_visits",
-    ),
-    Arm(
-        "two_visits_oracle_positions",
-        Kind.EMBODIED,
-        system="ours, oracle pos",
-        memory="two visits",
-        grounding=Source.HANDED,
-        positions=Source.HANDED,
-        executes="positions_two_visits",
-    ),
-    Arm(
-        "oracle_check",
-        Kind.EMBODIED,
-        system="oracle check",
-        memory="the answer",
-        grounding=Source.HANDED,
-        positions=Source.HANDED,
-    ),
-)
+def _needs(values: Iterable[str]) -> tuple[Need, ...]:
+    return tuple(Need(value) for value in values)
 
 
-def of_kind(kind: Kind) -> tuple[Arm, ...]:
-    """The arms of one kind, in the order of the tables."""
-    return tuple(arm for arm in ARMS if arm.kind is kind)
+def table(entries: Mapping[str, Any] | Iterable[Mapping[str, Any]]) -> tuple[Arm, ...]:
+    """All arms in the order of config.yaml. entries: section `arms` of the settings, or as a stage's constants have it."""
+    if isinstance(entries, Mapping):
+        entries = [{"name": name, **entry.model_dump()} for name, entry in entries.items()]
+    return tuple(map(Arm.of, entries))
 
 
-def named(name: str) -> Arm:
+def of_kind(arms: Iterable[Arm], kind: Kind) -> tuple[Arm, ...]:
+    """The arms of one kind, in their order."""
+    return tuple(arm for arm in arms if arm.kind is kind)
+
+
+def named(arms: Sequence[Arm], name: str) -> Arm:
     """The arm of that name. Raises KeyError that lists the names there are."""
-    for arm in ARMS:
+    for arm in arms:
         if arm.name == name:
             return arm
-    raise KeyError(f"{name!r} is not an arm; there are {', '.join(arm.name for arm in ARMS)}")
+    raise KeyError(f"{name!r} is not an arm; there are {', '.join(arm.name for arm in arms)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -43,6 +44,11 @@ class DecisionConstants:
 
     tau_m: float
     track_spread_m: float
+
+    @staticmethod
+    def of(constants: Any) -> DecisionConstants:
+        """Those of config.yaml; `constants` must own admissibility.tau_m and association.track_spread_m."""
+        return DecisionConstants(constants.admissibility.tau_m, constants.association.track_spread_m)
 
 
 def decide(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -67,12 +67,15 @@ def execute(
     name_of: Callable[[str], str] | None,
     rng: np.random.Generator,
     constants: Any,
+    budget: int | None = None,
+    marks: Sequence[int] = (),
 ) -> dict[str, Any]:
     """One run, as the measured part of an "ovman-run/1" record: outcome, stop, distances, visible pixels, path length, actions.
 
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
     reachable positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None
-    for an agent that is not handed any. `rng` drives the mover.
+    for an agent that is not handed any. `rng` drives the mover. budget: of actions, primitives.action_budget where it is None;
+    marks: numbers of actions at which the path length is written down ("path_at_m"), for those that cut the run there.
     An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
     simulator. SimulatorError if it refuses.
     """
@@ -91,8 +94,9 @@ def execute(
     session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     mover_in: tuple[int, int] | None = None
+    path_at_m: dict[str, float] = {}
     outcome = "budget"
-    while actions < constants.primitives.action_budget:
+    while actions < (constants.primitives.action_budget if budget is None else budget):
         reachable = None
         if world.mover is not None:
             mover_in, before_in = _cell(world.mover.position, constants.primitives.step_m), mover_in
@@ -107,6 +111,8 @@ def execute(
         after = session.pose
         moved = math.hypot(after.x - before.x, after.z - before.z)
         travelled, actions = travelled + moved, actions + 1
+        if actions in marks:
+            path_at_m[str(actions)] = round(travelled, 4)
         since_moved = 0 if moved > 0 else since_moved + 1
         world.after_action()
         if since_moved >= constants.primitives.stall_after:
@@ -121,7 +127,8 @@ def execute(
         measured |= measurement.at_stop(
             session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg)
         )
-    return measured | {"path_length_m": round(travelled, 4), "actions": actions}
+    measured |= {"path_length_m": round(travelled, 4), "actions": actions}
+    return measured | {"path_at_m": path_at_m} if marks else measured
 
 
 def _cell(point: tuple[float, float], step_m: float) -> tuple[int, int]:

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.given import VISITS
 from ovman.agents.grounding import grounded
-from ovman.agents.predictions import VISITS, Perceived
+from ovman.agents.perceived import Perceived
 from ovman.agents.reasoning import Evidence, ReferenceConstants, two_visits
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ovman.agents.agent import Action, Observation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.task import Query
+
+if TYPE_CHECKING:
+    from ovman.agents.given import Given
 
 
 class Oracle:
@@ -32,6 +37,13 @@ class Oracle:
     def act(self, observation: Observation) -> Action:
         """One primitive towards the answer."""
         return self._pilot.act(observation, followed(observation, self._follow) or self._answer)
+
+
+def agent(given: Given) -> Oracle:
+    """The embodied arm oracle_check. ValueError for an arm that is not handed the answer."""
+    if given.told is None:
+        raise ValueError("an oracle is told the answer; write answer: handed in its entry")
+    return Oracle(given.pilot, given.told.answer, given.told.follow)
 
 
 def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:

@@ -31,6 +31,11 @@ class ReferenceConstants:
     association: AssociationConstants
     decision: DecisionConstants
 
+    @staticmethod
+    def of(constants: Any) -> ReferenceConstants:
+        """Those of config.yaml; `constants` must own grounding.*, association.* and admissibility.tau_m."""
+        return ReferenceConstants(constants.grounding.band, AssociationConstants.of(constants), DecisionConstants.of(constants))
+
 
 @dataclass(frozen=True, slots=True)
 class Evidence:

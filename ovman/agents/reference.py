@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ovman.agents.agent import Action, Observation, Visit
+from ovman.agents.arms import Source
 from ovman.agents.decision import Abstention, Answer
 from ovman.agents.grounding import grounded
 from ovman.agents.mapper import Mapper
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.pilot import Pilot
-from ovman.agents.reasoning import ReferenceConstants, one_visit, two_visits
+from ovman.agents.reasoning import Evidence, ReferenceConstants, one_visit, two_visits
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.language import noun
 from ovman.task import Query
+
+if TYPE_CHECKING:
+    from ovman.agents.given import Given, Recorded
 
 Nouns = Callable[[str], np.ndarray]
 """From a noun phrase to its unit embedding (K,), by the encoder that made the features of the maps."""
@@ -89,3 +94,33 @@ def picked(outcome: UniformPick | UniformBox | Abstention, rng: np.random.Genera
             return Answer(*candidates[int(rng.integers(len(candidates)))])
         case UniformBox(x_min, z_min, x_max, z_max):
             return Answer(float(rng.uniform(x_min, x_max)), float(rng.uniform(z_min, z_max)))
+
+
+def two_visits_agent(given: Given) -> ReferenceAgent:
+    """The embodied arm two_visits_embodied."""
+    return ReferenceAgent(given.pilot, given.mapper, given.noun, ReferenceConstants.of(given.constants))
+
+
+def single_visit_agent(given: Given) -> SingleVisitAgent:
+    """The embodied arm single_visit_embodied."""
+    return SingleVisitAgent(given.pilot, given.mapper, given.noun, ReferenceConstants.of(given.constants), given.rng)
+
+
+def predict_two_visits(query: Query, recorded: Recorded) -> tuple[Answer | Abstention, Evidence]:
+    """The static arms two_visits and grounding_two_visits."""
+    visits = ("first", "second")
+    maps, means = [recorded.map(which) for which in visits], [means_of(query, recorded, which) for which in visits]
+    return two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
+
+
+def predict_single_visit(query: Query, recorded: Recorded) -> tuple[UniformPick | UniformBox | Abstention, Evidence]:
+    """The static arms single_visit and grounding_single_visit."""
+    return one_visit(query.relation, recorded.map("second"), means_of(query, recorded, "second"), recorded.reachable)
+
+
+def means_of(query: Query, recorded: Recorded, which: str) -> tuple[int, ...]:
+    """Which objects of a visit's map the query's noun means: by their features, or as it is handed over."""
+    objects = recorded.map(which)
+    if recorded.grounding is Source.HANDED:
+        return recorded.true_objects(which, objects.p)
+    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)

@@ -8,12 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.association import positions
-from ovman.task import Relation
+from ovman.task import Query, Relation
+
+if TYPE_CHECKING:
+    from ovman.agents.given import Recorded
 
 Point = tuple[float, float]
 
@@ -57,6 +61,12 @@ def single_visit(relation: Relation, tracks_2: Sequence[ArrayLike], reachable: A
         return UniformBox(x_min, z_min, x_max, z_max)
     tracks = (positions(track, "track") for track in tracks_2)
     return UniformPick(tuple(sorted((float(track[-1, 0]), float(track[-1, 1])) for track in tracks if len(track))))
+
+
+def predict(query: Query, recorded: Recorded) -> tuple[UniformPick | UniformBox, None]:
+    """The static arm positions_single_visit."""
+    tracks = [instance.track for instance in recorded.world("second").category(query.category)]
+    return single_visit(query.relation, tracks, recorded.reachable), None
 
 
 def success_probability(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +15,9 @@ from ovman.agents.oracle import followed
 from ovman.agents.pilot import Pilot
 from ovman.task import Instance, Query, Relation, WorldState
 
+if TYPE_CHECKING:
+    from ovman.agents.given import Given, Recorded
+
 
 @dataclass(frozen=True)
 class AssociationConstants:
@@ -21,6 +25,11 @@ class AssociationConstants:
 
     gate_m: float
     feature_scale_m: float
+
+    @staticmethod
+    def of(constants: Any) -> AssociationConstants:
+        """Those of config.yaml; `constants` must own association.*."""
+        return AssociationConstants(constants.association.gate_m, constants.association.feature_scale_m)
 
 
 def answer(
@@ -36,6 +45,17 @@ def answer(
 
 def _points(instances: list[Instance]) -> np.ndarray:
     return np.array([(k.x, k.z) for k in instances], dtype=float).reshape(-1, 2)
+
+
+def predict(query: Query, recorded: Recorded) -> tuple[Answer | Abstention, None]:
+    """The static arm positions_two_visits."""
+    constants = AssociationConstants.of(recorded.constants), DecisionConstants.of(recorded.constants)
+    return answer(query, recorded.world("first"), recorded.world("second"), *constants), None
+
+
+def agent(given: Given) -> TwoVisits:
+    """The embodied arm two_visits_oracle_positions."""
+    return TwoVisits(given.pilot, AssociationConstants.of(given.constants), DecisionConstants.of(given.constants))
 
 
 class TwoVisits:

@@ -11,7 +11,8 @@ from typing import Any
 from ovman.agents import prediction
 from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.agents.prediction import Prediction
-from ovman.agents.predictions import Perceived, read_perceived, reference_constants
+from ovman.agents.perceived import Perceived, read_perceived
+from ovman.agents.reasoning import ReferenceConstants
 from ovman.analysis.metrics import csv_text, read_cases, record
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
@@ -123,7 +124,7 @@ def inferred(
 
     file: named after the arm. said_noun: whether the noun is the one that was understood, or the category's own, supplied.
     """
-    reference, arm = reference_constants(constants), Path(file).stem
+    reference, arm = ReferenceConstants.of(constants), Path(file).stem
     predictions = []
     for episode, one in zip(episodes, asked, strict=True):
         match one.understood:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents import prediction
-from ovman.agents.arms import ARMS, Arm, Kind
+from ovman.agents.arms import Arm, Kind, table
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
@@ -40,7 +40,7 @@ def run(
     run_files: Sequence[Path],
     constants: Any,
     output_dir: Path,
-    arms: Sequence[Arm] = ARMS,
+    arms: Sequence[Arm] | None = None,
 ) -> None:
     """Writes the csv files named above into output_dir, which is made if need be. Either list of files may be empty.
 
@@ -48,10 +48,12 @@ def run(
     have six decimals, p-values six digits, counts none, what does not apply is empty. Pairs of arms of which one does not exist
     are not compared, and a line says so.
 
-    arms: all arms that there are; a list of files that is not empty has all arms of its kind. constants: success.radius_m,
+    arms: all arms that there are, those of `constants` if not given; a list of files that is not empty has all arms of its kind.
+    constants: arms, success.radius_m,
     single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
     Raises ValueError in one line that names the file, the arm or the episode and the remedy.
     """
+    arms = table(constants.arms) if arms is None else arms
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases)]
     runs = [record for path in run_files for _, record in records(path)]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman.agents.arms import Arm
 from ovman.constants import task_constants
 from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Relation, SuccessConstants, spl
@@ -22,11 +23,31 @@ def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: S
     return {field: execution[field] for field in FIELDS} | {"success": success, "spl": round(score, 6)}
 
 
-def run(executions_files: Sequence[Path], episodes_file: Path, constants: Any, outputs: Sequence[Path]) -> None:
-    """Judge each file of executions into the output of the same position."""
+def cut(execution: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
+    """The run of another arm as that of an arm which has a smaller budget of actions, and else does the same.
+
+    Raises ValueError where the run went on and its path length up to there was not written down.
+    """
+    if arm.cut_from is None or arm.budget is None:
+        return execution
+    kept = {**execution, "arm": arm.name}
+    ended = execution["outcome"] in ("stalled", "budget") and execution["actions"] == arm.budget
+    if execution["actions"] < arm.budget or ended:
+        return kept
+    travelled = execution.get("path_at_m", {}).get(str(arm.budget))
+    if travelled is None:
+        raise ValueError(f"{execution['episode']}: {arm.cut_from} was not run for {arm.name}; make its executions again")
+    return kept | dict.fromkeys(MEASURED) | {"outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
+
+
+def run(
+    executions_files: Sequence[Path], episodes_file: Path, constants: Any, outputs: Sequence[Path], arm: Arm | None = None
+) -> None:
+    """Judge each file of executions into the output of the same position; arm: whose they are, if they may have to be cut."""
     task = task_constants(constants)
     episodes = {e["id"]: e for e in read_records(episodes_file)}
     for source, output in zip(executions_files, outputs, strict=True):
-        records = [judge(x, episodes[x["episode"]], task) for x in read_records(source)]
+        executions = [x if arm is None else cut(x, arm) for x in read_records(source)]
+        records = [judge(x, episodes[x["episode"]], task) for x in executions]
         Path(output).parent.mkdir(parents=True, exist_ok=True)
         Path(output).write_text("".join(json.dumps(r, separators=(",", ":")) + "\n" for r in records))

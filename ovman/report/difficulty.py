@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ovman.agents.arms import Kind, of_kind
+from ovman.agents.arms import Arm, Kind, of_kind
 from ovman.analysis.comparisons import AGENT
 from ovman.analysis.difficulty import By
 from ovman.analysis.rates import Interval
@@ -16,10 +16,10 @@ TITLES = {AGENT: "two visits", "single_visit": "single visit", "grounding_two_vi
 SECTIONS = {By.INSTANCES: "by instances of the category", By.SCENE: "by scene"}
 
 
-def difficulty_table(rates: Sequence[Record], confidence: float) -> Table:
+def difficulty_table(rates: Sequence[Record], confidence: float, arms: Sequence[Arm]) -> Table:
     """Groups of episodes by arms. rates: rows of "difficulty.csv"; confidence: of the intervals."""
     there = {row["arm"] for row in rates}
-    arms = [arm.name for arm in of_kind(Kind.STATIC) if arm.name in there]
+    shown = [arm.name for arm in of_kind(arms, Kind.STATIC) if arm.name in there]
     cells: dict[tuple[str, str], dict[str, str]] = {}
     for row in rates:
         mark = MARK if row["interval"] == Interval.POISSON_BINOMIAL else ""
@@ -42,7 +42,7 @@ def difficulty_table(rates: Sequence[Record], confidence: float) -> Table:
             Column("by", "by", formats=CSV_AND_MARKDOWN),
             Column("group", "group"),
             Column("n", "n", numeric=True),
-            *(column for arm in arms for column in _columns(arm, confidence)),
+            *(column for arm in shown for column in _columns(arm, confidence)),
         ),
         rows=tuple(Row(of_group, section=SECTIONS[By(by)]) for (by, _), of_group in cells.items()),
         wide=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ovman.agents.arms import named
+from ovman.agents.arms import Arm, named
 from ovman.analysis.rates import ALL
 from ovman.report.cells import MARK, Record, number
 from ovman.report.table import DATA, PAGE, Column, Row, Table
@@ -13,7 +13,7 @@ from ovman.report.table import DATA, PAGE, Column, Row, Table
 SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
 
 
-def navigation_table(navigations: Sequence[Record]) -> Table:
+def navigation_table(navigations: Sequence[Record], arms: Sequence[Arm]) -> Table:
     """One row an embodied arm, over all episodes: means and extremes over the seeds. navigations: rows of "navigation.csv"."""
     of_arm: dict[str, list[Record]] = {}
     for row in navigations:
@@ -47,14 +47,14 @@ def navigation_table(navigations: Sequence[Record]) -> Table:
             Column("n", "n", numeric=True),
             Column("seeds", "seeds"),
         ),
-        rows=tuple(_row(arm, rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
         wide=True,
     )
 
 
-def _row(arm: str, rows: Sequence[Record]) -> Row:
+def _row(arm: Arm, rows: Sequence[Record]) -> Row:
     cells = {
-        "agent": named(arm).system,
+        "agent": arm.system,
         "n": rows[0]["n"],
         "seeds": ", ".join(row["seed"] for row in rows),
         "lost": ", ".join(row["lost"] for row in rows if row["lost"]),

@@ -18,7 +18,7 @@ from ovman.report.table import (
 )
 
 
-def static_table(rates: Sequence[Record], radius_m: float, confidence: float) -> Table:
+def static_table(rates: Sequence[Record], radius_m: float, confidence: float, arms: Sequence[Arm]) -> Table:
     """The static gate. rates: rows of "static_rates.csv"; radius_m: R; confidence: of the intervals.
 
     One row an arm that has rates, in the order of the arms' table. Raises ValueError for an arm that there is not.
@@ -61,13 +61,13 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float) ->
                 },
                 section=_section(arm),
             )
-            for arm, of_arm in _by_arm(rates, Kind.STATIC)
+            for arm, of_arm in _by_arm(rates, of_kind(arms, Kind.STATIC), Kind.STATIC)
         ),
         wide=True,
     )
 
 
-def embodied_table(rates: Sequence[Record], confidence: float) -> Table:
+def embodied_table(rates: Sequence[Record], confidence: float, arms: Sequence[Arm]) -> Table:
     """The embodied evaluation. rates: rows of "embodied_rates.csv"; confidence: of the intervals. Else as ``static_table``."""
     return Table(
         name="embodied",
@@ -94,17 +94,16 @@ def embodied_table(rates: Sequence[Record], confidence: float) -> Table:
                     "seeds": of_arm[ALL]["seeds"],
                 }
             )
-            for arm, of_arm in _by_arm(rates, Kind.EMBODIED)
+            for arm, of_arm in _by_arm(rates, of_kind(arms, Kind.EMBODIED), Kind.EMBODIED)
         ),
         wide=True,
     )
 
 
-def _by_arm(rates: Iterable[Record], kind: Kind) -> list[tuple[Arm, dict[str, Record]]]:
+def _by_arm(rates: Iterable[Record], arms: Sequence[Arm], kind: Kind) -> list[tuple[Arm, dict[str, Record]]]:
     by_arm: dict[str, dict[str, Record]] = {}
     for rate in rates:
         by_arm.setdefault(rate["arm"], {})[rate["relation"]] = rate
-    arms = of_kind(kind)
     strangers = sorted(by_arm.keys() - {arm.name for arm in arms})
     if strangers:
         raise ValueError(f"{strangers[0]!r} is no {kind} arm; there are {', '.join(arm.name for arm in arms)}")

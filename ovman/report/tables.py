@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman.agents import arms
 from ovman.report.budget import budget_table
 from ovman.report.constants import constants_table
 from ovman.report.difficulty import difficulty_table
@@ -26,13 +27,15 @@ Rows = Sequence[Mapping[str, str]]
 
 # From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
 TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
-    "static_rates": lambda rows, constants: static_table(rows, constants.success.radius_m, constants.evaluation.confidence),
-    "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence),
+    "static_rates": lambda rows, constants: static_table(
+        rows, constants.success.radius_m, constants.evaluation.confidence, arms.table(constants.arms)
+    ),
+    "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence, arms.table(constants.arms)),
     "rejections": lambda rows, constants: rejections_table(rows),
     "taxonomy": lambda rows, constants: taxonomy_table(rows, constants.success.radius_m, constants.evaluation.near_miss_m),
     "significance": lambda rows, constants: significance_table(rows),
-    "navigation": lambda rows, constants: navigation_table(rows),
-    "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence),
+    "navigation": lambda rows, constants: navigation_table(rows, arms.table(constants.arms)),
+    "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence, arms.table(constants.arms)),
     "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(

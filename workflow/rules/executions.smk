@@ -3,8 +3,10 @@ rule executions:
     input:
         episodes="results/episodes/main.jsonl",
         trials="results/trials/{scene}.jsonl",
-        maps=own("results/maps/{scene}.npz"),
-        nouns=own("results/nouns.npz"),
+        maps=needed(["maps"], "results/maps/{scene}.npz"),
+        dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
+        nouns=needed(["maps", "dualmap"], "results/nouns.npz"),
+        networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
         **{f"seed{seed}": f"results/executions/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
     log:
@@ -13,8 +15,8 @@ rule executions:
         "benchmarks/executions/{arm}/{scene}.tsv"
     retries: 2
     resources:
-        gpu=GPU,
+        gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     params:
-        constants=stage("executions"),
+        constants=stage_of_arm("executions"),
     script:
         "../scripts/executions.py"

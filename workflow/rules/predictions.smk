@@ -2,15 +2,19 @@ rule predictions:
     input:
         episodes="results/episodes/main.jsonl",
         trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
-        maps=own(*expand("results/maps/{scene}.npz", scene=SCENES)),
-        nouns=own("results/nouns.npz"),
+        maps=needed(["maps"], *expand("results/maps/{scene}.npz", scene=SCENES)),
+        dualmap=needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=SCENES)),
+        nouns=needed(["maps", "dualmap"], "results/nouns.npz"),
+        networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
         predictions="results/predictions/{arm}.jsonl",
     log:
         "logs/predictions/{arm}.log",
     benchmark:
         "benchmarks/predictions/{arm}.tsv"
+    resources:
+        gpu=network_gpu,
     params:
-        constants=stage("predictions"),
+        constants=stage_of_arm("predictions"),
     script:
         "../scripts/predictions.py"

@@ -1,8 +1,16 @@
 # One job judges an arm: judging a scene takes less time than starting a job.
+
+
+def executed(wildcards):
+    """An arm's own executions, or those of the arm whose runs it cuts."""
+    arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm
+    return expand("results/executions/{arm}/seed{seed}/{scene}.jsonl", arm=arm, seed=SEEDS, scene=SCENES)
+
+
 rule runs:
     input:
         episodes="results/episodes/main.jsonl",
-        executions=expand("results/executions/{{arm}}/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
+        executions=executed,
     output:
         runs=expand("results/runs/{{arm}}/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
     log:
@@ -10,6 +18,6 @@ rule runs:
     benchmark:
         "benchmarks/runs/{arm}.tsv"
     params:
-        constants=stage("runs"),
+        constants=stage_of_arm("runs"),
     script:
         "../scripts/runs.py"

@@ -5,7 +5,7 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.agents.arms import Kind, Source, named, of_kind
+from ovman.agents.arms import Kind, Need, named, of_kind, table
 from ovman.config import ConfigError, canonical, load
 from ovman.perception.weights import located
 from ovman.workflow import prepare
@@ -20,8 +20,9 @@ except ConfigError as error:
 
 SCENES = settings.benchmark.scenes
 SEEDS = settings.evaluation.seeds
-STATIC = [arm.name for arm in of_kind(Kind.STATIC)]
-EMBODIED = [arm.name for arm in of_kind(Kind.EMBODIED)]
+ARMS = table(settings.arms)
+STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
+EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
 # Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow), and a job holds it (ovman.job).
 GPU = int(settings.benchmark.backend == "thor")
 # And these, for networks.
@@ -30,7 +31,7 @@ NETWORK_GPU = int(settings.perception.device == "cuda")
 
 wildcard_constraints:
     scene=r"FloorPlan\d+",
-    arm="[a-z_]+",
+    arm="[a-z][a-z0-9_]*",
 
 
 def stage(name):
@@ -38,11 +39,24 @@ def stage(name):
     return canonical(settings, name)
 
 
-def own(*files):
-    """Inputs of an arm with positions of its own; one with positions handed over does not depend on what was perceived."""
-    return lambda wildcards: (
-        [file.format(**dict(wildcards.items())) for file in files] if named(wildcards.arm).positions is Source.OWN else []
-    )
+def stage_of_arm(name):
+    """The one parameter of a stage's rule whose jobs are each of one arm."""
+    return lambda wildcards: canonical(settings, name, wildcards.arm)
+
+
+def needed(what, *files):
+    """Inputs of an arm that needs one of these; others do not depend on them."""
+
+    def found(wildcards):
+        needs = set(named(ARMS, wildcards.arm).needs) & {Need(one) for one in what}
+        return [file.format(**dict(wildcards.items())) for file in files] if needs else []
+
+    return found
+
+
+def network_gpu(wildcards):
+    """How many GPUs the networks of an arm ask for."""
+    return NETWORK_GPU if Need.NETWORKS in named(ARMS, wildcards.arm).needs else 0
 
 
 def weights(*names):

@@ -3,18 +3,18 @@
 from pathlib import Path
 
 from ovman.agents import executions
+from ovman.agents.arms import Arm
 from ovman.job import job
 
 with job(snakemake) as work:
     executions.run(
-        work.arm,
+        Arm.of(work.constants.arm),
         work.scene,
         work.input("episodes"),
         work.input("trials"),
         work.constants,
         {int(name.removeprefix("seed")): work.output(name) for name, _ in snakemake.output.items()},
         work.journal(),
-        Path("results/visits", work.scene),
-        next(iter(work.inputs("maps")), None),
-        next(iter(work.inputs("nouns")), None),
+        Path("results", "visits"),
+        {name: work.inputs(name) for name in ("maps", "dualmap", "nouns")},
     )

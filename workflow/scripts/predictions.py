@@ -1,15 +1,18 @@
 """Stage `predictions`: what a static arm answers to the released episodes."""
 
+from pathlib import Path
+
 from ovman.agents import predictions
+from ovman.agents.arms import Arm
 from ovman.job import job
 
 with job(snakemake) as work:
     predictions.run(
-        work.arm,
+        Arm.of(work.constants.arm),
         work.input("episodes"),
         work.inputs("trials"),
         work.constants,
         work.output("predictions"),
-        work.inputs("maps"),
-        next(iter(work.inputs("nouns")), None),
+        Path("results", "visits"),
+        {name: work.inputs(name) for name in ("maps", "dualmap", "nouns")},
     )

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ovman import config
+from ovman.agents.arms import table
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
@@ -23,7 +24,8 @@ def show(
     output: a file for one episode, a directory for many. Raises ShowError, ConfigError or RecordError, all ValueErrors of one
     line, for what cannot be shown.
     """
-    settings, results = config.load(Path(config_file)), Results(Path(results_dir))
+    settings = config.load(Path(config_file))
+    results = Results(Path(results_dir), table(settings.arms))
     if not patterns and not all_of_them:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
     chosen = results.chosen(["*"] if all_of_them else patterns)

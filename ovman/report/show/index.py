@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.agents.arms import ARMS
 from ovman.report.show.page import environment
 from ovman.report.show.results import Results
 from ovman.report.show.verdicts import embodied_rows, static_rows
@@ -21,5 +20,5 @@ def index(results: Results, episodes: Sequence[str], files: Sequence[Path]) -> s
             [(stop.verdict, f"seed {stop.seed}: {stop.words}") for stop in row.stops] for row in embodied_rows(results, episode)
         ]
         rows.append({"episode": episode, "file": file.as_posix(), "marks": marks})
-    arms = sorted(ARMS, key=lambda arm: arm.kind != "static")
+    arms = sorted(results.arms, key=lambda arm: arm.kind != "static")
     return environment().get_template("index.html").render(rows=rows, arms=arms)

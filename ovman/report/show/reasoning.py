@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.arms import named
+from ovman.agents.arms import Arm, Source, named
 from ovman.agents.association import associate, cost_matrix, distances
 from ovman.agents.grounding import similarities
 from ovman.agents.prediction import Prediction
@@ -81,15 +81,15 @@ def reasonings(results: Results, episode: Mapping[str, Any], settings: Any) -> l
         noun = results.nouns.get(episode["noun"])
         for arm in ("two_visits", "grounding_two_visits"):
             if arm in predictions and predictions[arm].evidence is not None:
-                found.append(of_maps(arm, maps, predictions[arm], noun, settings))
+                found.append(of_maps(named(results.arms, arm), maps, predictions[arm], noun, settings))
     trial = results.trial(episode)
     if trial is not None and "positions_two_visits" in predictions:
-        found.append(of_positions("positions_two_visits", trial, settings))
+        found.append(of_positions(named(results.arms, "positions_two_visits"), trial, settings))
     return found
 
 
 def of_maps(
-    arm: str, maps: Sequence[Sequence[Cluster]], prediction: Prediction, noun: np.ndarray | None, settings: Any
+    arm: Arm, maps: Sequence[Sequence[Cluster]], prediction: Prediction, noun: np.ndarray | None, settings: Any
 ) -> Reasoning:
     """From an agent's maps of both visits and the evidence that its prediction records.
 
@@ -98,7 +98,9 @@ def of_maps(
     evidence = prediction.evidence
     chosen = [set(evidence.grounded_1 or ()), set(evidence.grounded_2)]
     if any(i >= len(clusters) for indices, clusters in zip(chosen, maps, strict=True) for i in indices):
-        raise ShowError(f"{prediction.episode}: the prediction of {arm} was made from other maps than these; `{MAKE}` makes both")
+        raise ShowError(
+            f"{prediction.episode}: the prediction of {arm.name} was made from other maps than these; `{MAKE}` makes both"
+        )
     scores = [None if noun is None else similarities([c.feature for c in clusters], noun) for clusters in maps]
     nearest = _nearest([{i: maps[v][i].position for i in sorted(chosen[v])} for v in (0, 1)])
     items = tuple(
@@ -128,10 +130,10 @@ def of_maps(
             feature_scale_m=settings.association.feature_scale_m,
         )
         pairs.append(Pair(i, j, float(cost[0, 0]), float(np.hypot(*(one.position - other.position)))))
-    return Reasoning(arm, _title(arm), items, tuple(pairs), evidence.grounded_1 is not None)
+    return Reasoning(arm.name, _title(arm), items, tuple(pairs), evidence.grounded_1 is not None)
 
 
-def of_positions(arm: str, trial: Mapping[str, Any], settings: Any) -> Reasoning:
+def of_positions(arm: Arm, trial: Mapping[str, Any], settings: Any) -> Reasoning:
     """From the sightings that the arm was handed: every recorded instance of the category is an object, and all are grounded."""
     candidate, measured = trial["candidate"], trial["measured"]
     worlds = [
@@ -159,7 +161,9 @@ def of_positions(arm: str, trial: Mapping[str, Any], settings: Any) -> Reasoning
         for v, instances in enumerate(seen)
     )
     gap = distances(*p)
-    return Reasoning(arm, _title(arm), items, tuple(Pair(i, j, float(gap[i, j]), float(gap[i, j])) for i, j in matched.pairs))
+    return Reasoning(
+        arm.name, _title(arm), items, tuple(Pair(i, j, float(gap[i, j]), float(gap[i, j])) for i, j in matched.pairs)
+    )
 
 
 def _views(sightings: Sequence[Mapping[str, Any]], instance: str, minimum_px: int) -> tuple[int, ...]:
@@ -176,11 +180,10 @@ def _nearest(points: Sequence[Mapping[int, np.ndarray]]) -> list[dict[int, float
     return near
 
 
-def _title(arm: str) -> str:
-    row = named(arm)
-    if row.positions == "handed":
+def _title(arm: Arm) -> str:
+    if arm.positions is Source.HANDED:
         return "positions handed over"
-    return f"own maps, {'grounding handed over' if row.grounding == 'handed' else 'own grounding'}"
+    return f"own maps, {'grounding handed over' if arm.grounding is Source.HANDED else 'own grounding'}"
 
 
 def _point(pair: Any) -> Point:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents import prediction
-from ovman.agents.arms import ARMS, Kind, of_kind
+from ovman.agents.arms import Arm, Kind, of_kind
 from ovman.agents.prediction import Prediction
 from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
 from ovman.perception.clusters import Cluster
@@ -31,10 +31,13 @@ class ShowError(ValueError):
 
 
 class Results:
-    """Reads `directory`. Every reader but `episodes` and `scene` returns None, or nothing, for what is not there."""
+    """Reads `directory`. Every reader but `episodes` and `scene` returns None, or nothing, for what is not there.
 
-    def __init__(self, directory: Path) -> None:
-        self.directory = Path(directory)
+    arms: those of the settings.
+    """
+
+    def __init__(self, directory: Path, arms: Sequence[Arm]) -> None:
+        self.directory, self.arms = Path(directory), tuple(arms)
 
     @cached_property
     def episodes(self) -> Mapping[str, Mapping[str, Any]]:
@@ -145,7 +148,7 @@ class Results:
 
     @cached_property
     def _predictions(self) -> Mapping[str, Mapping[str, Prediction]]:
-        files = {arm.name: self.directory / "predictions" / f"{arm.name}.jsonl" for arm in of_kind(Kind.STATIC)}
+        files = {arm.name: self.directory / "predictions" / f"{arm.name}.jsonl" for arm in of_kind(self.arms, Kind.STATIC)}
         return {arm: {p.episode: p for p in prediction.read(path)} for arm, path in files.items() if path.is_file()}
 
     @cache  # noqa: B019
@@ -153,7 +156,7 @@ class Results:
         path = self.directory / "metrics" / name
         if not path.is_file():
             return {}
-        arms = {arm.name for arm in ARMS}
+        arms = {arm.name for arm in self.arms}
         with path.open(encoding="utf-8", newline="") as file:
             return {(row["arm"], row["seed"], row["episode"]): row for row in csv.DictReader(file) if row["arm"] in arms}
 

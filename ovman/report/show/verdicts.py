@@ -66,7 +66,7 @@ def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]
     """The static arms in the order of the tables."""
     predictions = results.predictions(episode["id"])
     rows = []
-    for letter, arm in zip(LETTERS, of_kind(Kind.STATIC), strict=False):
+    for letter, arm in zip(LETTERS, of_kind(results.arms, Kind.STATIC), strict=False):
         prediction = predictions.get(arm.name)
         if prediction is None:
             rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
@@ -81,7 +81,9 @@ def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]
 def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[EmbodiedRow]:
     """The embodied arms in the order of the tables; their letters follow those of the static arms."""
     rows = []
-    for letter, arm in zip(LETTERS[len(of_kind(Kind.STATIC)) :], of_kind(Kind.EMBODIED), strict=False):
+    for letter, arm in zip(
+        LETTERS[len(of_kind(results.arms, Kind.STATIC)) :], of_kind(results.arms, Kind.EMBODIED), strict=False
+    ):
         verdicts = results.embodied_verdicts(arm.name, episode["id"])
         runs = results.runs(arm.name, episode)
         stops = tuple(_stop(seed, run, verdicts.get(seed)) for seed, run in runs.items())
