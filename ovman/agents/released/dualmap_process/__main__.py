@@ -1,0 +1,54 @@
+"""`python -m dualmap_process request.json`, in the root of the clone. See `session.run` for what a request holds.
+
+The process is left by os._exit: DualMap's threads would keep it alive after an error.
+"""
+
+import json
+import os
+import sys
+import threading
+import time
+import traceback
+from pathlib import Path
+
+from . import session
+
+
+def _end_with_parent() -> None:
+    """End when the process that started this one has died: nobody waits for its maps, and the GPU is wanted."""
+    parent = os.getppid()
+
+    def watch() -> None:
+        while os.getppid() == parent:
+            time.sleep(1.0)
+        os._exit(1)
+
+    threading.Thread(target=watch, name="end-with-parent", daemon=True).start()
+
+
+def _forget_own_directory() -> None:
+    """Modules beside this package must hide nothing of the clone and of its environment."""
+    os.environ.pop("PYTHONPATH", None)
+    beside = Path(__file__).resolve().parents[1]
+    sys.path[:] = [entry for entry in sys.path if not entry or Path(entry).resolve() != beside]
+
+
+def main(request_file: str) -> int:
+    """Exit status of the run that a file asks for; what is wrong is the last line printed."""
+    try:
+        session.run(json.loads(Path(request_file).read_text()))
+        return 0
+    except session.RunError as error:
+        print(error, flush=True)
+    except BaseException:
+        traceback.print_exc()
+    return 1
+
+
+if __name__ == "__main__":
+    _end_with_parent()
+    _forget_own_directory()
+    status = main(sys.argv[1])
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)

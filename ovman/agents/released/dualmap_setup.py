@@ -1,0 +1,81 @@
+"""Is there all that DualMap's released code needs: clone, environment, weights, GPU?"""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ovman.agents.released import interpreter
+from ovman.agents.released.clone import Clone
+
+REPOSITORY = "https://github.com/Eku127/DualMap"
+KEY = "released.dualmap"
+OLDEST = (3, 10)
+"""DualMap's own Python; its process imports nothing of this package."""
+WEIGHTS = ("model/yolov8l-world.pt", "model/mobile_sam.pt", "model/FastSAM-s.pt")
+"""Of the detector and the two segmenters, in the clone."""
+TOWERS = "apple/MobileCLIP-S2-OpenCLIP"
+_FETCH = (
+    "import open_clip; from ultralytics import YOLO, SAM, FastSAM; "
+    "YOLO('model/yolov8l-world.pt').set_classes(['chair']); SAM('model/mobile_sam.pt'); FastSAM('model/FastSAM-s.pt'); "
+    "open_clip.create_model_and_transforms('MobileCLIP-S2', pretrained='datacompdr')"
+)
+"""Downloads all weights; the detector fetches the text tower that names its classes when it is given the first."""
+NEEDS = interpreter.Needs(
+    modules={
+        "torch": "torch",
+        "hydra": "hydra-core",
+        "open3d": "open3d",
+        "open_clip": "open_clip_torch",
+        "ultralytics": "ultralytics==8.3.103",
+        "clip": "git+https://github.com/ultralytics/CLIP.git",
+        "mobileclip": "--no-deps --editable 3rdparty/mobileclip",
+        "supervision": "supervision==0.25.1",
+        "faiss": "faiss-cpu==1.9.0",
+        "rerun": "rerun-sdk==0.22.1",
+        "kornia": "kornia",
+        "natsort": "natsort",
+        "dill": "dill",
+    },
+    versions={},
+    cached={
+        TOWERS: (
+            (("open_clip_model.safetensors", "open_clip_pytorch_model.bin"),),
+            f"-c {shlex.quote(_FETCH)}",
+        )
+    },
+    oldest=OLDEST,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Installation:
+    """root: of the clone; python: the interpreter of its environment; before: "module:function" that a run calls before DualMap
+    is built, for networks that stand in for DualMap's, or None.
+    """
+
+    root: Path
+    python: Path
+    before: str | None = None
+
+
+def lacks(dualmap: Any) -> str | None:
+    """What is missing and how to get it, in one line, given the settings released.dualmap; None where everything is there."""
+    if not dualmap.root:
+        return f"{KEY}.root names no clone; docs/baselines.md says how to make one"
+    root = Path(dualmap.root).expanduser()
+    return (
+        Clone(REPOSITORY, root, dualmap.commit).lacks()
+        or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS)
+        or missing_weights(root, dualmap.python)
+    )
+
+
+def missing_weights(root: Path, python: str) -> str | None:
+    """The first file of weights that is not in the clone at `root` and how to get it; None where all are there."""
+    for name in WEIGHTS:
+        if not (root / name).is_file():
+            return f"there is no {name} in {root}; in that folder run {shlex.quote(python)} -c {shlex.quote(_FETCH)}"
+    return None
