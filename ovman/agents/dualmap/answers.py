@@ -1,0 +1,83 @@
+"""The arms on DualMap's maps: one map maintained through both visits, or a map of each visit read by OVMAN's own rules.
+
+A maintained map is a reading of the current state. It holds former and present places side by side and cannot tell which is
+which, so that it answers every relation alike: with the place of the object that the noun fits best, as DualMap answers a query.
+With grounding handed over it is told which of its objects stand for instances of the category, and that at the places of both
+visits: places of the second alone would tell it what has left, those of the first what has come. One of these objects is as good
+as another, and its success the expectation over a uniform pick. So the published table has it: with its own grounding the rates
+of this row are whole numbers of successes in three runs, with grounding handed over they are not.
+
+The two maps of single visits are grounded, associated and decided over as the reference agent's are (`ovman.agents.reasoning`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ovman.agents.arms import Need, Source
+from ovman.agents.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.dualmap.mapped import RunMaps, read
+from ovman.agents.grounding import grounded, similarities
+from ovman.agents.object_map import ObjectMap
+from ovman.agents.reasoning import ReferenceConstants, two_visits
+from ovman.agents.single_visit import UniformPick
+from ovman.language import noun
+from ovman.task import Query
+
+if TYPE_CHECKING:
+    from ovman.agents.given import Recorded
+
+VISITS = ("first", "second")
+
+
+def predict_maintained(query: Query, recorded: Recorded) -> tuple[Answer | UniformPick | Abstention, None]:
+    """The static arms dualmap_maintained and grounding_dualmap_maintained.
+
+    Own grounding: the centre of the most similar object, of equally similar ones the first that was saved. Handed grounding: a
+    pick among the objects nearest to where either visit recorded an instance, as ``grounding_by_truth`` has it. Abstains with
+    NOTHING_GROUNDED where that is none.
+    """
+    found = _maps(recorded).maintained[recorded.visits["first"], recorded.visits["second"]].object_map()
+    if recorded.grounding is Source.OWN:
+        return most_similar(found, recorded.noun(noun(query.category))), None
+    return any_of(found, {index for which in VISITS for index in recorded.true_objects(which, found.p)}), None
+
+
+def predict_two_visits(query: Query, recorded: Recorded) -> tuple[Answer | Abstention, None]:
+    """The static arms dualmap_two_visits and grounding_dualmap_two_visits: the reference agent's rules on DualMap's maps.
+
+    A map knows one place of every object, its box's centre, so that MOVING is answered with that of the latest-seen one that is
+    new.
+    """
+    visits = _maps(recorded).visits
+    maps = [visits[recorded.visits[which]].object_map() for which in VISITS]
+    means = [_means(query, recorded, which, found) for which, found in zip(VISITS, maps, strict=True)]
+    outcome, _ = two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
+    return outcome, None
+
+
+def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
+    """The place of the object whose feature is most similar to a noun (K,); NOTHING_GROUNDED for an empty map."""
+    if not len(found):
+        return Abstention(AbstentionReason.NOTHING_GROUNDED)
+    x, z = found.p[int(similarities(found.f, phrase).argmax())]
+    return Answer(float(x), float(z))
+
+
+def any_of(found: ObjectMap, meant: set[int]) -> UniformPick | Abstention:
+    """The places of the objects of these indices, one as likely as another; NOTHING_GROUNDED where there are none."""
+    if not meant:
+        return Abstention(AbstentionReason.NOTHING_GROUNDED)
+    return UniformPick(tuple(sorted((float(x), float(z)) for x, z in found.p[sorted(meant)])))
+
+
+def _maps(recorded: Recorded) -> RunMaps:
+    return recorded.made(Need.DUALMAP, read)[recorded.run]
+
+
+def _means(query: Query, recorded: Recorded, which: str, found: ObjectMap) -> tuple[int, ...]:
+    if recorded.grounding is Source.HANDED:
+        return recorded.true_objects(which, found.p)
+    return grounded(found.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)
