@@ -1,11 +1,13 @@
-"""The two charts of the page: the error budget, and success by relation with two visits against one."""
+"""The two charts of the page: the error budget, and success by relation with two visits against a reading of one state."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ovman.report.findings import sources
+from ovman.report.findings.baselines import HANDED, MAINTAINED, TWICE
 from ovman.report.findings.budget import GROUNDING, POSITIONS
 from ovman.report.findings.comparison import found
 from ovman.report.findings.memory import ONE, TWO
@@ -34,22 +36,59 @@ def budget(metrics: Metrics, paper: Paper, output: Path) -> None:
         axis.annotate(f"{theirs:.3f}", (place + 0.2, theirs), (0, 3), **ABOVE)
     axis.set_xticks(range(len(RUNGS)), [words for _, words in RUNGS])
     axis.legend(frameon=False, ncols=2, loc="upper left")
-    _finished(plt, figure, axis, "success, static gate", output)
+    _framed(axis, "success, static gate")
+    figure.tight_layout(pad=0.5)
+    _saved(plt, figure, output)
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """Two readings of the same maps by relation. one: the arm that reads one state, words: what the legend calls that."""
+
+    title: str
+    one: str
+    two: str
+    words: str
+
+
+OURS = (
+    Panel("our maps, own grounding", ONE, TWO, "one visit (expected)"),
+    Panel("our maps, grounding handed over", f"{HANDED}{ONE}", f"{HANDED}{TWO}", "one visit (expected)"),
+)
+DUALMAP = (
+    Panel("DualMap's maps, own grounding", MAINTAINED, TWICE, "one maintained map"),
+    Panel("DualMap's maps, grounding handed over", f"{HANDED}{MAINTAINED}", f"{HANDED}{TWICE}", "one maintained map"),
+)
 
 
 def memory(metrics: Metrics, paper: Paper, output: Path) -> None:
-    """Static success by relation: bars with one visit and with two, ours with intervals; diamonds are the paper's."""
+    """Static success by relation, a reading of one state against two visits: bars with intervals; diamonds are the paper's.
+
+    Our maps on the left and DualMap's on the right, with own grounding above and handed over below (the paper's Fig. memory).
+    Without metrics of DualMap there is no right side.
+    """
     plt = _pyplot()
-    figure, axis = plt.subplots(figsize=(7.6, 3.1))
-    for offset, arm, colour, words in ((-0.2, ONE, LIGHT, "one visit (expected)"), (0.2, TWO, DARK, "two visits")):
+    there = any(found(sources.static(arm), metrics) for panel in DUALMAP for arm in (panel.one, panel.two))
+    sides = [OURS, DUALMAP] if there else [OURS]
+    figure, axes = plt.subplots(2, len(sides), figsize=(7.6 if len(sides) == 1 else 12.4, 6.0), squeeze=False)
+    for column, panels in enumerate(sides):
+        for axis, panel in zip(axes[:, column], panels, strict=True):
+            _panel(axis, metrics, paper, panel)
+            _framed(axis, "success, static gate" if column == 0 else None)
+    figure.tight_layout(pad=0.5, h_pad=1.5)
+    _saved(plt, figure, output)
+
+
+def _panel(axis: Any, metrics: Metrics, paper: Paper, panel: Panel) -> None:
+    for offset, arm, colour, words in ((-0.2, panel.one, LIGHT, panel.words), (0.2, panel.two, DARK, "two visits")):
         for place, relation in enumerate(RELATIONS):
             theirs, first = _paper(paper, f"static.{arm}.{relation}"), place == 0
-            label = "paper" if first and arm == TWO else None
+            label = "paper" if first and arm == panel.two else None
             axis.plot(place + offset, theirs, color=INK, linestyle="", label=label, zorder=4, **DIAMOND)
             _bar(axis, metrics, place + offset, arm, relation, colour, words if first else None)
-    axis.set_xticks(range(len(RELATIONS)), [relation.upper() for relation in RELATIONS])
-    axis.legend(frameon=False, ncols=3, loc="upper center", bbox_to_anchor=(0.5, 1.16))
-    _finished(plt, figure, axis, "success, static gate", output)
+    axis.set_xticks(range(len(RELATIONS)), [relation.upper() for relation in RELATIONS], fontsize=8)
+    axis.set_title(panel.title, loc="left", fontsize=9, color=INK, pad=18)
+    axis.legend(frameon=False, ncols=3, loc="lower left", bbox_to_anchor=(-0.02, 0.97), fontsize=8)
 
 
 def _bar(
@@ -80,15 +119,18 @@ def _pyplot() -> Any:
     return plt
 
 
-def _finished(plt: Any, figure: Any, axis: Any, title: str, output: Path) -> None:
+def _framed(axis: Any, title: str | None) -> None:
     axis.set_ylim(0, 1.09)
-    axis.set_ylabel(title, color=INK)
+    if title:
+        axis.set_ylabel(title, color=INK)
     axis.grid(axis="y", color=PALE, linewidth=0.6)
     axis.set_axisbelow(True)
     axis.tick_params(colors=INK, length=0)
     for side in ("top", "right", "left"):
         axis.spines[side].set_visible(False)
     axis.spines["bottom"].set_color(PALE)
-    figure.tight_layout(pad=0.5)
+
+
+def _saved(plt: Any, figure: Any, output: Path) -> None:
     figure.savefig(output, dpi=DPI, format="png", facecolor="white", metadata=PLAIN)
     plt.close(figure)

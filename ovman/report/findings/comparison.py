@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from ovman.analysis.language import What
 from ovman.report.findings import sources
+from ovman.report.findings.baselines import COW
 from ovman.report.findings.budget import GROUNDING, ORACLE, ORACLE_POSITIONS, POSITIONS
 from ovman.report.findings.memory import ONE, ONE_EMBODIED, TWO, TWO_EMBODIED
 from ovman.report.findings.metrics import Cell, Metrics, Missing
@@ -23,7 +24,7 @@ HERE, PAPER = "here", "paper"
 class Line:
     """One row of ours and one of the paper's. title: of both; row: the paper's, "static.two_visits"; columns: their keys.
 
-    read: the figure of ours for a column.
+    read: the figure of ours for a column. optional: shown only where the metrics have something of it, as of a released system.
     """
 
     title: str
@@ -31,32 +32,52 @@ class Line:
     columns: tuple[str, ...]
     read: Callable[[str], Read]
     form: Form = Form.RATE
+    optional: bool = False
 
 
 _EVERY = (*RELATIONS, ALL)
 _HEADS = tuple(column.upper() for column in _EVERY)
 
 
-def _static(title: str, arm: str) -> Line:
-    return Line(title, f"static.{arm}", _EVERY, lambda relation: sources.static(arm, relation))
+def _static(title: str, arm: str, row: str | None = None) -> Line:
+    read = lambda relation: sources.static(arm, relation)  # noqa: E731
+    return Line(title, f"static.{row or arm}", _EVERY, read, optional=row is not None)
 
 
-def _embodied(title: str, arm: str) -> Line:
+def _embodied(title: str, arm: str, row: str | None = None) -> Line:
     def read(column: str) -> Read:
         return sources.embodied(arm, ALL, "spl") if column == "spl" else sources.embodied(arm, column)
 
-    return Line(title, f"embodied.{arm}", (*_EVERY, "spl"), read)
+    return Line(title, f"embodied.{row or arm}", (*_EVERY, "spl"), read, optional=row is not None)
+
+
+def _dualmap(handed: str, words: str) -> tuple[Line, ...]:
+    """DualMap's two readings: ours of it, and the released system beside the same rows of the paper."""
+    return tuple(
+        line
+        for reading, memory in (("maintained", "maintained map"), ("two_visits", "two visits"))
+        for row in (f"{handed}dualmap_{reading}",)
+        for line in (
+            _static(f"dualmap (reimplemented), {memory}{words}", row),
+            _static(f"DualMap (released), {memory}{words}", f"{handed}dualmap_released_{reading}", row),
+        )
+    )
 
 
 STATIC = (
     _static("one visit", ONE),
+    *_dualmap("", ""),
     _static("two visits", TWO),
+    *_dualmap("grounding_", ", grounding handed over"),
     _static("one visit, grounding handed over", f"grounding_{ONE}"),
     _static("two visits, grounding handed over", GROUNDING),
     _static("one visit, positions handed over", f"positions_{ONE}"),
     _static("two visits, positions handed over", POSITIONS),
 )
 EMBODIED = (
+    _embodied("cow (reimplemented)", COW),
+    _embodied("CoW (released)", f"{COW}_released", COW),
+    _embodied("cow (reimplemented), 500 actions", f"{COW}_500", f"{COW}_500"),
     _embodied("one visit", ONE_EMBODIED),
     _embodied("two visits", TWO_EMBODIED),
     _embodied("two visits, true positions", ORACLE_POSITIONS),
@@ -94,7 +115,7 @@ _LANGUAGE = (
     ("success, noun and relation inferred", What.INFERRED.value, ""),
 )
 USED = frozenset(
-    {f"{line.row}.{column}" for lines in LINES.values() for line in lines for column in line.columns}
+    {f"{line.row}.{column}" for lines in LINES.values() for line in lines if not line.optional for column in line.columns}
     | {key for *_, key in _INTERVALS}
     | {f"{what}_with_{key}" for *_, key in _NUMBERS_OF_INSTANCES for what in ("success", "episodes")}
 )
@@ -102,13 +123,16 @@ USED = frozenset(
 
 
 def beside_paper(lines: Sequence[Line], what: str, metrics: Metrics, paper: Paper) -> str:
-    """A Markdown table with two rows a line: ours, then the paper's. what: head of the first column."""
+    """A Markdown table with two rows a line: ours, then the paper's if it has one. what: head of the first column."""
     columns = lines[0].columns
     heads = [*_HEADS, *(column.upper() for column in columns[len(_HEADS) :])]
     body = []
     for line in lines:
+        if line.optional and all(found(line.read(column), metrics) is None for column in columns):
+            continue
         body.append([line.title, HERE, *(_cell(line.read(column), metrics, line.form) for column in columns)])
-        body.append(["", PAPER, *(_papers(paper, f"{line.row}.{column}", line.form) for column in columns)])
+        if any(f"{line.row}.{column}" in paper for column in columns):
+            body.append(["", PAPER, *(_papers(paper, f"{line.row}.{column}", line.form) for column in columns)])
     return pipe_table([what, "", *heads], body, [False, False, *[True] * len(columns)])
 
 

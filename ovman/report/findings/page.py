@@ -10,6 +10,7 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from ovman.report.findings import charts, comparison, sources
+from ovman.report.findings.baselines import COW, MAINTAINED, TWICE
 from ovman.report.findings.budget import GROUNDING, ORACLE, POSITIONS
 from ovman.report.findings.comparison import EMBODIED, STATIC, TAXONOMY, beside_paper, found
 from ovman.report.findings.explanations import Explanation, beside
@@ -35,9 +36,17 @@ _SUMMARY: tuple[tuple[str, Read, str], ...] = (
     ("two visits, own perception, navigating", sources.embodied(TWO_EMBODIED), f"embodied.{TWO_EMBODIED}.all"),
     ("two visits, grounding handed over, static", sources.static(GROUNDING), f"static.{GROUNDING}.all"),
     ("two visits, positions handed over, static", sources.static(POSITIONS), f"static.{POSITIONS}.all"),
+    ("dualmap (reimplemented), maintained map, static", sources.static(MAINTAINED), f"static.{MAINTAINED}.all"),
+    ("dualmap (reimplemented), two visits, static", sources.static(TWICE), f"static.{TWICE}.all"),
+    ("cow (reimplemented), navigating", sources.embodied(COW), f"embodied.{COW}.all"),
     ("oracle, navigating", sources.embodied(ORACLE), f"embodied.{ORACLE}.all"),
 )
-_COSTS = {"mapping_s": "mapping_s_an_episode", "gate_s": "static_gate_s", "pass_min": "embodied_pass_min"}
+_COSTS = {
+    "mapping_s": "mapping_s_an_episode",
+    "gate_s": "static_gate_s",
+    "pass_min": "embodied_pass_min",
+    "cow_min": "cow_pass_min",
+}
 USED = frozenset({"taxonomy.episodes.all", *_COSTS.values(), *(key for *_, key in _SUMMARY)})
 """Keys of the paper's figures that the page shows outside of its tables and statements."""
 _MARK = {Verdict.HOLDS: "✓ holds", Verdict.FAILS: "✗ does not hold", Verdict.UNKNOWN: "? cannot be told"}

@@ -67,6 +67,67 @@ def largest_p(arm: str, baseline: str) -> Read:
     return read
 
 
+def of_seeds(arm: str, choose: Callable[[Sequence[float]], float], relation: str = ALL) -> Read:
+    """The lowest (min) or highest (max) success of an arm among its seeds or runs."""
+
+    def read(metrics: Metrics) -> Cell:
+        rates = metrics.numbers("seeds.csv", "rate", arm=arm, relation=relation)
+        seed = metrics.texts("seeds.csv", "seed", arm=arm, relation=relation)[rates.index(value := choose(rates))]
+        return Cell(value, f"seeds.csv ({arm}, {relation}, seed {seed}): rate")
+
+    return read
+
+
+def mean_of_seeds(arm: str, relation: str = ALL) -> Read:
+    """The mean success of an arm over its seeds or runs."""
+    source = f"seeds.csv ({arm}, {relation}, mean): rate"
+    return lambda metrics: Cell(_mean(metrics.numbers("seeds.csv", "rate", arm=arm, relation=relation)), source)
+
+
+def own_task(arm: str, column: str) -> Read:
+    """The mean over the seeds of a column of own_task.csv, all episodes."""
+
+    def read(metrics: Metrics) -> Cell:
+        values = metrics.numbers("own_task.csv", column, arm=arm, relation=ALL)
+        return Cell(_mean(values), f"own_task.csv ({arm}, all, mean over seeds): {column}")
+
+    return read
+
+
+def own_task_p(arm: str) -> Read:
+    """The largest p over all episodes among the seeds of an arm: its own task against this one."""
+    source = f"own_task.csv ({arm}, all, largest of the seeds): p"
+    return lambda metrics: Cell(max(metrics.numbers("own_task.csv", "p", arm=arm, relation=ALL)), source)
+
+
+def of_pairings(
+    arm: str, baseline: str, choose: Callable[[Sequence[float]], float], column: str = "difference", relation: str = ALL
+) -> Read:
+    """The lowest (min) or highest (max) of a column of pairings.csv among the pairings of two arms' runs."""
+
+    def read(metrics: Metrics) -> Cell:
+        values = metrics.numbers("pairings.csv", column, arm=arm, baseline=baseline, relation=relation)
+        words = {min: "lowest", max: "highest"}[choose]
+        return Cell(choose(values), f"pairings.csv ({arm}, {baseline}, {relation}, {words} of {len(values)} pairings): {column}")
+
+    return read
+
+
+def least_p_ahead(arm: str, baseline: str) -> Read:
+    """The lowest p over all episodes among the pairings in which the arm is ahead of its baseline; 1 where it is in none."""
+
+    def read(metrics: Metrics) -> Cell:
+        where = {"arm": arm, "baseline": baseline, "relation": ALL}
+        differences = metrics.numbers("pairings.csv", "difference", **where)
+        ahead = [p for p, d in zip(metrics.numbers("pairings.csv", "p", **where), differences, strict=True) if d > 0]
+        return Cell(
+            min(ahead, default=1.0),
+            f"pairings.csv ({arm}, {baseline}, all, lowest of the {len(ahead)} of {len(differences)} pairings with a lead): p",
+        )
+
+    return read
+
+
 def rung(title: str, column: str = "gain") -> Read:
     """A column of a rung of the error budget over all episodes."""
     return lambda metrics: metrics.cell("budget.csv", column, rung=title, relation=ALL)

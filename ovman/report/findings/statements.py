@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from ovman.report.findings import budget, checks, failures, memory
+from ovman.report.findings import baselines, budget, checks, failures, memory
 from ovman.report.findings.statement import Statement
 
 GROUPS: dict[str, tuple[Statement, ...]] = {
     "Two visits against one": memory.STATEMENTS,
+    "Do the existing paradigms fail, and why?": baselines.STATEMENTS,
     "Where the difficulty lies": budget.STATEMENTS,
     "How the agent fails": failures.STATEMENTS,
     "Validity checks": checks.STATEMENTS,

@@ -12,8 +12,12 @@ from ovman.report.findings.sources import ALL, RELATIONS
 Files = dict[str, list[dict[str, str]]]
 SEEDS = ("0", "1", "2")
 EVERY = (*RELATIONS, ALL)
-STATIC = tuple(f"{rung}{memory}" for rung, memory in product(("", "grounding_", "positions_"), ("single_visit", "two_visits")))
-EMBODIED = ("single_visit_embodied", "two_visits_embodied", "two_visits_oracle_positions", "oracle_check")
+DUALMAP = tuple(f"{rung}dualmap_{memory}" for rung, memory in product(("", "grounding_"), ("maintained", "two_visits")))
+STATIC = (
+    *(f"{rung}{memory}" for rung, memory in product(("", "grounding_", "positions_"), ("single_visit", "two_visits"))),
+    *DUALMAP,
+)
+EMBODIED = ("cow", "single_visit_embodied", "two_visits_embodied", "two_visits_oracle_positions", "oracle_check")
 VERDICTS = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance")
 
 
@@ -49,7 +53,7 @@ def papers_files(paper: Paper) -> Files:
             rate=value,
             low=max(0, value - 0.05),
             high=min(1, value + 0.05),
-            spl=get(f"{table}.{arm}.spl", 0.9),
+            spl="" if arm == "cow" else get(f"{table}.{arm}.spl", 0.9),
         )
 
     def compared(arm: str, baseline: str, seed: str, relation: str, kind: str) -> dict[str, str]:
@@ -64,6 +68,40 @@ def papers_files(paper: Paper) -> Files:
             losses=get(f"{kind}_losses", 10),
             p=p,
             p_holm="" if relation == ALL else p,
+        )
+
+    def cow_compared(seed: str, relation: str) -> dict[str, str]:
+        p = get("cow_p") if relation == ALL else 0.01
+        return _row(
+            arm="two_visits_embodied",
+            baseline="cow",
+            seed=seed,
+            relation=relation,
+            n=n[relation],
+            wins=get("cow_wins"),
+            losses=get("cow_losses"),
+            p=p,
+            p_holm="" if relation == ALL else p,
+        )
+
+    def own_task(seed: str) -> dict[str, str]:
+        own, rate = get("cow_any_instance"), get("embodied.cow.all")
+        return _row(arm="cow", seed=seed, relation=ALL, n=n[ALL], own_rate=own, rate=rate, gap=own - rate, p=1e-10)
+
+    def paired(arm: str, baseline: str, run: str, against: str, relation: str) -> dict[str, str]:
+        """The worst pairing is the first; the others make up for it so that the mean is the difference of the means."""
+        mean = get(f"static.{arm}.{relation}") - get(f"static.{baseline}.{relation}")
+        handed = (arm, baseline) == ("grounding_dualmap_two_visits", "grounding_dualmap_maintained")
+        worst = get(f"dualmap_worst_pairing{'' if relation == ALL else '_former'}") if handed else mean
+        first, pairings = (run, against) == ("0", "0"), 9 if handed else 3
+        return _row(
+            arm=arm,
+            baseline=baseline,
+            arm_run=run,
+            baseline_run=against,
+            relation=relation,
+            difference=worst if first else (mean * pairings - worst) / (pairings - 1),
+            p=0.5 if handed else 1e-9,
         )
 
     def navigated(arm: str, prefix: str, index: int) -> dict[str, str]:
@@ -103,6 +141,21 @@ def papers_files(paper: Paper) -> Files:
                 for seed in SEEDS
                 for relation in EVERY
             ),
+            *(cow_compared(seed, relation) for seed in SEEDS for relation in EVERY),
+        ],
+        "own_task.csv": [own_task(seed) for seed in SEEDS],
+        "pairings.csv": [
+            *(
+                paired("grounding_dualmap_two_visits", "grounding_dualmap_maintained", run, against, relation)
+                for run, against in product(SEEDS, SEEDS)
+                for relation in (ALL, "former")
+            ),
+            *(paired("two_visits", baseline, "0", run, ALL) for baseline in DUALMAP[:2] for run in SEEDS),
+        ],
+        "seeds.csv": [
+            _row(arm="cow", relation=relation, seed=seed, n=n[relation], rate=rate)
+            for relation, key, middle in ((ALL, "cow", "embodied.cow.all"), ("former", "cow_former", "embodied.cow.former"))
+            for seed, rate in zip(SEEDS, (get(f"{key}_least"), get(middle), get(f"{key}_greatest")), strict=True)
         ],
         "navigation.csv": [
             navigated(arm, prefix, index)
