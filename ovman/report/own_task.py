@@ -11,7 +11,7 @@ from ovman.report.cells import Record, number, p_value, percent, signed, small_c
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
-def own_task_table(rows: Sequence[Record], arms: Sequence[Arm], radius_m: float, confidence: float) -> Table:
+def own_task_table(rows: Sequence[Record], radius_m: float, confidence: float, arms: Sequence[Arm]) -> Table:
     """One row an arm and relation, means over the seeds. rows: of "own_task.csv"; radius_m: R; confidence: of the intervals."""
     groups: dict[tuple[str, str], list[Record]] = {}
     for row in rows:
@@ -41,7 +41,7 @@ def own_task_table(rows: Sequence[Record], arms: Sequence[Arm], radius_m: float,
             Column("n", "n", numeric=True),
             Column("seeds", "seeds", numeric=True),
         ),
-        rows=tuple(_row(arms, arm, relation, of_group, confidence) for (arm, relation), of_group in groups.items()),
+        rows=tuple(_row(named(arms, arm), relation, of_group, confidence) for (arm, relation), of_group in groups.items()),
         wide=True,
     )
 
@@ -55,13 +55,13 @@ def _columns(key: str, title: str) -> tuple[Column, ...]:
     )
 
 
-def _row(arms: Sequence[Arm], arm: str, relation: str, rows: Sequence[Record], confidence: float) -> Row:
+def _row(arm: Arm, relation: str, rows: Sequence[Record], confidence: float) -> Row:
     def mean(key: str) -> float:
         return math.fsum(float(row[key]) for row in rows) / len(rows)
 
     low, high = wilson_interval(mean("own_successes"), int(rows[0]["n"]), confidence)
     cells = {
-        "agent": named(arms, arm).system,
+        "agent": arm.system,
         "relation": small_capitals(relation),
         "own_low": number(str(low)),
         "own_high": number(str(high)),
@@ -79,4 +79,4 @@ def _row(arms: Sequence[Arm], arm: str, relation: str, rows: Sequence[Record], c
         middle, least, greatest = (number(str(value)) for value in (mean(column), min(values), max(values)))
         brackets = f" ({least}–{greatest})" if len(values) > 1 else ""
         cells |= {key: middle, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": middle + brackets}
-    return Row(cells, section=named(arms, arm).system)
+    return Row(cells, section=arm.system)

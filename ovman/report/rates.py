@@ -34,6 +34,11 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float, ar
             f"the rate of one realised pass over these very episodes with a probability of at least {percent(confidence)}"
             " (Poisson-binomial)."
         )
+    if any(int(rate["seeds"]) > 1 for rate in rates):
+        caption += (
+            " A system that answers otherwise each time it runs has several runs: its rates are means over them, and its ranges "
+            "as wide as for one: runs add no episodes."
+        )
     return Table(
         name="static",
         caption=caption,
@@ -46,6 +51,7 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float, ar
             *_rate_columns(ALL, small_capitals(ALL)),
             _range_column(confidence),
             Column("n", "n", numeric=True),
+            Column("runs", "runs", numeric=True),
             Column("interval", "interval", formats=DATA),
         ),
         rows=tuple(
@@ -57,6 +63,7 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float, ar
                     "positions": arm.positions.value,
                     **_rate_cells(of_arm),
                     "n": of_arm[ALL]["n"],
+                    "runs": of_arm[ALL]["seeds"],
                     "interval": of_arm[ALL]["interval"],
                 },
                 section=_section(arm),
@@ -73,7 +80,8 @@ def embodied_table(rates: Sequence[Record], confidence: float, arms: Sequence[Ar
         name="embodied",
         caption=(
             "Embodied evaluation: success rate (SR) at the stop and SPL over n episodes, means over the seeds. "
-            f"{_wilson(confidence)} They are as wide as for one pass over the n episodes: seeds add no episodes."
+            f"{_wilson(confidence)} They are as wide as for one pass over the n episodes: seeds add no episodes. The shortest "
+            "path of SPL is that of the episode, whatever body an agent has."
         ),
         columns=(
             Column("agent", "agent"),
@@ -119,6 +127,9 @@ def _rate_columns(key: str, title: Words) -> tuple[Column, ...]:
         Column(key, title, numeric=True),
         Column(f"{key}_low", f"{key} low", numeric=True, formats=DATA),
         Column(f"{key}_high", f"{key} high", numeric=True, formats=DATA),
+        # Of single seeds or runs.
+        Column(f"{key}_min", f"{key} least", numeric=True, formats=DATA),
+        Column(f"{key}_max", f"{key} greatest", numeric=True, formats=DATA),
     )
 
 
@@ -135,6 +146,8 @@ def _rate_cells(of_arm: Mapping[str, Record], whole: str = ALL) -> dict[str, str
                 key: number(rate["rate"]),
                 f"{key}_low": number(rate["low"]),
                 f"{key}_high": number(rate["high"]),
+                f"{key}_min": number(rate["least"]) if rate["least"] else "",
+                f"{key}_max": number(rate["greatest"]) if rate["greatest"] else "",
             }
     mark = MARK if of_arm[ALL]["interval"] == Interval.POISSON_BINOMIAL else ""
     return cells | {"range": span(of_arm[ALL]["low"], of_arm[ALL]["high"]) + mark}

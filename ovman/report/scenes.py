@@ -45,15 +45,14 @@ def scenes_table(rates: Sequence[Record], arms: Sequence[Arm]) -> Table:
             Column("scenes", "scenes", numeric=True),
             *(Column(name, name, numeric=True, formats=DATA) for name in names),
         ),
-        rows=tuple(_row(arms, arm, rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
         wide=True,
     )
 
 
-def _row(arms: Sequence[Arm], name: str, rows: Sequence[Record]) -> Row:
-    arm = named(arms, name)
+def _row(arm: Arm, rows: Sequence[Record]) -> Row:
     cells = {
-        "arm": name,
+        "arm": arm.name,
         "system": arm.system,
         "memory": arm.memory,
         "grounding": arm.grounding.value,

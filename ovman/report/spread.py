@@ -38,7 +38,7 @@ def seeds_table(passes: Sequence[Record], arms: Sequence[Arm]) -> Table:
             Column("spread", "spread", numeric=True),
             Column("n", "n", numeric=True),
         ),
-        rows=tuple(_row(arms, arm, rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
         wide=True,
     )
 
@@ -51,9 +51,8 @@ def _columns(relation: str) -> tuple[Column, ...]:
     )
 
 
-def _row(arms: Sequence[Arm], name: str, rows: Sequence[Record]) -> Row:
-    arm = named(arms, name)
-    cells = {"arm": name, "system": arm.system, "memory": arm.memory, "grounding": arm.grounding.value}
+def _row(arm: Arm, rows: Sequence[Record]) -> Row:
+    cells = {"arm": arm.name, "system": arm.system, "memory": arm.memory, "grounding": arm.grounding.value}
     for relation in (*RELATIONS, ALL):
         of_relation = [row for row in rows if row["relation"] == relation]
         if not of_relation:

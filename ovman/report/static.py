@@ -10,7 +10,7 @@ from typing import Any
 from ovman.analysis import metrics
 from ovman.report import tables
 
-SHOWN = (metrics.STATIC_RATES, metrics.TAXONOMY, metrics.DIFFICULTY, metrics.BUDGET)
+SHOWN = (metrics.STATIC_RATES, metrics.TAXONOMY, metrics.DIFFICULTY, metrics.BUDGET, metrics.PAIRINGS)
 
 
 def run(episodes: Path, predictions: Sequence[Path], constants: Any, output_dir: Path) -> None:

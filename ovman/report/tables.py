@@ -15,10 +15,14 @@ from ovman.report.language import language_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
 from ovman.report.navigation import navigation_table
+from ovman.report.own_task import own_task_table
+from ovman.report.pairings import pairings_table
 from ovman.report.perception import backprojection_table, perception_table
 from ovman.report.rates import embodied_table, static_table
 from ovman.report.rejections import rejections_table
+from ovman.report.scenes import scenes_table
 from ovman.report.significance import significance_table
+from ovman.report.spread import seeds_table
 from ovman.report.table import Table, csv_text
 from ovman.report.taxonomy import taxonomy_table
 
@@ -37,6 +41,12 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
     "navigation": lambda rows, constants: navigation_table(rows, arms.table(constants.arms)),
     "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence, arms.table(constants.arms)),
     "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
+    "pairings": lambda rows, constants: pairings_table(rows),
+    "own_task": lambda rows, constants: own_task_table(
+        rows, constants.success.radius_m, constants.evaluation.confidence, arms.table(constants.arms)
+    ),
+    "seeds": lambda rows, constants: seeds_table(rows, arms.table(constants.arms)),
+    "scenes": lambda rows, constants: scenes_table(rows, arms.table(constants.arms)),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
         rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px

@@ -12,6 +12,7 @@ import yaml
 from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES, csv_text
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.config import load
 from ovman.report import tables
 from ovman.report.constants import KEYS, constants_table, value_text
 from ovman.report.rejections import rejections_table
@@ -38,7 +39,9 @@ def namespace(value):
 
 @pytest.fixture
 def constants():
-    return namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+    read = namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+    read.arms = load(CONFIG).arms
+    return read
 
 
 def static(arm, successes, outcome="answered", per_relation=4):
@@ -107,12 +110,12 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
     header, rule, *rows = table.splitlines()
     assert len({len(line) for line in (header, rule, *rows)}) == 1
     assert [[cell.strip() for cell in line.strip("|").split("|")] for line in (header, *rows)] == [
-        ["system", "memory", "grounding", "positions", *(relation.upper() for relation in Relation), "ALL", "95 %", "n"],
-        ["ours (reference)", "single visit", "handed", "handed", *["0.250"] * 7, "0.083–0.417†", "24"],
-        ["ours (reference)", "two visits", "handed", "handed", *["1.000"] * 7, "0.862–1.000", "24"],
+        ["system", "memory", "grounding", "positions", *(relation.upper() for relation in Relation), "ALL", "95 %", "n", "runs"],
+        ["ours (reference)", "single visit", "handed", "handed", *["0.250"] * 7, "0.083–0.417†", "24", "1"],
+        ["ours (reference)", "two visits", "handed", "handed", *["1.000"] * 7, "0.862–1.000", "24", "1"],
     ]
     tex = (tmp_path / "tables" / "static.tex").read_text(encoding="utf-8")
-    assert r"\multicolumn{11}{l}{\emph{positions handed over (diagnostic)}} \\" in tex
+    assert r"\multicolumn{12}{l}{\emph{positions handed over (diagnostic)}} \\" in tex
     assert r"\begin{table*}" in tex and r"$^\dagger$" in tex
     assert tex.isascii()
 
@@ -120,8 +123,8 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
 def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tmp_path):
     tables.run(metrics, constants, tmp_path / "tables")
     single, two = read(tmp_path / "tables" / "static.csv")
-    design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n"]
-    assert [key for key in single if not key.endswith(("_low", "_high")) and key != "interval"] == design
+    design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n", "runs"]
+    assert [key for key in single if not key.endswith(("_low", "_high", "_min", "_max")) and key != "interval"] == design
     for row in (single, two):
         for key in (*(relation.value for relation in Relation), "all"):
             assert float(row[f"{key}_low"]) <= float(row[key]) <= float(row[f"{key}_high"])

@@ -13,6 +13,10 @@ rule metrics:
         navigation="results/metrics/navigation.csv",
         difficulty="results/metrics/difficulty.csv",
         budget="results/metrics/budget.csv",
+        pairings="results/metrics/pairings.csv",
+        own_task="results/metrics/own_task.csv",
+        seeds="results/metrics/seeds.csv",
+        scenes="results/metrics/scenes.csv",
     log:
         "logs/metrics.log",
     benchmark:
