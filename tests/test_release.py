@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from ovman.agents import executions, predictions
-from ovman.agents.arms import ARMS, Kind, Source, of_kind
+from ovman.agents.arms import Arm, Kind, Source, of_kind
 from ovman.analysis import metrics, runs
 from ovman.config import canonical, load
 from ovman.constants import StageConstants, task_constants
@@ -18,6 +18,7 @@ from ovman.generation import admissible, candidates, certified, episodes, scenes
 from ovman.report import release, tables
 from ovman.sim.recorded import judged
 from ovman.task import Relation, read_episodes, referents
+from tests.arms import ARMS
 
 ROOT = Path(__file__).parent.parent
 DATA = ROOT / "data" / "ovman-embedded-v1"
@@ -25,8 +26,8 @@ CONFIG = load(ROOT / "config.yaml")
 REGENERATED = "FloorPlan318"
 
 
-def constants(stage: str) -> StageConstants:
-    return StageConstants(canonical(CONFIG, stage))
+def constants(stage: str, arm: Arm | None = None) -> StageConstants:
+    return StageConstants(canonical(CONFIG, stage, arm and arm.name))
 
 
 def records(path: Path) -> list[dict]:
@@ -75,8 +76,8 @@ def test_predictions_judgements_rates_and_tables_follow_from_the_released_record
     episodes_file = DATA / "episodes" / "main.jsonl"
     trial_files = sorted((DATA / "trials").glob("*.jsonl"))
     # What the others answer hangs on maps, which networks make.
-    for arm in (arm for arm in of_kind(Kind.STATIC) if arm.positions is Source.HANDED):
-        predictions.run(arm.name, episodes_file, trial_files, constants("predictions"), tmp_path / f"{arm.name}.jsonl")
+    for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
+        predictions.run(arm, episodes_file, trial_files, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl")
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     run_files = sorted((DATA / "runs").rglob("*.jsonl"))
     task = task_constants(constants("runs"))
@@ -139,10 +140,9 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     for record in kept:
         again = episodes.episode(by_id[record["id"]], made[record["id"]], CONFIG.benchmark.backend, task)
         assert episodes.Episode.from_json(again).to_json() == record
-    for arm in (arm for arm in of_kind(Kind.EMBODIED) if arm.positions is Source.HANDED):
+    for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
-        executions.run(
-            arm.name, scene, DATA / "episodes" / "main.jsonl", path("trials"), constants("executions"), outputs, journal(arm.name)
-        )
+        main, of_arm = DATA / "episodes" / "main.jsonl", constants("executions", arm)
+        executions.run(Arm.of(of_arm.arm), scene, main, path("trials"), of_arm, outputs, journal(arm.name))
         runs.run([outputs[0]], DATA / "episodes" / "main.jsonl", constants("runs"), [tmp_path / "judged.jsonl"])
         assert (tmp_path / "judged.jsonl").read_bytes() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_bytes()

@@ -12,7 +12,6 @@ import numpy as np
 from ovman.agents.agent import Visit
 from ovman.agents.arms import Arm, Need, Source
 from ovman.agents.handover import grounding_by_truth, recorded_positions
-from ovman.agents.mapper import Mapper
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.pilot import Pilot
 from ovman.agents.senses import Senses
@@ -20,6 +19,7 @@ from ovman.sim.recorded import world_state
 from ovman.task import WorldState
 
 if TYPE_CHECKING:
+    from ovman.agents.mapper import Mapper
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 

@@ -15,12 +15,11 @@ import numpy as np
 
 from ovman.agents.agent import Visit
 from ovman.agents.arms import Arm, Need
-from ovman.agents.mapper import KeptMaps
 from ovman.agents.perceived import Perceived
-from ovman.agents.tours import content, recorded
 from ovman.perception.records import read_maps, read_nouns
 
 if TYPE_CHECKING:
+    from ovman.agents.mapper import KeptMaps
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
@@ -50,9 +49,10 @@ class Senses:
     @cached_property
     def mapper(self) -> KeptMaps:
         """Maps by what the tours show: names of visits tell what was changed, so an agent does not learn them."""
-        field_of_view_deg = self._constants.camera.field_of_view_deg
+        from ovman.agents.mapper import KeptMaps
+
         maps = self.perceived.maps
-        return KeptMaps({content(self._visits / name, field_of_view_deg): clusters for name, clusters in maps.items()})
+        return KeptMaps({self._content(name): clusters for name, clusters in maps.items()})
 
     def noun(self, phrase: str) -> np.ndarray:
         """Unit embedding (K,) of a noun phrase, by the encoder that made the features of the maps.
@@ -88,6 +88,8 @@ class Senses:
         needs neither tours nor maps.
         """
         if self._needs(Need.TOURS) or self._needs(Need.MAPS):
+            from ovman.agents.tours import recorded
+
             return recorded(self._visits / name, self._constants.camera.field_of_view_deg, reachable)
         return Visit((), reachable)
 
@@ -95,7 +97,7 @@ class Senses:
         """All that the arm's answer may hang on in these visits, JSON-serialisable: by it a run is found again in a journal."""
         found: dict[str, Any] = {}
         if self._needs(Need.TOURS):
-            found["tours"] = [content(self._visits / name, self._constants.camera.field_of_view_deg) for name in visits]
+            found["tours"] = [self._content(name) for name in visits]
         if self._needs(Need.MAPS):
             found["maps"] = [[_numbers(cluster) for cluster in self.perceived.maps[name]] for name in visits]
             found["noun"] = self.noun(phrase).tolist()
@@ -114,6 +116,11 @@ class Senses:
     @cached_property
     def _nouns(self) -> Mapping[str, np.ndarray]:
         return read_nouns(self._files["nouns"])
+
+    def _content(self, name: str) -> str:
+        from ovman.agents.tours import content
+
+        return content(self._visits / name, self._constants.camera.field_of_view_deg)
 
     def _needs(self, need: Need) -> bool:
         return need in self._arm.needs

@@ -1,46 +1,119 @@
+"""The section `arms` of config.yaml as a table, and what of an entry a job hangs on."""
+
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+from dataclasses import fields
+from typing import Any
 
 import pytest
+import yaml
 
-from ovman.agents.arms import ARMS, Kind, Source, named, of_kind
+from ovman.agents.arms import Arm, Kind, Source, named, of_kind, table
+from ovman.agents.factory import function
+from ovman.config import ConfigError, canonical, load
+from ovman.sections import ArmEntry
+from tests.arms import ARMS, CONFIG, ROOT
+
+TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
+MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "ovman.agents.oracle:agent"}
 
 
-def test_names_are_unique_and_serve_as_file_names():
-    names = [arm.name for arm in ARMS]
-    assert len(set(names)) == len(names)
-    assert all(name.isidentifier() and name.islower() for name in names)
+def loaded(**entries: Any):
+    return load(TREE | {"arms": TREE["arms"] | entries})
 
 
 def test_rows_of_a_table_are_told_apart_by_what_the_table_shows():
-    static = [(arm.system, arm.memory, arm.grounding, arm.positions) for arm in of_kind(Kind.STATIC)]
-    embodied = [arm.system for arm in of_kind(Kind.EMBODIED)]
+    static = [(arm.system, arm.memory, arm.grounding, arm.positions) for arm in of_kind(ARMS, Kind.STATIC)]
+    embodied = [arm.system for arm in of_kind(ARMS, Kind.EMBODIED)]
     assert len(set(static)) == len(static)
     assert len(set(embodied)) == len(embodied)
 
 
 def test_an_embodied_arm_executes_the_static_arm_that_is_like_it():
-    for arm in ARMS:
-        if arm.executes is not None:
-            assert arm.kind is Kind.EMBODIED
-            followed = named(arm.executes)
-            assert followed.kind is Kind.STATIC
-            assert (followed.memory, followed.grounding, followed.positions) == (arm.memory, arm.grounding, arm.positions)
+    followed = [(arm, named(ARMS, arm.executes)) for arm in ARMS if arm.executes is not None]
+    assert len(followed) == 3
+    for arm, static in followed:
+        assert (static.memory, static.grounding, static.positions) == (arm.memory, arm.grounding, arm.positions)
 
 
-def test_positions_handed_over_leave_nothing_to_ground():
+def test_positions_handed_over_leave_nothing_to_ground_and_the_answer_is_handed_to_the_oracle_alone():
     assert all(arm.grounding is Source.HANDED for arm in ARMS if arm.positions is Source.HANDED)
+    assert [arm.name for arm in ARMS if arm.answer is Source.HANDED] == ["oracle_check"]
 
 
-def test_kinds_partition_the_arms():
-    assert sorted(arm.name for kind in Kind for arm in of_kind(kind)) == sorted(arm.name for arm in ARMS)
+def test_kinds_partition_the_arms_which_keep_the_order_of_the_file():
+    assert sorted(arm.name for kind in Kind for arm in of_kind(ARMS, kind)) == sorted(arm.name for arm in ARMS)
+    assert [arm.name for arm in ARMS] == list(TREE["arms"])
+    turned = dict(reversed(TREE["arms"].items()))
+    assert [arm.name for arm in table(load(TREE | {"arms": turned}).arms)] == list(turned)
+
+
+def test_the_function_of_every_arm_is_there():
+    assert all(callable(function(arm.name, arm.agent)) for arm in ARMS)
+
+
+def test_an_entry_and_an_arm_have_the_same_fields():
+    assert {field.name for field in fields(Arm)} == {*ArmEntry.model_fields, "name", "marks"}
 
 
 def test_an_unknown_arm_is_answered_with_the_known_ones():
     with pytest.raises(KeyError, match="oracle_check"):
-        named("oracle")
+        named(ARMS, "oracle")
+
+
+def test_an_overlay_adds_arms_and_leaves_them_out():
+    arms = loaded(mine=MINE, oracle_check=None).arms
+    assert list(arms) == [name for name in TREE["arms"] if name != "oracle_check"] + ["mine"]
+
+
+@pytest.mark.parametrize(
+    ("entry", "line"),
+    [
+        ({"Mine": MINE}, "arms: 'Mine' cannot name an arm, whose files are called after it; write small letters, digits and _"),
+        ({"mine": MINE | {"nedes": ["maps"]}}, "arms.mine.nedes is not a setting; did you mean needs?"),
+        ({"mine": {k: v for k, v in MINE.items() if k != "agent"}}, "docs/agents.md shows an entry"),
+        ({"mine": MINE | {"agent": "oracle"}}, "arms.mine.agent: 'oracle' names no function; write \"package.module:function\""),
+        ({"mine": MINE | {"kind": "both"}}, "arms.mine.kind is \"both\"; it must be 'static' or 'embodied'"),
+        ({"mine": MINE | {"needs": ["eyes"]}}, "arms.mine.needs is \"eyes\"; it must be 'tours', 'maps', 'networks' or"),
+        ({"mine": MINE | {"runs": 3}}, "arms.mine.runs is not for an arm that is embodied; take it out"),
+        ({"mine": MINE | {"kind": "static", "budget": 9}}, "arms.mine.budget is not for an arm that is static; take it out"),
+        ({"mine": MINE | {"constants": ["cow"]}}, "arms.mine.constants names cow, which is no setting; write \"section.name\""),
+        ({"mine": MINE | {"executes": "oracle_check"}}, "arms.mine.executes is oracle_check, which is no static arm; there are"),
+        ({"mine": MINE | {"cut_from": "oracle_check"}}, "arms.mine.cut_from is oracle_check, from whose runs it cannot be cut;"),
+    ],
+)  # fmt: skip
+def test_a_wrong_entry_is_one_line_with_file_key_and_remedy(entry, line):
+    with pytest.raises(ConfigError) as caught:
+        loaded(**entry)
+    said = str(caught.value)
+    assert said.startswith("config.yaml: arms") and line in said and "\n" not in said
+
+
+def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables():
+    def texts(config):
+        of = {"static": "predictions", "embodied": "executions"}
+        return {name: canonical(config, of[entry.kind], name) for name, entry in config.arms.items() if name != "mine"}
+
+    before = texts(CONFIG)
+    assert texts(loaded(mine=MINE)) == before
+    two = TREE["arms"]["two_visits"]
+    assert texts(loaded(two_visits=two | {"system": "another", "memory": "words"})) == before
+    changed = texts(loaded(two_visits=two | {"runs": 2}))
+    assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
+    code = texts(loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.two_visits:agent"}))
+    assert {name for name in before if code[name] != before[name]} == {"oracle_check"}
+
+
+def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_that_is_cut_from_it_leaves_a_mark():
+    mine = MINE | {"constants": ["maps.*", "tour.waypoints"], "needs": ["networks"], "budget": 500}
+    config = loaded(mine=mine, short=MINE | {"cut_from": "mine", "budget": 250})
+    record = json.loads(canonical(config, "executions", "mine"))
+    assert Arm.of(record["arm"]).marks == (250,) and Arm.of(record["arm"]).budget == 500
+    assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(record["constants"])
+    assert not {"tour.headings", "grounding.band"} & set(record["constants"])
 
 
 def test_the_table_is_read_without_anything_heavy():

@@ -11,13 +11,16 @@ import numpy as np
 import pytest
 
 from ovman.agents import predictions
+from ovman.agents.arms import Arm
+from ovman.agents.factory import AgentError
 from ovman.agents.prediction import read
-from ovman.config import canonical, load
+from ovman.config import canonical
 from ovman.constants import StageConstants
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import world_state
+from tests.arms import CONFIG
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "data" / "ovman-embedded-v1"
@@ -25,8 +28,10 @@ EPISODES = DATA / "episodes" / "main.jsonl"
 TRIALS = sorted((DATA / "trials").glob("*.jsonl"))
 
 
-def constants() -> StageConstants:
-    return StageConstants(canonical(load(ROOT / "config.yaml"), "predictions"))
+def predicted(arm: str, output: Path, maps: list[Path], nouns: Path) -> None:
+    files = {"maps": maps, "nouns": [nouns]}
+    constants = StageConstants(canonical(CONFIG, "predictions", arm))
+    predictions.run(Arm.of(constants.arm), EPISODES, TRIALS, constants, output, DATA / "visits", files)
 
 
 def released() -> list[dict]:
@@ -58,7 +63,7 @@ def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
 
 @pytest.mark.parametrize("arm", ["two_visits", "grounding_two_visits"])
 def test_true_maps_lead_to_the_answers_of_positions_handed_over(perceived, tmp_path, arm):
-    predictions.run(arm, EPISODES, TRIALS, constants(), tmp_path / "out.jsonl", *perceived)
+    predicted(arm, tmp_path / "out.jsonl", *perceived)
     handed = {p.episode: p for p in read(DATA / "predictions" / "positions_two_visits.jsonl")}
     found = read(tmp_path / "out.jsonl")
     assert [p.episode for p in found] == list(handed)
@@ -72,7 +77,7 @@ def test_true_maps_lead_to_the_answers_of_positions_handed_over(perceived, tmp_p
 
 @pytest.mark.parametrize("arm", ["single_visit", "grounding_single_visit"])
 def test_true_maps_leave_a_single_visit_what_positions_handed_over_leave_it(perceived, tmp_path, arm):
-    predictions.run(arm, EPISODES, TRIALS, constants(), tmp_path / "out.jsonl", *perceived)
+    predicted(arm, tmp_path / "out.jsonl", *perceived)
     handed = {p.episode: p for p in read(DATA / "predictions" / "positions_single_visit.jsonl")}
     for p in read(tmp_path / "out.jsonl"):
         assert p.outcome == handed[p.episode].outcome, p.episode
@@ -80,13 +85,11 @@ def test_true_maps_leave_a_single_visit_what_positions_handed_over_leave_it(perc
 
 def test_a_scene_without_maps_and_a_visit_without_a_map_are_named(perceived, tmp_path):
     files, nouns = perceived
-    with pytest.raises(ValueError, match="FloorPlan"):
-        predictions.run("two_visits", EPISODES, TRIALS, constants(), tmp_path / "out.jsonl", files[1:], nouns)
+    with pytest.raises(AgentError, match="FloorPlan"):
+        predicted("two_visits", tmp_path / "out.jsonl", files[1:], nouns)
     write_maps(tmp_path / files[0].name, {"elsewhere": ()})
-    with pytest.raises(ValueError, match="make the stage maps again"):
-        predictions.run(
-            "two_visits", EPISODES, TRIALS, constants(), tmp_path / "out.jsonl", [tmp_path / files[0].name, *files[1:]], nouns
-        )
+    with pytest.raises(AgentError, match="make the stage maps again"):
+        predicted("two_visits", tmp_path / "out.jsonl", [tmp_path / files[0].name, *files[1:]], nouns)
 
 
 def test_no_network_library_is_loaded():

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -15,23 +14,28 @@ from ovman.agents.agent import Action, Agent, Visit
 from ovman.agents.embodied import Assignment, execute
 from ovman.agents.handover import recorded_positions
 from ovman.agents.mapper import KeptMaps
-from ovman.agents.predictions import Perceived
+from ovman.agents.perceived import Perceived
+from ovman.agents.reasoning import ReferenceConstants
 from ovman.agents.reference import ReferenceAgent, SingleVisitAgent
-from ovman.config import canonical, load
+from ovman.agents.senses import Senses
+from ovman.config import canonical
 from ovman.constants import StageConstants, task_constants
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
+from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import judged
 from ovman.sim.session import Session
 from ovman.task import Query, Relation
+from tests.arms import BY_NAME, CONFIG
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "data" / "ovman-embedded-v1"
 SCENE = "FloorPlan429"
+TWO_VISITS = BY_NAME["two_visits_embodied"]
 
 
-def constants(overrides: dict | None = None) -> StageConstants:
-    text = json.loads(canonical(load(ROOT / "config.yaml"), "executions"))
+def constants(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageConstants:
+    text = json.loads(canonical(CONFIG, "executions", arm))
     return StageConstants(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
 
 
@@ -68,10 +72,10 @@ class TrueEyes:
         measured, category = self.trial["measured"], self.trial["candidate"]["category"]
         maps = {measured["visits"][v]: true_map(measured["sightings"][v], category) for v in ("first", "second")}
         self.perceived = Perceived(maps, {noun(category): np.array([1.0, 0.0])})
-        self.mapper = KeptMaps(maps)
+        self.mapper, self.noun = KeptMaps(maps), self.perceived.noun
 
-    def tour(self, visits):
-        return lambda which, reachable: Visit((), reachable, visits[which])
+    def visit(self, name, reachable):
+        return Visit((), reachable, name)
 
 
 @pytest.fixture(scope="module")
@@ -91,19 +95,18 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
 
     monkeypatch.setattr(Session, "step", watched)
     chosen = trial(Relation(relation))
-    run = executions.execution(session, "two_visits_embodied", 0, chosen, constants(), TrueEyes(chosen))
+    run = executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen))
     assert run["outcome"] == "stopped" and run["arm"] == "two_visits_embodied"
     assert judged(run, Relation(relation), task_constants(constants({"success.radius_m": 1.0, "success.visible_px": 100})))
     # Frames are drawn for the look-down sweep at the stop alone.
     assert {action for action, image in drawn if image} <= {"TeleportFull"}
-    assert executions.execution(session, "two_visits_embodied", 0, chosen, constants(), TrueEyes(chosen)) == run
+    assert executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen)) == run
 
 
 def test_the_single_visit_draws_by_its_seed(session):
     chosen = trial(Relation.FORMER)
-    one, again, other = (
-        executions.execution(session, "single_visit_embodied", seed, chosen, constants(), TrueEyes(chosen)) for seed in (0, 0, 1)
-    )
+    arm, eyes = BY_NAME["single_visit_embodied"], TrueEyes(chosen)
+    one, again, other = (executions.execution(session, arm, seed, chosen, constants(), eyes) for seed in (0, 0, 1))
     assert one == again and one["stop"] != other["stop"]
 
 
@@ -165,7 +168,7 @@ class Wheels:
 def agents():
     eyes = TrueEyes(TRIALS[0])
     maps = {"empty": (), **eyes.perceived.maps}
-    given = (KeptMaps(maps), eyes.perceived.noun, executions.reference_constants(constants()))
+    given = (KeptMaps(maps), eyes.perceived.noun, ReferenceConstants.of(constants()))
     wheels = Wheels()
     return wheels, (ReferenceAgent(wheels, *given), SingleVisitAgent(wheels, *given, np.random.default_rng(0)))
 
@@ -201,16 +204,35 @@ def test_a_tour_without_a_map_and_a_noun_without_an_embedding_are_named():
 def test_a_threshold_that_changes_no_answer_is_no_new_run():
     chosen = TRIALS[0]
     eyes = TrueEyes(chosen)
-    key = partial(executions.unit, "two_visits_embodied", 0, chosen)
-    usual = key(constants(), eyes.perceived)
-    assert key(constants({"association.gate_m": 1.2501, "grounding.band": 0.031}), eyes.perceived) == usual
-    assert key(constants({"primitives.stop_within_m": 0.61}), eyes.perceived) != usual
-    assert executions.unit("two_visits_embodied", 1, chosen, constants(), eyes.perceived) != usual
-    blind = Perceived(dict.fromkeys(eyes.perceived.maps, ()), eyes.perceived.nouns)
-    assert key(constants(), blind) != usual
+
+    def key(constants, seed=0, eyes=eyes):
+        return executions.unit(TWO_VISITS, seed, chosen, constants, eyes)
+
+    usual = key(constants())
+    assert key(constants({"association.gate_m": 1.2501, "grounding.band": 0.031})) == usual
+    assert key(constants({"primitives.stop_within_m": 0.61})) != usual
+    assert key(constants(), seed=1) != usual
+    blind = TrueEyes(chosen)
+    blind.perceived = Perceived(dict.fromkeys(eyes.perceived.maps, ()), eyes.perceived.nouns)
+    assert key(constants(), eyes=blind) != usual
 
 
-@pytest.mark.parametrize("arm", ["two_visits_embodied", "single_visit_embodied"])
-def test_an_arm_with_positions_of_its_own_needs_eyes(arm):
-    with pytest.raises(ValueError, match="give it eyes"):
-        executions.execution(None, arm, 0, TRIALS[0], constants())
+def test_an_arm_that_executes_nobodys_answer_is_run_again_when_what_it_sees_or_reads_changes(tmp_path):
+    chosen = TRIALS[0]
+    arm = replace(TWO_VISITS, executes=None)
+    files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
+    eyes = TrueEyes(chosen)
+
+    def key(overrides=None, seed=0):
+        stage = json.loads(constants(overrides).canonical)
+        del stage["arm"]["executed"]
+        text = StageConstants(json.dumps(stage))
+        return executions.unit(arm, seed, chosen, text, Senses(arm, text, tmp_path, files))
+
+    write_nouns(files["nouns"], eyes.perceived.nouns)
+    write_maps(files["maps"], eyes.perceived.maps)
+    usual = key()
+    assert key() == usual != key(seed=1)
+    assert key({"association.gate_m": 1.2501}) != usual
+    write_maps(files["maps"], dict.fromkeys(eyes.perceived.maps, ()))
+    assert key() != usual

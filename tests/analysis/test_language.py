@@ -12,8 +12,11 @@ import pytest
 from ovman.agents import prediction
 from ovman.agents.decision import Abstention, AbstentionReason
 from ovman.agents.inferred import Asked, answer
+from ovman.agents.perceived import Perceived
 from ovman.agents.prediction import Prediction
-from ovman.agents.predictions import Perceived, predict, reference_constants
+from ovman.agents.predictions import predict
+from ovman.agents.reasoning import ReferenceConstants
+from ovman.agents.senses import Senses
 from ovman.analysis import language
 from ovman.analysis.language import What, language_rates
 from ovman.language import noun
@@ -25,6 +28,7 @@ from ovman.perception.records import write_maps, write_nouns
 from ovman.report.language import language_table
 from ovman.report.markdown import markdown
 from ovman.task import Relation
+from tests.arms import BY_NAME
 
 SCENE = "FloorPlan1"
 VISITS = {"first": "before", "second": "after"}
@@ -68,10 +72,16 @@ def episode(relation: str, number: int = 0) -> dict:
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
-def test_a_query_that_is_inferred_is_answered_as_the_arm_answers_it_supplied(relation):
-    trial = {"candidate": {"category": "Chair", "relation": relation}, "measured": {"visits": VISITS}}
-    supplied = predict("two_visits", trial, CONSTANTS, PERCEIVED)
-    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, reference_constants(CONSTANTS)) == supplied
+def test_a_query_that_is_inferred_is_answered_as_the_arm_answers_it_supplied(relation, tmp_path):
+    box = {"x": [0.0, 1.0], "z": [0.0, 1.0]}
+    trial = {"candidate": {"id": "a", "category": "Chair", "relation": relation}}
+    trial["measured"] = {"visits": VISITS, "reachable_box": box}
+    files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
+    write_maps(files["maps"], MAPS)
+    write_nouns(files["nouns"], NOUNS)
+    arm = BY_NAME["two_visits"]
+    supplied = predict(arm, trial, CONSTANTS, Senses(arm, CONSTANTS, tmp_path, files))
+    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, ReferenceConstants.of(CONSTANTS)) == supplied
     assert supplied[0].x == ANSWERS[relation]
 
 
@@ -86,7 +96,7 @@ def written(tmp_path, held_out_file):
     files = {name: tmp_path / name for name in ("main.jsonl", "two_visits.jsonl", f"{SCENE}.npz", "nouns.npz")}
     episodes = [episode(relation, number) for relation in RELATIONS for number in range(3)]
     files["main.jsonl"].write_text("".join(json.dumps(record) + "\n" for record in episodes))
-    reference = reference_constants(CONSTANTS)
+    reference = ReferenceConstants.of(CONSTANTS)
     supplied = [
         Prediction(e["id"], "two_visits", 0, *answer("chair", e["relation"], VISITS, PERCEIVED, reference)) for e in episodes
     ]

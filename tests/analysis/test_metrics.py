@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents import arms
 from ovman.analysis import metrics
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, embodied_rates, poisson_binomial_range, static_rates
 from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
 from ovman.task import Relation
+from tests.arms import BY_NAME
 
 CONSTANTS = SimpleNamespace(
     success=SimpleNamespace(radius_m=1.0),
@@ -79,7 +79,7 @@ def test_rates_over_seeds_are_means_and_their_interval_is_that_of_one_pass():
     assert (one.low, one.high) == pytest.approx((nine.low, nine.high)) and nine.trials == 9 * one.trials
 
 
-EVERY = [arms.named(name) for name in ("positions_single_visit", "positions_two_visits", "oracle_check")]
+EVERY = [BY_NAME[name] for name in ("positions_single_visit", "positions_two_visits", "oracle_check")]
 WORLD = [{"id": "a", "category": "Chair", "x": 1.0, "z": 0.0}, {"id": "b", "category": "Chair", "x": -4.0, "z": 0.0}]
 
 

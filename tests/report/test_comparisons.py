@@ -8,7 +8,6 @@ import io
 import pytest
 from scipy.stats import binom
 
-from ovman.agents.arms import ARMS
 from ovman.analysis import metrics
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
@@ -27,6 +26,7 @@ from ovman.report.table import Text
 from ovman.report.table import csv_text as table_csv
 from ovman.report.taxonomy import taxonomy_table
 from tests.analysis.fabricated import embodied, static
+from tests.arms import ARMS
 
 N = 24
 STATIC = [
@@ -58,8 +58,8 @@ def tables():
     made = [
         taxonomy_table(rows(TaxonomyCount, taxonomy(STATIC, navigations, 1.0, 2.0)), 1.0, 2.0),
         significance_table(rows(Comparison, compared)),
-        navigation_table(rows(Navigation, navigations)),
-        difficulty_table(rows(Difficulty, difficulty(STATIC, 0.95)), 0.95),
+        navigation_table(rows(Navigation, navigations), ARMS),
+        difficulty_table(rows(Difficulty, difficulty(STATIC, 0.95)), 0.95, ARMS),
         budget_table(rows(Step, budget(static_rates(STATIC, 0.95), compared)), 0.95),
     ]
     return {table.name: table for table in made}
@@ -142,8 +142,8 @@ def test_the_budget_on_a_page(tables):
 
 
 def test_what_there_is_none_of_is_an_empty_table():
-    rated = (difficulty_table([], 0.95), budget_table([], 0.95))
-    for table in (taxonomy_table([], 1.0, 2.0), significance_table([]), navigation_table([]), *rated):
+    rated = (difficulty_table([], 0.95, ARMS), budget_table([], 0.95))
+    for table in (taxonomy_table([], 1.0, 2.0), significance_table([]), navigation_table([], ARMS), *rated):
         assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table)
 
 

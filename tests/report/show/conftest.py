@@ -14,7 +14,7 @@ import pytest
 
 from ovman import config
 from ovman.agents import predictions
-from ovman.agents.arms import Kind, Source, of_kind
+from ovman.agents.arms import Kind, Need, of_kind
 from ovman.analysis import metrics
 from ovman.language import noun
 from ovman.perception import maps
@@ -22,6 +22,7 @@ from ovman.perception.detected import Detected, Masks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
 from ovman.task.record import line
+from tests.arms import REFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENE, CATEGORY = "FloorPlan1", "Chair"
@@ -201,15 +202,16 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: config.Config) -> P
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
     write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0])})
     files = []
-    for arm in of_kind(Kind.STATIC):
-        perceived = ([root / "maps" / f"{SCENE}.npz"], root / "nouns.npz") if arm.positions is Source.OWN else ((), None)
+    for arm in of_kind(REFERENCE, Kind.STATIC):
+        perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
-        predictions.run(arm.name, root / "episodes" / "main.jsonl", [trials], constants, files[-1], *perceived)
+        main = root / "episodes" / "main.jsonl"
+        predictions.run(arm, main, [trials], constants, files[-1], root / "visits", perceived)
     runs = []
-    for arm in of_kind(Kind.EMBODIED):
+    for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):
             runs.append(root / "runs" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
             runs[-1].parent.mkdir(parents=True)
             runs[-1].write_text("".join(line(_run(arm.name, seed, episode)) for episode in episodes))
-    metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics")
+    metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics", REFERENCE)
     return root

@@ -15,6 +15,7 @@ from ovman.agents.arms import Kind, of_kind
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
 from ovman.task import Relation
+from tests.arms import REFERENCE
 from tests.report.show.conftest import ROOT, SCENE
 from tests.report.show.html_reader import Page
 
@@ -23,7 +24,7 @@ IDS = [f"{SCENE}/{relation}/0000" for relation in Relation]
 
 @pytest.fixture(scope="module")
 def pages(made, settings):
-    results = Results(made)
+    results = Results(made, REFERENCE)
     return {name: page(results, name, settings) for name in IDS}
 
 
@@ -56,7 +57,7 @@ def test_every_class_of_a_drawing_has_a_style(pages, name):
 
 @pytest.mark.parametrize("name", IDS)
 def test_a_page_has_the_sentence_the_answer_and_both_tours(made, pages, name):
-    episode = Results(made).episodes[name]
+    episode = Results(made, REFERENCE).episodes[name]
     read = Page(pages[name])
     words = read.all("body")[0].text
     assert episode["sentence"] in words
@@ -69,7 +70,7 @@ def test_a_page_has_the_sentence_the_answer_and_both_tours(made, pages, name):
 def test_static_verdicts_are_those_of_the_metrics(made, pages, name):
     read = Page(pages[name])
     rows = [row for row in _outcomes(made, "static_outcomes.csv") if row["episode"] == name]
-    assert {row["arm"] for row in rows} == {arm.name for arm in of_kind(Kind.STATIC)}
+    assert {row["arm"] for row in rows} == {arm.name for arm in of_kind(REFERENCE, Kind.STATIC)}
     for row in rows:
         (shown,) = read.all("tr", data_arm=row["arm"])
         if row["outcome"] == "answered":
@@ -85,7 +86,7 @@ def test_static_verdicts_are_those_of_the_metrics(made, pages, name):
 def test_embodied_verdicts_are_those_of_the_metrics(made, pages, name):
     read = Page(pages[name])
     rows = [row for row in _outcomes(made, "embodied_outcomes.csv") if row["episode"] == name]
-    assert len(rows) == 3 * len(of_kind(Kind.EMBODIED))
+    assert len(rows) == 3 * len(of_kind(REFERENCE, Kind.EMBODIED))
     for row in rows:
         (shown,) = read.all("tr", data_arm=row["arm"], data_seed=row["seed"])
         expected = "abstained" if row["outcome"] == "abstained" else "found" if row["success"] == "1" else "missed"
@@ -124,9 +125,9 @@ def test_own_and_handed_evidence_agree_where_perception_is_right(pages, name):
 def test_equal_files_make_equal_pages(made, settings, pages):
     program = (
         "import sys; from pathlib import Path; from ovman import config; from ovman.report.show.page import page;"
-        "from ovman.report.show.results import Results, ShowError;"
+        "from ovman.report.show.results import Results; from tests.arms import REFERENCE;"
         "sys.stdout.reconfigure(encoding='utf-8', newline='\\n');"
-        "sys.stdout.write(page(Results(Path(sys.argv[1])), sys.argv[2], config.load(sys.argv[3])))"
+        "sys.stdout.write(page(Results(Path(sys.argv[1]), REFERENCE), sys.argv[2], config.load(sys.argv[3])))"
     )
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-c", program, str(made), IDS[0], str(ROOT / "config.yaml")]
@@ -146,7 +147,7 @@ def test_everything_is_escaped(tmp_path, made, settings):
     for path in [*root.rglob("*.json"), *root.rglob("*.jsonl")]:
         path.write_text(spoil(path.read_text()))
     for name in IDS:
-        text = page(Results(root), name, settings)
+        text = page(Results(root, REFERENCE), name, settings)
         read = Page(text)
         assert not read.all("script") and "<script" not in text
         assert evil in read.all("h1")[0].text
@@ -170,7 +171,7 @@ def test_what_is_absent_is_named(tmp_path, made, settings, gone, words):
     root = tmp_path / "results"
     shutil.copytree(made, root)
     (shutil.rmtree if (root / gone).is_dir() else Path.unlink)(root / gone)
-    read = Page(page(Results(root), IDS[0], settings))
+    read = Page(page(Results(root, REFERENCE), IDS[0], settings))
     assert words is None or words in read.all("main")[0].text
     assert words is None or "make tables" in read.all("main")[0].text
 
@@ -183,4 +184,4 @@ def test_evidence_of_other_maps_is_refused(tmp_path, made, settings):
     answered[0]["evidence"]["grounded"]["second"].append(99)
     path.write_text("".join(json.dumps(record) + "\n" for record in answered))
     with pytest.raises(ShowError, match="two_visits was made from other maps"):
-        page(Results(root), answered[0]["episode"], settings)
+        page(Results(root, REFERENCE), answered[0]["episode"], settings)
