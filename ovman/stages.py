@@ -23,6 +23,7 @@ _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 )
 STAGES: Mapping[str, tuple[str, ...]] = {
+    "simulator": ("benchmark.backend",),
     "scenes": (*_SIMULATOR, "tour.waypoints"),
     "candidates": (
         "benchmark.seed",
@@ -83,10 +84,35 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "maps": ("maps.*",),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
+    "walks": (
+        *_SIMULATOR,
+        *_GAIT,
+        "benchmark.seed",
+        "perception.*",
+        "dualmap.runs",
+        "dualmap.walk.*",
+        "dualmap.observation.*",
+    ),
     "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m"),
     "executions": (*_RUNNING, "admissibility.minimum_mask_px"),
+    "released_cow": (*_RUNNING, "released.cow.*"),
+    "released_dualmap_setup": tuple(f"released.dualmap.{name}" for name in ("root", "commit", "python", "device")),
+    "released_dualmap": (
+        *_SIMULATOR,
+        *_GAIT,
+        "benchmark.seed",
+        "dualmap.runs",
+        "dualmap.walk.turn_deg",
+        "released.dualmap.*",
+    ),
+    "released_dualmap_predictions": (
+        "benchmark.seed",
+        "camera.field_of_view_deg",
+        "admissibility.minimum_mask_px",
+        "success.radius_m",
+    ),
     "runs": ("success.*",),
     "metrics": (
         "arms",

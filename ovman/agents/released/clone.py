@@ -22,7 +22,7 @@ class Clone:
 
         Files that Git does not track (weights, caches) and submodules do not count.
         """
-        clone = f"git clone {self.repository} {self.root} && git -C {self.root} checkout {self.commit}"
+        clone = f"run: git clone {self.repository} {self.root} && git -C {self.root} checkout {self.commit}"
         if not self.root.is_dir():
             return f"there is no clone in {self.root}; {clone}"
         try:
@@ -38,12 +38,9 @@ class Clone:
         if Path(top).resolve() != self.root.resolve():
             return f"{self.root} lies inside another repository and is none itself; {clone}"
         if head != self.commit:
-            return f"the clone in {self.root} is at {head[:12]}; git -C {self.root} checkout {self.commit}"
+            return f"the clone in {self.root} is at {head[:12]}; run: git -C {self.root} checkout {self.commit}"
         if changed:
-            name = changed[0][3:]
-            return (
-                f"the clone in {self.root} is changed ({name}); git -C {self.root} checkout -- . makes it the released code again"
-            )
+            return f"{changed[0][3:]} in the clone {self.root} was changed; run: git -C {self.root} checkout -- ."
         return None
 
     def _git(self, *arguments: str) -> str:

@@ -69,7 +69,8 @@ class EpisodeController:
             float(given["rotateStepDegrees"]),
             mode=str(given.get("agentMode", "default")),
         )
-        self._session = Session(first, constants, body, start=lambda backend, scene, embodiment: self._at(scene))
+        self._session = Session(first, constants, body, start=lambda backend, scene, embodiment: self._inner)
+        self._session.reset()
         self._event = self._inner.last_event
         self._running: Hidden | None = None
         self._stopped = False
@@ -81,10 +82,6 @@ class EpisodeController:
     @property
     def last_event(self) -> Any:
         return self._event
-
-    def _at(self, scene: str) -> Any:
-        self._inner.reset(scene)
-        return self._inner
 
     def reset(self, scene: str | None = None, **parameters: Any) -> Any:
         """The second visit of the episode that the runner has named, before the agent is put there. Its event has images."""

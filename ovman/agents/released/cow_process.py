@@ -142,7 +142,7 @@ def _end_with_parent() -> None:
     """End as soon as whoever holds the other end of standard input has: a run that nobody waits for must not go on."""
 
     def wait() -> None:
-        while sys.stdin.buffer.read(1):
+        while os.read(0, 1):
             pass
         os._exit(1)
 

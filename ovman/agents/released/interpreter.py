@@ -101,13 +101,13 @@ def _first(key: str, python: str, device: str, needs: Needs, found: Mapping) -> 
     pip = f"{shlex.quote(python)} -m pip install"
     absent = [package for module, package in needs.modules.items() if not found["modules"][module]]
     if absent:
-        return f"its environment lacks {', '.join(absent)}; {pip} {' '.join(absent)}"
+        return f"its environment lacks {', '.join(absent)}; run: {pip} {' '.join(absent)}"
     for package, wanted in needs.versions.items():
         if found["versions"][package] != wanted:
-            return f"its environment has {package} {found['versions'][package]}; {pip} {package}=={wanted}"
+            return f"its environment has {package} {found['versions'][package]}; run: {pip} {package}=={wanted}"
     for repository, (_, command) in needs.cached.items():
         if not found["cached"][repository]:
-            return f"the weights {repository} are not downloaded; {shlex.quote(python)} {command}"
+            return f"the weights {repository} are not downloaded; run: {shlex.quote(python)} {command}"
     if device == "cuda" and not found["cuda"]:
         return f'its PyTorch sees no GPU; give this job one, or set {key}.device to "cpu"'
     return None

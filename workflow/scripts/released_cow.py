@@ -1,0 +1,18 @@
+"""Stage `released_cow`: CoW as its authors released it runs the episodes, or says what is missing for it."""
+
+from pathlib import Path
+
+from ovman.agents.released import cow
+from ovman.job import job
+
+with job(snakemake) as work:
+    places = [Path(place) for place in snakemake.output.executions]
+    runs = [(int(place.parent.name.removeprefix("seed")), place.stem) for place in places]
+    cow.run(
+        work.input("episodes"),
+        work.inputs("trials"),
+        work.constants,
+        dict(zip(runs, work.outputs("executions"), strict=True)),
+        work.output("status"),
+        work.journal(),
+    )
