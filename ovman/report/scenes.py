@@ -22,7 +22,7 @@ def scenes_table(rates: Sequence[Record], arms: Sequence[Arm]) -> Table:
         name="scenes",
         caption=(
             "Success scene by scene, means over seeds or runs: of each arm the scene with the least and the one with the "
-            "greatest rate, with its number of episodes, and in how many scenes the arm never succeeds. "
+            "greatest rate, of equal ones the first, with its number of episodes, and in how many scenes the arm never succeeds. "
             + (f"A scene has {min(sizes)} to {max(sizes)} episodes: " if sizes else "")
             + "read the intervals of the metrics. The csv has every scene."
         ),

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom, binomtest, norm, poisson_binom
+from statsmodels.stats.multitest import multipletests
 
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 
@@ -150,7 +151,7 @@ def test_the_tail_refuses_what_is_no_probability(probability):
         poisson_binomial_tail([0.5, probability], 1)
 
 
-@FEW
+@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), max_size=8), st.floats(0.01, 0.99))
 def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, level):
     rejected, remaining = set(), len(p_values)
@@ -164,6 +165,12 @@ def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, lev
 
 @FEW
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
+def test_holm_agrees_with_statsmodels(p_values):
+    assert holm(p_values) == pytest.approx(multipletests(p_values, method="holm")[1], abs=1e-15)
+
+
+@PROPERTY
+@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_is_the_largest_of_the_multiples_so_far(p_values):
     ranked = sorted(p_values)
     multiples = [min(1.0, (len(ranked) - rank) * p) for rank, p in enumerate(ranked)]
@@ -171,7 +178,7 @@ def test_holm_is_the_largest_of_the_multiples_so_far(p_values):
     assert holm(p_values) == pytest.approx([expected[p] for p in p_values], abs=1e-15)
 
 
-@FEW
+@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_lies_between_the_raw_value_and_bonferroni_and_keeps_the_order(p_values):
     adjusted = holm(p_values)

@@ -75,7 +75,7 @@ def memory(metrics: Metrics, paper: Paper, output: Path) -> None:
         for axis, panel in zip(axes[:, column], panels, strict=True):
             _panel(axis, metrics, paper, panel)
             _framed(axis, "success, static gate" if column == 0 else None)
-    figure.tight_layout(pad=0.5, h_pad=1.5)
+    figure.tight_layout(pad=0.5, h_pad=1.5, w_pad=2.0)
     _saved(plt, figure, output)
 
 
