@@ -14,6 +14,7 @@ configfile: os.path.join(workflow.basedir, "config.yaml")
 
 
 include: "workflow/rules/settings.smk"
+include: "workflow/rules/simulator.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/candidates.smk"
 include: "workflow/rules/trials.smk"

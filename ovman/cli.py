@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 
 from ovman import __version__
 
@@ -22,8 +23,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     show.add_argument("--results", default="results", metavar="DIR", help="default: results")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
     show.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    record = commands.add_parser(
+        "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"
+    )
+    record.add_argument("scene", metavar="SCENE", help="a floor plan, such as FloorPlan201")
+    record.add_argument("--thor", action="store_true", help="on AI2-THOR's Unity build; default: on the embedded engine")
+    record.add_argument("--output", default="session.jsonl.gz", metavar="FILE", help="default: session.jsonl.gz")
+    record.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    replay = commands.add_parser(
+        "replay", help="a recording done again without a simulator, and asked again of the embedded engine"
+    )
+    replay.add_argument("recording", metavar="FILE", help="what `ovman record` wrote")
+    replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
     options = parser.parse_args(arguments)
-    return _doctor(options.thor) if options.command == "doctor" else _show(options)
+    if options.command == "doctor":
+        return _doctor(options.thor)
+    return _show(options) if options.command == "show" else _session(options)
 
 
 def _doctor(thor: bool) -> int:
@@ -49,6 +64,28 @@ def _show(options: argparse.Namespace) -> int:
         print(f"ovman show: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _session(options: argparse.Namespace) -> int:
+    well = True
+    try:
+        from ovman.doctor import recording
+        from ovman.sim.session import SimulatorDied, SimulatorError
+    except ModuleNotFoundError as missing:
+        print(
+            f"ovman {options.command}: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr
+        )
+        return 1
+    try:
+        if options.command == "record":
+            print(recording.record(options.scene, Path(options.output), options.thor, Path(options.config)))
+        else:
+            well, lines = recording.replay(Path(options.recording), options.thor)
+            print("\n".join(lines))
+    except (ValueError, OSError, SimulatorDied, SimulatorError) as error:
+        print(f"ovman {options.command}: {error}", file=sys.stderr)
+        return 1
+    return 0 if well else 1
 
 
 if __name__ == "__main__":

@@ -17,8 +17,10 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from ovman.sim import unity
+
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
-"""How long a backend may take to its first frames: the engine compiles its kernels once, Unity's build is downloaded once."""
+"""How long a backend may take to its first frames: the engine compiles its kernels once, Unity's build its shaders."""
 NETWORKS_LIMIT_S = 180.0
 """How long the networks may take to their first picture; PyTorch alone is imported for half a minute from a cold disk."""
 NETWORK_LIBRARIES = ("torch", "ultralytics", "open_clip", "safetensors")
@@ -189,33 +191,33 @@ def weights() -> Finding:
 
 
 def vulkan() -> Finding:
-    """Vulkan, which Unity's CloudRendering build draws with."""
-    remedy = "sudo apt install vulkan-tools libvulkan1, and the GPU's own driver"
-    if shutil.which("vulkaninfo") is None:
-        return Finding("vulkan", State.ILL, "vulkaninfo is not installed", remedy)
+    """Vulkan, which Unity's CloudRendering build draws with, and the GPUs that it finds."""
     try:
-        done = subprocess.run(["vulkaninfo", "--summary"], capture_output=True, text=True, timeout=SHORT_S)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return Finding("vulkan", State.ILL, _line(error), remedy)
-    names = [line.split("=", 1)[1].strip() for line in done.stdout.splitlines() if "deviceName" in line]
-    if done.returncode != 0 or not names:
-        return Finding("vulkan", State.ILL, _last(done.stderr) if done.returncode else "no device", remedy)
-    return Finding("vulkan", State.WELL, "; ".join(names))
+        found = unity.devices()
+    except unity.Missing as missing:
+        return Finding("vulkan", State.ILL, missing.what, missing.remedy)
+    if found is None:
+        remedy = "sudo apt install vulkan-tools names them; Unity does without"
+        return Finding("vulkan", State.ABSENT, "the library is there; vulkaninfo, which would name its devices, is not", remedy)
+    return Finding("vulkan", State.WELL, "; ".join(device.name for device in found if device.is_gpu))
 
 
 def unity_build() -> Finding:
-    """AI2-THOR's build, which its client downloads when it is first used."""
-    from ai2thor.build import COMMIT_ID
-
-    folder = Path.home() / ".ai2thor" / "releases" / f"thor-CloudRendering-{COMMIT_ID}"
-    if folder.is_dir():
-        return Finding("unity build", State.WELL, folder.name)
-    return Finding("unity build", State.ABSENT, "not downloaded yet; the client does it at its first start (about 1 GB)")
+    """AI2-THOR's build: where it is and how large, or that it is to be downloaded, which is tried."""
+    where = Path(unity.build().base_dir)
+    if not unity.is_present():
+        try:
+            unity.fetch()
+        except unity.Missing as missing:
+            return Finding("unity build", State.ILL, missing.what, missing.remedy)
+    size = sum(file.stat().st_size for file in where.rglob("*") if file.is_file())
+    return Finding("unity build", State.WELL, f"{where}, {size / 1e6:.0f} MB")
 
 
 def unity_frame() -> Finding:
     """A frame of the Unity build."""
-    return frame("thor", "unity frame", "mend what stands above; Unity's own words are at the end of ~/.ai2thor/log/unity.log")
+    log = "~/.config/unity3d/Allen Institute for Artificial Intelligence/AI2-THOR/Player.log"
+    return frame("thor", "unity frame", f"mend what stands above; Unity's own words are at the end of {log}")
 
 
 HERE: tuple[Callable[[], Finding], ...] = (python, client, engine_process, engine_frame, workflow, perception, weights, gpu)
@@ -224,11 +226,19 @@ UNITY: tuple[Callable[[], Finding], ...] = (vulkan, unity_build, unity_frame)
 """What is looked at if Unity is asked for."""
 
 
+NEEDS = {
+    engine_frame: frozenset({"ai2thor", "engine process"}),
+    unity_build: frozenset({"ai2thor", "vulkan"}),
+    unity_frame: frozenset({"ai2thor", "vulkan", "unity build"}),
+}
+"""What must not be ill for a check to be worth its time."""
+
+
 def findings(thor: bool = False) -> Iterator[Finding]:
     """One after the other, as they are found. No frame is waited for where its process cannot start."""
     ill: set[str] = set()
     for check in (*HERE, *(UNITY if thor else ())):
-        needs = {engine_frame: {"ai2thor", "engine process"}, unity_frame: {"ai2thor", "vulkan"}}.get(check, set())
+        needs = NEEDS.get(check, frozenset())
         if needs & ill:
             yield Finding(check.__name__.replace("_", " "), State.ILL, f"not tried: {', '.join(sorted(needs & ill))} first")
             continue
@@ -242,9 +252,9 @@ def report(found: Sequence[Finding]) -> str:
     """Findings as lines: state, subject, what was found, and below it what to do."""
     lines = []
     for f in found:
-        lines.append(f"{f.state.value}  {f.subject:<15}{f.says}")
+        lines.append(f"{f.state.value}  {f.subject:<16}{f.says}")
         if f.remedy:
-            lines.append(f"{'':19}-> {f.remedy}")
+            lines.append(f"{'':20}-> {f.remedy}")
     return "\n".join(lines)
 
 

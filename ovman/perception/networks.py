@@ -27,20 +27,22 @@ def encoder_weights(perception: Any) -> Path:
     return encoder_file(settings.model, settings.weights, perception.trust_pickles, settings.sha256)
 
 
-def detector_of(perception: Any) -> Detector:
-    """The detector of the section `perception` of config.yaml. WeightsError, in one line, where it cannot be had."""
+def detector_of(perception: Any, confidence: float | None = None) -> Detector:
+    """The detector of the section `perception` of config.yaml, or one that is as sure as its caller wants. WeightsError, in one
+    line, where it cannot be had."""
     settings = perception.detector
-    path = detector_weights(perception)
     _prepare(perception.device)
+    path = detector_weights(perception)
     network = detector.network_of(path, settings.architecture, perception.trust_pickles)
-    return Detector(network, settings.side_px, settings.confidence, perception.device)
+    sure = settings.confidence if confidence is None else confidence
+    return Detector(network, settings.side_px, sure, perception.device)
 
 
 def encoder_of(perception: Any) -> Encoder:
     """The encoder of the section `perception` of config.yaml. WeightsError, in one line, where it cannot be had."""
     settings = perception.encoder
-    path = encoder_weights(perception)
     _prepare(perception.device)
+    path = encoder_weights(perception)
     towers = encoder.architecture(settings.model, settings.weights)
     return Encoder(encoder.network_of(path, towers, perception.trust_pickles), towers, perception.device)
 

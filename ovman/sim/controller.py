@@ -45,7 +45,8 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
     """A running Controller of `kind` with parameters of its own.
 
     `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). ValueError for
-    another backend.
+    another backend; unity.Missing, which is one, where the machine lacks something or the build cannot be had; ConnectionError if
+    the simulator ends meanwhile, or is not there within START_LIMIT_S.
     """
     if backend == "embedded":
         from ovman.engine import executable
@@ -61,6 +62,10 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
     if backend == "thor":
         from ai2thor.platform import CloudRendering
 
+        from ovman.sim import unity
+
+        unity.devices()
+        unity.fetch()
         return _started(kind, platform=CloudRendering, **options)
     raise ValueError(f"benchmark.backend: {backend!r} is not one of {', '.join(BACKENDS)}")
 

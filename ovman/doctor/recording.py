@@ -1,0 +1,47 @@
+"""What `ovman record` and `ovman replay` do and say."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ovman.config import constants, load
+from ovman.doctor import rehearsal
+from ovman.sections import FLOOR_PLANS
+from ovman.sim.tape.file import read
+
+EMBEDDED, THOR = "embedded", "thor"
+
+
+def record(scene: str, output: Path, thor: bool, config: Path) -> str:
+    """Records the work on a scene; what was recorded, in a line. ValueError, in one line, for what cannot be recorded."""
+    if scene not in FLOOR_PLANS:
+        raise ValueError(f"{scene} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+    settings = load(config)
+    benchmark = settings.benchmark.model_copy(update={"backend": THOR if thor else EMBEDDED})
+    chosen = settings.model_copy(update={"benchmark": benchmark})
+    tape = rehearsal.record(scene, {stage: constants(chosen, stage) for stage in rehearsal.STAGES}, output)
+    calls = sum(1 for _ in tape.calls())
+    return f"{output}: {calls} calls of {tape.header.backend} on {scene}, {output.stat().st_size / 1e6:.1f} MB"
+
+
+def replay(path: Path, thor: bool) -> tuple[bool, list[str]]:
+    """Replays a recording both ways: whether all is as recorded, or may be otherwise, and what to say of it, in lines.
+
+    ValueError, in one line, where the file is no recording or OVMAN's code now asks for something else.
+    """
+    tape = read(path)
+    of, now = tape.header.backend, THOR if thor else EMBEDDED
+    versions = ", ".join(f"{name} {number}" for name, number in tape.header.versions.items())
+    said = [f"recorded: {of} on {tape.header.scene}, {versions}, {', '.join(tape.header.platform.values())}"]
+    changed = rehearsal.rehearsed(tape)
+    said.append(
+        f"the same work on the recorded answers: {len(tape.results())} results, otherwise: {', '.join(changed) or 'none'}"
+    )
+    summaries = rehearsal.compared(tape, now)
+    told = [s for s in summaries if s.rule is None]
+    said.append(
+        f"the same calls asked of {now}: {len(summaries) - len(told)} keys differ as they may, {len(told)} as they may not"
+    )
+    said += [f"NO  {summary}" for summary in told]
+    said += [f"--  {summary} ({summary.rule.why})" for summary in summaries if summary.rule is not None]
+    return not changed and not told, said

@@ -1,0 +1,235 @@
+"""What sets Unity apart, handled once: on the engine, and on a build behind which the engine has Unity's other manners."""
+
+from __future__ import annotations
+
+import ast
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ovman.sim import controller, unity
+from ovman.sim.embodiment import Embodiment
+from ovman.sim.session import AgentPose, Session, SimulatorError
+from tests.sim import unity_build
+from tests.sim.unity_player import RESTLESS
+
+ROOT = Path(__file__).parents[2]
+SCENE = "FloorPlan401"
+BODY = Embodiment(120, 120, 90.0, 0.25, 30.0)
+LOCOBOT = Embodiment(120, 120, 90.0, 0.25, 30.0, mode="locobot", instances=False)
+
+
+def session(backend="embedded", body=BODY):
+    return Session(SCENE, SimpleNamespace(benchmark=SimpleNamespace(backend=backend)), body)
+
+
+@pytest.fixture(scope="module")
+def engine():
+    with session() as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def thor(tmp_path_factory):
+    """The backend "thor", as far as it can be had without a GPU."""
+    with pytest.MonkeyPatch.context() as patch:
+        unity_build.machine(patch, tmp_path_factory.mktemp("machine"))
+        with session("thor") as made:
+            yield made
+
+
+def test_depth_is_where_things_are_on_both_backends(engine, thor):
+    """Unity's own is short; the floor right before the agent is where its camera's height says."""
+    seen = {}
+    for made in (engine, thor):
+        made.reset()
+        made.teleport(AgentPose(made.pose.x, made.pose.z, 0.0, 60.0), image=True)
+        seen[made] = made.depth
+    np.testing.assert_allclose(seen[thor], seen[engine], rtol=1e-6)
+    raw = thor._controller.server.raw_files["image_depth"][0]
+    short = np.frombuffer(raw, np.float32).reshape(120, 120)[::-1]
+    np.testing.assert_allclose(short, seen[engine] * np.float32(19.9 / 20), rtol=1e-6)
+
+
+def test_a_reset_ends_at_rest(engine, thor):
+    for made in (engine, thor):
+        made.reset()
+        assert made._event.metadata["isSceneAtRest"]
+    assert thor._event.metadata["lastAction"] == "Pass", f"its scene moves until {RESTLESS} times Pass"
+
+
+def test_what_was_initialised_stays_after_a_reset(engine, thor):
+    for made in (engine, thor):
+        made.reset()
+        made.step("RotateRight", image=True)
+        assert made.pose.yaw_deg == pytest.approx(BODY.turn_deg)
+        assert made.rgb.shape == (120, 120, 3) and made.depth is not None and len(made._event.instance_masks)
+        made.reset()
+        assert made._event.frame is None, "nothing is drawn that nobody asked for"
+        made.step("RotateRight", image=True)
+        assert made.pose.yaw_deg == pytest.approx(BODY.turn_deg) and made.rgb.shape == (120, 120, 3)
+
+
+def test_turns_of_30_degrees_are_refused_on_a_grid_and_a_session_asks_for_none(engine):
+    engine.reset()
+    asked = BODY.initialization()
+    assert asked["snapToGrid"] is False
+    assert "snapToGrid" in engine._controller.step("Initialize", **(asked | {"snapToGrid": True})).metadata["errorMessage"]
+    assert engine._controller.step("Initialize", **asked)
+
+
+def test_the_agent_stands_at_the_height_where_it_started(engine):
+    engine.reset()
+    height = engine._event.metadata["agent"]["position"]["y"]
+    x, z = engine.reachable()[0]
+    assert engine.teleport(AgentPose(x, z, 90.0)).metadata["agent"]["position"]["y"] == pytest.approx(height, abs=1e-6)
+
+
+def test_a_body_that_does_not_crouch_is_not_told_to_stand():
+    with session(body=LOCOBOT) as made:
+        made.reset()
+        assert made._event.metadata["agent"]["isStanding"] is None
+        pose = made.pose
+        assert made.teleport(AgentPose(pose.x, pose.z, 90.0), image=True)
+        assert made._event.instance_segmentation_frame is None and made.depth.shape == (120, 120)
+        made.step("MoveAhead", allowed=True)
+        moved = abs(made.pose.x - pose.x)
+        assert moved == pytest.approx(0.25, abs=1e-6) or moved == 0, "without noise"
+
+
+def test_error_codes_are_mistakes_and_an_empty_message_gets_words(engine):
+    engine.reset()
+    with pytest.raises(ValueError, match="missing the following arguments: objectId"):
+        engine.step("DisableObject")
+    with pytest.raises(ValueError, match="Invalid action"):
+        engine.step("NoSuchAction")
+    with pytest.raises(SimulatorError, match="DisableObject: refused without a reason: .*Nothing") as refused:
+        engine.step("DisableObject", objectId="Nothing|+00.00|+00.00|+00.00")
+    assert engine._event.metadata["errorMessage"] == "" and SCENE in str(refused.value)
+
+
+def test_ids_outlive_all_that_changes_a_world(engine):
+    """SetObjectPoses alone gives new ones, and names stay even then; the benchmark's own actions keep both."""
+    engine.reset()
+    before = {o["name"]: k for k, o in engine.objects.items()}
+    movable = next(k for k, o in engine.objects.items() if o["pickupable"])
+    pose = engine.objects[movable]
+    raised = {"position": {**pose["position"], "y": pose["position"]["y"] + 0.5}, "rotation": pose["rotation"]}
+    engine.step("TeleportObject", objectId=movable, **raised, forceAction=True, forceKinematic=True)
+    engine.step("PlaceObjectAtPoint", allowed=True, objectId=movable, **raised, forceKinematic=False)
+    engine.settle()
+    engine.step("DisableObject", objectId=movable)
+    assert {o["name"]: k for k, o in engine.objects.items()} == before
+    moved = [
+        {"objectName": o["name"], "position": {**o["position"], "x": o["position"]["x"] + 0.5}, "rotation": o["rotation"]}
+        for o in engine.objects.values()
+        if o["pickupable"] or o["moveable"]
+    ]
+    engine.reset()
+    engine.step("SetObjectPoses", objectPoses=moved, placeStationary=True)
+    after = {o["name"]: k for k, o in engine.objects.items()}
+    assert after.keys() <= before.keys() and any(after[name] != before[name] for name in after)
+
+
+def _actions(tree: ast.AST) -> set[str]:
+    return {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+
+
+def test_nobody_calls_what_gives_new_ids_and_nobody_asks_which_backend_runs():
+    own = [path for path in sorted((ROOT / "ovman").rglob("*.py")) if "engine" not in path.relative_to(ROOT / "ovman").parts]
+    assert len(own) > 100
+    texts = {path.relative_to(ROOT / "ovman").as_posix(): _actions(ast.parse(path.read_text())) for path in own}
+    calling = {name for name, found in texts.items() if "SetObjectPoses" in found}
+    assert not {name for name in calling if not name.startswith("agents/released/")}
+    knowing = {name for name, found in texts.items() if found & {"embedded", "thor"}}
+    assert knowing <= KNOWING
+    assert "sim/controller.py" in knowing
+
+
+KNOWING = {
+    "sim/controller.py",  # starts it
+    "sections.py",  # what may stand in config.yaml
+    "task/episode.py",  # what may stand in a released episode
+    "doctor/checks.py",  # looks at both
+    "doctor/recording.py",  # records on the one or the other, as told
+    "report/findings/page.py",  # says which figures these are
+}
+"""Whose text may name a backend."""
+
+
+@pytest.fixture
+def bare(tmp_path, monkeypatch):
+    """A machine without anything."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.delenv("CUDA_VISIBLE_DEVICES", raising=False)
+    monkeypatch.setattr(unity.ctypes.util, "find_library", lambda name: None)
+    return tmp_path
+
+
+def test_without_vulkan_a_line_says_what_to_install(bare):
+    with pytest.raises(unity.Missing) as missing, session("thor") as made:
+        made.reset()
+    assert str(missing.value).startswith(
+        "benchmark.backend is thor, but Vulkan's library is not installed; sudo apt install libvulkan1"
+    )
+    assert "\n" not in str(missing.value) and missing.value.says_all
+
+
+@pytest.mark.parametrize(
+    ("script", "line"),
+    [
+        ("echo 'no driver' >&2; exit 1", r"Vulkan finds no device \(no driver\); install the GPU's own driver"),
+        ("echo", r"Vulkan finds no device \(vulkaninfo names none\)"),
+        ("echo ' deviceName = llvmpipe'; echo ' deviceType = PHYSICAL_DEVICE_TYPE_CPU'", r"without a GPU here \(llvmpipe\)"),
+        ("exec sleep 60", r"vulkaninfo does not answer \(TimeoutExpired\)"),
+    ],
+)
+def test_a_vulkan_without_a_gpu(bare, monkeypatch, script, line):
+    monkeypatch.setattr(unity.ctypes.util, "find_library", lambda name: "libvulkan.so.1")
+    monkeypatch.setattr(unity, "VULKANINFO_LIMIT_S", 0.5)
+    unity_build.program(bare / "programs", "vulkaninfo", script)
+    monkeypatch.setenv("PATH", f"{bare / 'programs'}:/usr/bin:/bin")
+    with pytest.raises(unity.Missing, match=line):
+        unity.devices()
+
+
+def test_a_chosen_gpu_needs_vulkaninfo_and_others_do_not(bare, monkeypatch):
+    monkeypatch.setattr(unity.ctypes.util, "find_library", lambda name: "libvulkan.so.1")
+    monkeypatch.setenv("PATH", str(bare))
+    assert unity.devices() is None
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "0")
+    with pytest.raises(unity.Missing, match="unset CUDA_VISIBLE_DEVICES"):
+        unity.devices()
+
+
+def test_a_build_that_cannot_be_downloaded_is_a_line(bare, monkeypatch):
+    monkeypatch.setenv("https_proxy", "http://127.0.0.1:9")
+    monkeypatch.setenv("http_proxy", "http://127.0.0.1:9")
+    with pytest.raises(
+        unity.Missing, match=r"its build cannot be downloaded \(ProxyError.*; see to it that .* can be reached"
+    ) as missing:
+        unity.fetch()
+    assert "\n" not in str(missing.value)
+    with pytest.raises(unity.Missing, match="not downloaded within 0.01 s"):
+        unity.fetch(0.01)
+
+
+def test_half_a_build_is_none(bare):
+    folder = unity_build.build(bare)
+    assert unity.is_present()
+    (folder / "metadata.json").unlink()
+    assert not unity.is_present()
+
+
+@pytest.mark.parametrize(("does", "limit_s"), [("exit 1", 60.0), ("sleep 60", 2.0)], ids=["dies", "says nothing"])
+def test_a_build_that_does_not_start_is_noticed(tmp_path, monkeypatch, does, limit_s):
+    monkeypatch.setattr(controller, "START_LIMIT_S", limit_s)
+    home = unity_build.machine(monkeypatch, tmp_path)
+    unity_build.build(home, f"exec /bin/sh -c '{does}'")
+    begun = time.monotonic()
+    with pytest.raises(ConnectionError, match="while it was being started"):
+        controller.start("thor", SCENE, BODY)
+    assert time.monotonic() - begun < 30
