@@ -37,7 +37,11 @@ class Camera:
 
 def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """World points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): metres along the optical axis."""
-    rows, columns = np.nonzero(mask)
+    return pixel_points(depth, *np.nonzero(mask), camera)
+
+
+def pixel_points(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, camera: Camera) -> np.ndarray:
+    """World points (N, 3) of N pixels, metres. `depth` (H, W): metres along the optical axis."""
     return _rays(rows + 0.5, columns + 0.5, depth.shape, camera) * depth[rows, columns, None] + np.array(camera.position)
 
 

@@ -20,7 +20,11 @@ def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int) -> np.ndar
         raise ValueError("an empty mask has no crop")
     grown = round(pad * max(rows[-1] - rows[0], columns[-1] - columns[0]) + 1)
     top, left = max(rows[0] - grown, 0), max(columns[0] - grown, 0)
-    part = rgb[top : rows[-1] + grown + 1, left : columns[-1] + grown + 1]
+    return squared(rgb[top : rows[-1] + grown + 1, left : columns[-1] + grown + 1], side_px)
+
+
+def squared(part: np.ndarray, side_px: int) -> np.ndarray:
+    """A part (H, W, 3) uint8 of a picture, scaled to fit into (side_px, side_px, 3) and amid grey."""
     scale = side_px / max(part.shape[:2])
     height, width = (max(round(n * scale), 1) for n in part.shape[:2])
     method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR

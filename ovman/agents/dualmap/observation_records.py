@@ -1,0 +1,152 @@
+"""The observations of dense walks as .npz files without pickles. Imports no network library: who only reads starts fast.
+
+A frame that several walks of a scene have in common lies in the file once. Points are kept to the millimetre and in no order,
+features in half precision.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, pairwise
+from pathlib import Path
+
+import numpy as np
+
+from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.perception.records import read_arrays, write_arrays
+
+WALKS = "ovman-walks/1"
+MILLIMETRES = 1000.0
+REACH_M = np.iinfo(np.int16).max / MILLIMETRES
+SLICE_MM = 50
+NO_VIEW = -1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Walk:
+    """A dense walk as DualMap saw it.
+
+    frames: the observations of every keyframe, in their order; views: of every keyframe, the index of the recorded tour's view
+    that it is, None between them; names: of the classes that class_id is an index of; unknown: the class of what no name fits,
+    None where there is none.
+    """
+
+    frames: tuple[tuple[Observation, ...], ...]
+    views: tuple[int | None, ...]
+    names: tuple[str, ...]
+    unknown: int | None = None
+
+    @property
+    def kinds(self) -> int:
+        """How many classes there are."""
+        return len(self.names)
+
+
+def packed(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
+    """Shots as arrays. ValueError for points farther from the world's origin than REACH_M."""
+    seen = [one for shot in shots for one in shot.seen]
+    clouds = [cloud for one in seen for cloud in one.clouds]
+    points = np.concatenate([np.zeros((0, 3), np.float32), *clouds])
+    if np.abs(points).max(initial=0.0) > REACH_M:
+        raise ValueError(f"a point lies farther than {REACH_M} m from the origin; this is no home")
+    millimetres = np.rint(points * np.float32(MILLIMETRES)).astype(np.int16)
+    ordered = [_ordered(millimetres[start:end]) for start, end in _spans(np.array([len(cloud) for cloud in clouds], np.int64))]
+    return {
+        "seen": np.array([len(shot.seen) for shot in shots], np.int32),
+        "top_m": np.array([shot.top_m for shot in shots], np.float64),
+        "class_id": np.array([one.class_id for one in seen], np.int16),
+        "confidence": np.array([one.confidence for one in seen], np.float32),
+        "feature": np.array([one.feature for one in seen], np.float16).reshape(len(seen), -1 if seen else 0),
+        "clouds": np.array([len(one.clouds) for one in seen], np.int16),
+        "points": np.array([len(cloud) for cloud in clouds], np.int32),
+        "steps": _steps(np.concatenate([millimetres[:0], *ordered])),
+    }
+
+
+def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
+    """The shots of `packed`, with what the precision of the arrays leaves of them."""
+    points = (_summed(arrays["steps"]) / MILLIMETRES).astype(np.float32)
+    clouds = [points[start:end] for start, end in _spans(arrays["points"])]
+    features = arrays["feature"].astype(np.float32)
+    features /= np.maximum(np.linalg.norm(features, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+    seen = [
+        Seen(class_id, confidence, feature, tuple(clouds[start:end]))
+        for class_id, confidence, feature, (start, end) in zip(
+            arrays["class_id"].tolist(), arrays["confidence"].tolist(), features, _spans(arrays["clouds"]), strict=True
+        )
+    ]
+    tops = arrays["top_m"].tolist()
+    return [Shot(tuple(seen[start:end]), top) for (start, end), top in zip(_spans(arrays["seen"]), tops, strict=True)]
+
+
+def _ordered(cloud: np.ndarray) -> np.ndarray:
+    """Points (N, 3) int16 with neighbours one after the other: by layers, then by slices of a layer, then along them."""
+    x, y, z = (cloud[:, axis] for axis in range(3))
+    return cloud[np.lexsort((x, z // SLICE_MM, y // SLICE_MM))]
+
+
+def _steps(points: np.ndarray) -> np.ndarray:
+    """From each of the points (N, 3) int16 to the next, as (3, 2, N) uint8: signs last, low and high bytes apart. So they are
+    small numbers, which compress to half of what the points do."""
+    steps = np.diff(points, axis=0, prepend=np.zeros((1, 3), np.int16))
+    folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
+    return np.stack([folded.T & 0xFF, folded.T >> 8], axis=1).astype(np.uint8)
+
+
+def _summed(steps: np.ndarray) -> np.ndarray:
+    """The points of `_steps`."""
+    folded = steps[:, 0].astype(np.uint16) | steps[:, 1].astype(np.uint16) << 8
+    differences = (folded >> 1) ^ -(folded & 1)
+    return np.cumsum(differences.T.astype(np.int16), axis=0, dtype=np.int16)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Taken:
+    """A walk as its frames were taken: which shot each of them is (F,), and which view of the tour (F,), NO_VIEW between."""
+
+    shots: np.ndarray
+    views: np.ndarray
+
+
+def write_walks(
+    path: Path, walks: Mapping[str, Taken], shots: Sequence[Shot], names: Sequence[str], low_mobility: np.ndarray
+) -> None:
+    """Writes the walks of a scene by their visits' names. names, low_mobility: of the classes."""
+    arrays = {
+        "visits": np.array(list(walks), str),
+        "frames": np.array([len(taken.shots) for taken in walks.values()], np.int32),
+        "shot": np.concatenate([np.zeros(0, np.int32), *(taken.shots for taken in walks.values())]).astype(np.int32),
+        "view": np.concatenate([np.zeros(0, np.int16), *(taken.views for taken in walks.values())]).astype(np.int16),
+        "names": np.array(list(names), str),
+        "low_mobility": np.asarray(low_mobility, bool),
+        **packed(shots),
+    }
+    write_arrays(path, WALKS, arrays, compressed=True)
+
+
+def read_walks(path: Path) -> dict[str, Walk]:
+    """The walks of a scene by their visits' names. RecordError for a file that is none of walks."""
+    arrays = read_arrays(path, WALKS)
+    low, names = arrays["low_mobility"].tolist(), tuple(arrays["names"].tolist())
+    shots = [[(one, one.box) for one in shot.seen] for shot in unpacked(arrays)]
+    numbers, views = arrays["shot"].tolist(), arrays["view"].tolist()
+
+    def walk(start: int, end: int) -> Walk:
+        frames = tuple(
+            tuple(
+                Observation(frame, one.class_id, one.confidence, one.feature, one.clouds, box, low[one.class_id])
+                for one, box in shots[number]
+            )
+            for frame, number in enumerate(numbers[start:end])
+        )
+        return Walk(frames, tuple(None if view == NO_VIEW else view for view in views[start:end]), names)
+
+    spans = _spans(arrays["frames"])
+    return {name: walk(start, end) for name, (start, end) in zip(arrays["visits"].tolist(), spans, strict=True)}
+
+
+def _spans(counts: np.ndarray) -> list[tuple[int, int]]:
+    """Beginning and end of parts of so many entries each, one after the other."""
+    return list(pairwise(accumulate(counts.tolist(), initial=0)))

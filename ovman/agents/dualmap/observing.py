@@ -1,0 +1,96 @@
+"""From a frame to DualMap's observations: masks, their classes and features, and the clouds that each run draws of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from ovman.agents.dualmap.classes import Classes, TextEmbedder
+from ovman.agents.dualmap.dbscan import largest_cluster
+from ovman.agents.dualmap.masks import MaskConstants, filtered
+from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.perception.backprojection import Camera, pixel_points
+from ovman.perception.crop import squared
+from ovman.perception.tour import Embedder, Segmenter
+
+EVERY_PX, HIGH = 4, 0.95
+"""One pixel in so many of a row and of a column is asked how high it is, and this share of them lies below the ceiling: what is
+seen through a window may be higher."""
+
+
+class Encoder(Embedder, TextEmbedder, Protocol):
+    """Embeds crops and words in one space: `ovman.perception.encoder.Encoder`."""
+
+
+class Frame(Protocol):
+    """rgb (H, W, 3) uint8, depth (H, W) metres and the camera of both: `ovman.sim.walk.Frame`."""
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    camera: Camera
+
+
+class Observer:
+    """What DualMap sees with. `constants` is the section dualmap.observation of config.yaml.
+
+    What is stated in pixels of a published frame is scaled: a mask of a smaller frame counts with proportionally fewer pixels,
+    more of its pixels are drawn, and the border of a crop is narrower, so that the same things give the same clouds.
+    """
+
+    def __init__(self, detector: Segmenter, encoder: Encoder, constants: Any) -> None:
+        self._detector, self._encoder, self._constants = detector, encoder, constants
+        self._masks = MaskConstants(constants.same_iou, constants.colour_bins, constants.same_colours)
+        self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)
+
+    def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
+        """What each of the frames shows. draws: of each frame, the generators of the runs, which draw pixels."""
+        found = self._detector.detect([frame.rgb for frame in frames])
+        shots = []
+        for frame, segments, runs in zip(frames, found, draws, strict=True):
+            scale = frame.depth.size / self._constants.published_px
+            which, own, whole = filtered(segments.masks, frame.rgb, self._constants.least_px * scale, self._masks)
+            clouds = [self._clouds(frame, mask, min(self._constants.sample / scale, 1.0), runs) for mask in own]
+            seen = [k for k, cloud in enumerate(clouds) if all(map(len, cloud))]
+            crops = [self._crop(frame.rgb, whole[k], round(self._constants.border_px * math.sqrt(scale))) for k in seen]
+            sure = segments.confidence[which[seen]] if seen else np.zeros(0, np.float32)
+            shots.append(Shot(self._named(crops, sure, [clouds[k] for k in seen]), _top_m(frame)))
+        return shots
+
+    def _named(
+        self, crops: Sequence[np.ndarray], confidence: np.ndarray, clouds: Sequence[tuple[np.ndarray, ...]]
+    ) -> tuple[Seen, ...]:
+        if not crops:
+            return ()
+        images = self._encoder.images(np.stack(crops))
+        classes = (images @ self.classes.feature.T).argmax(axis=1)
+        mixed = self._constants.image_weight * images + self._constants.text_weight * self.classes.feature[classes]
+        features = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
+        rows = zip(classes.tolist(), confidence.tolist(), features.astype(np.float32), clouds, strict=True)
+        return tuple(Seen(*row) for row in rows)
+
+    def _clouds(
+        self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
+    ) -> tuple[np.ndarray, ...]:
+        """Of each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
+        rows, columns = np.nonzero(mask & (frame.depth > 0))
+        drawn = [draw.choice(len(rows), int(share * len(rows)), replace=False, shuffle=False) for draw in runs]
+        clouds = []
+        for one in drawn:
+            points = pixel_points(frame.depth, rows[one], columns[one], frame.camera)
+            inside = largest_cluster(points, self._constants.cluster_radius_m, self._constants.cluster_points)
+            clouds.append(points[inside].astype(np.float32))
+        return tuple(clouds)
+
+    def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
+        rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+        top, left = max(rows[0] - border_px, 0), max(columns[0] - border_px, 0)
+        return squared(rgb[top : rows[-1] + border_px + 1, left : columns[-1] + border_px + 1], self._encoder.side_px)
+
+
+def _top_m(frame: Frame) -> float:
+    """Height of the highest that a frame shows, metres; what is seen through a window aside."""
+    rows, columns = (axis.ravel() for axis in np.mgrid[: frame.depth.shape[0] : EVERY_PX, : frame.depth.shape[1] : EVERY_PX])
+    return float(np.quantile(pixel_points(frame.depth, rows, columns, frame.camera)[:, 1], HIGH))

@@ -1,0 +1,190 @@
+"""Stage `walks`: what DualMap observes on the dense walks of a scene's visits.
+
+Frames of equal content are looked at once, in whichever walks of the scene they are: much of a second visit looks as in the
+first. What a walk showed for the first time is kept as soon as the walk ends, so that a killed job goes on with the next one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman import seeds
+from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
+from ovman.agents.dualmap.observing import Observer
+from ovman.agents.dualmap.shot import Shot, without_ceiling
+from ovman.journal import digest
+from ovman.perception import networks
+from ovman.perception.records import RecordError, read_arrays, write_arrays
+from ovman.sim import visit, walk
+from ovman.sim.change import Alteration, World
+from ovman.sim.embodiment import Embodiment
+from ovman.sim.mover import Gait
+from ovman.sim.session import Session
+from ovman.sim.visit import Visit
+from ovman.sim.walk import Frame
+from ovman.task.record import read_records
+
+PART = "ovman-walk-part/1"
+TOGETHER = 8
+"""Frames that are looked at at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Assigned:
+    """A visit to walk: its record, and the candidate whose name the mover's draws go by."""
+
+    recorded: Visit
+    candidate: str
+
+
+def assigned(scene: str, episodes: Path, trials: Path, visits: Path) -> dict[str, Assigned]:
+    """The visits of a scene's released episodes by their names, sorted."""
+    released = {episode["id"] for episode in read_records(episodes) if episode["scene"] == scene}
+    found: dict[str, str] = {}
+    for trial in read_records(trials):
+        name = trial["candidate"]["id"]
+        if name in released:
+            for which in trial["measured"]["visits"].values():
+                found.setdefault(which, name)
+    return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
+
+
+def embodiment(constants: Any) -> Embodiment:
+    """The benchmark's body with the frames of a dense walk, which come without instance masks."""
+    side_px = constants.dualmap.walk.side_px
+    return replace(Embodiment.of(constants), width_px=side_px, height_px=side_px, instances=False)
+
+
+def frames(session: Session, of: Assigned, constants: Any) -> Iterable[Frame]:
+    """The frames of a visit's dense walk, in the world state, and from it, that the visit was recorded in.
+
+    `constants` must own what a Session needs, mover.step_m and its probabilities, benchmark.seed and dualmap.walk.turn_deg.
+    Raises WalkError if the walk does not end as the visit did, SimulatorError if the simulator refuses.
+    """
+    alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
+    rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
+    world = World(session, alterations, Gait.of(constants), rng)
+    views = [visit.AgentPose(**view["pose"]) for view in of.recorded.views]
+    lens = constants.camera.field_of_view_deg
+    yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)
+    walk.check(session, world, of.recorded)
+
+
+def content(frame: Frame) -> str:
+    """Digest of a frame: of its picture, its depth and its camera."""
+    found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
+    for array in (frame.rgb, frame.depth):
+        found.update(np.ascontiguousarray(array))
+    return found.hexdigest()
+
+
+class Memory:
+    """The shots of a scene by the content of their frames."""
+
+    def __init__(self, observer: Callable[[], Observer], runs: int, seed: int) -> None:
+        self.shots: dict[str, Shot] = {}
+        self._observer, self._runs, self._seed = observer, runs, seed
+
+    def walked(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
+        """Looks at what is new in a walk. Returns of every frame its content and its view, and the shots that were new."""
+        contents, views = [], []
+        waiting: dict[str, Frame] = {}
+        new: dict[str, Shot] = {}
+        for frame in frames:
+            key = content(frame)
+            contents.append(key)
+            views.append(NO_VIEW if frame.view is None else frame.view)
+            if key not in self.shots and key not in new and key not in waiting:
+                waiting[key] = frame
+                if len(waiting) == TOGETHER:
+                    new |= self._look(waiting)
+                    waiting = {}
+        return contents, views, new | self._look(waiting)
+
+    def _look(self, waiting: Mapping[str, Frame]) -> dict[str, Shot]:
+        """Which pixels a run draws of a frame depends on the frame alone: a walk does not hang on the walks before it."""
+        if not waiting:
+            return {}
+        draws = [
+            [seeds.generator(self._seed, "dualmap", "pixels", int(key, 16) % 2**32, run) for run in range(self._runs)]
+            for key in waiting
+        ]
+        return dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
+
+
+def run(scene: str, of: Mapping[str, Assigned], constants: Any, kept: Path, output: Path) -> None:
+    """Writes what DualMap observes on the walks of the visits `of` (name -> what to walk), in their order.
+
+    kept: directory of what a killed job left. Raises WalkError, WeightsError.
+    """
+    perception, dualmap = constants.perception, constants.dualmap
+    observer = cache(lambda: _observer(perception, dualmap.observation))
+    memory = Memory(observer, dualmap.runs, constants.benchmark.seed)
+    seen_by = networks.looked_at_by(perception)
+    walks: dict[str, tuple[list[str], list[int]]] = {}
+    parts: set[Path] = set()
+    kept.mkdir(parents=True, exist_ok=True)
+    with Session(scene, constants, embodiment(constants)) as session:
+        for name, one in of.items():
+            began, record = time.process_time(), one.recorded.record
+            key = digest(constants.canonical, seen_by, one.candidate, record["alterations"], record["mover"], record["views"])
+            part = kept / f"{key}.npz"
+            parts.add(part)
+            before = len(memory.shots)
+            walks[name] = _read(part, memory) or session.surviving(
+                lambda one=one, part=part: _walk(session, one, constants, memory, part)
+            )
+            took, new = time.process_time() - began, len(memory.shots) - before
+            print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
+    order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))
+    shots = [memory.shots[key] for key in order]
+    ceiling_m = float(np.median([shot.top_m for shot in shots])) if shots else 0.0
+    number = {key: k for k, key in enumerate(order)}
+    write_walks(
+        output,
+        {name: Taken(np.array([number[key] for key in c]), np.array(views)) for name, (c, views) in walks.items()},
+        [without_ceiling(shot, ceiling_m, dualmap.observation.ceiling_m) for shot in shots],
+        observer().classes.names,
+        observer().classes.low_mobility,
+    )
+    for left in {*kept.iterdir()} - parts:
+        left.unlink()
+
+
+def _walk(session: Session, one: Assigned, constants: Any, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
+    """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
+    contents, views, new = memory.walked(frames(session, one, constants))
+    arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
+    partial = part.with_suffix(".partial")
+    write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
+    os.replace(partial, part)
+    kept = _read(part, memory)
+    assert kept is not None
+    return kept
+
+
+def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
+    """A walk that was kept, its shots put into the memory; None where there is none, or where what it builds on is gone."""
+    try:
+        arrays = read_arrays(part, PART)
+    except (FileNotFoundError, RecordError):
+        return None
+    contents = arrays["content"].tolist()
+    shots = dict(zip(arrays["new"].tolist(), unpacked(arrays), strict=True))
+    if not {*contents} <= {*memory.shots, *shots}:
+        return None
+    memory.shots |= shots
+    return contents, arrays["view"].tolist()
+
+
+def _observer(perception: Any, observation: Any) -> Observer:
+    return Observer(networks.detector_of(perception, observation.confidence), networks.encoder_of(perception), observation)
