@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, field_validator, model_validator
 
 
 def _whole(value: Any) -> Any:
@@ -369,6 +369,10 @@ class ArmEntry(_Section):
     expected: bool = Field(False, description="its static success is the expectation over a stochastic pick")
     runs: Some = Field(1, description="runs of a static arm over all episodes; its rates are their means")
     embodiment: Literal["default", "locobot"] = Field("default", description="body and camera of an embodied arm")
+    released: Literal["cow", "dualmap"] | None = Field(
+        None, description="the released system that it is; the arm is left out while section released names no clone of it"
+    )
+    any_instance: bool = Field(False, description="its own task is to reach any instance; it is judged on that, too")
     budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")
     cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
 
@@ -406,6 +410,11 @@ class ReleasedDualmap(_Section):
     python: str = Field(description="Python interpreter of the clone's own environment")
     device: Literal["cpu", "cuda"] = Field(description="where its networks run")
     guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
+    maintained: Literal["concatenated_local", "concatenated_global", "preloaded_global"] = Field(
+        description="the map that is maintained through two visits; the maps of single visits are of its kind"
+    )
+    side_px: Annotated[Whole, Field(ge=480, le=4096)] = Field(description="pixels, side of a frame of the dense walks")
+    time_limit_s: Annotated[float, Field(gt=0)] = Field(description="seconds after which one run is ended")
 
 
 class Released(_Section):
@@ -462,3 +471,18 @@ class Config(_Section):
     locobot: Locobot
     cow: Cow
     arms: Arms
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_clones(cls, tree: Any) -> Any:
+        """Arms of released systems of which no clone is named are left out."""
+
+        def named(entry: Any) -> bool:
+            here = tree.get("released")
+            for key in (entry.get("released") if isinstance(entry, dict) else None, "root"):
+                here = here.get(key) if isinstance(here, dict) and isinstance(key, str) else None
+            return here != ""
+
+        if not isinstance(tree, dict) or not isinstance(tree.get("arms"), dict):
+            return tree
+        return {**tree, "arms": {name: entry for name, entry in tree["arms"].items() if named(entry)}}

@@ -61,6 +61,8 @@ class Arm:
     expected: bool = False
     runs: int = 1
     embodiment: str = "default"
+    released: str | None = None
+    any_instance: bool = False
     budget: int | None = None
     cut_from: str | None = None
     marks: tuple[int, ...] = ()

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ovman.agents import arms
+from ovman.agents.released.status import note
 from ovman.report.budget import budget_table
 from ovman.report.constants import constants_table
 from ovman.report.difficulty import difficulty_table
+from ovman.report.dualmap import dualmap_table
 from ovman.report.language import language_table
-from ovman.report.latex import latex
+from ovman.report.latex import escaped, latex, tex
 from ovman.report.markdown import markdown
 from ovman.report.navigation import navigation_table
 from ovman.report.own_task import own_task_table
@@ -23,7 +26,7 @@ from ovman.report.rejections import rejections_table
 from ovman.report.scenes import scenes_table
 from ovman.report.significance import significance_table
 from ovman.report.spread import seeds_table
-from ovman.report.table import Table, csv_text
+from ovman.report.table import Table, Text, csv_text
 from ovman.report.taxonomy import taxonomy_table
 
 # What the csv reader gives.
@@ -47,6 +50,7 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
     ),
     "seeds": lambda rows, constants: seeds_table(rows, arms.table(constants.arms)),
     "scenes": lambda rows, constants: scenes_table(rows, arms.table(constants.arms)),
+    "dualmap": lambda rows, constants: dualmap_table(rows),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
         rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px
@@ -55,13 +59,27 @@ TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
 }
 
 
-def run(metrics: Sequence[Path], constants: Any, output_dir: Path) -> None:
+def run(metrics: Sequence[Path], constants: Any, output_dir: Path, released: Sequence[Path] = ()) -> None:
     """Writes the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
 
+    released: records of whether the released systems were run, each called after its system; tables have a note of those that
+    were not.
     metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    write([constants_table(constants), *(table(path, constants) for path in metrics)], output_dir)
+    shown = [noted(table(path, constants), released, arms.table(constants.arms)) for path in metrics]
+    write([constants_table(constants), *shown], output_dir)
+
+
+def noted(table: Table, released: Sequence[Path], all_arms: Sequence[arms.Arm]) -> Table:
+    """A table of all arms of a kind with a sentence for each released system that would be in it and was not run."""
+    mine = {arm.released for arm in all_arms if arm.released is not None and table.name == arm.kind}
+    sentences = [sentence for path in released if path.stem in mine and (sentence := note(path)) is not None]
+    if not sentences:
+        return table
+    plain = table.caption.plain if isinstance(table.caption, Text) else table.caption
+    source = " ".join([tex(table.caption), *map(escaped, sentences)])
+    return replace(table, caption=Text(" ".join([plain, *sentences]), source))
 
 
 def write(tables: Iterable[Table], output_dir: Path) -> None:

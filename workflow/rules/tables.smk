@@ -15,6 +15,7 @@ SHOWN = [
     "language",
     "perception",
     "backprojection",
+    *(["dualmap"] if OF_DUALMAP else []),
 ]
 
 
@@ -22,6 +23,7 @@ SHOWN = [
 rule tables:
     input:
         metrics=expand("results/metrics/{name}.csv", name=SHOWN),
+        released=expand("results/released/{system}.json", system=RELEASED),
     output:
         tables=directory("results/tables"),
     log:

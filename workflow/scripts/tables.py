@@ -4,4 +4,4 @@ from ovman.job import job
 from ovman.report import tables
 
 with job(snakemake) as work:
-    tables.run(work.inputs("metrics"), work.constants, work.output("tables"))
+    tables.run(work.inputs("metrics"), work.constants, work.output("tables"), work.inputs("released"))

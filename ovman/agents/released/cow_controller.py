@@ -12,7 +12,6 @@ the runner and its agent see of the simulator is what that Controller answers; w
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -20,7 +19,7 @@ from ovman import seeds
 from ovman.agents.released.cow_episodes import Hidden
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.measurement import Ground, box_distance_m
+from ovman.sim.measurement import Ground, at_stop
 from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session, SimulatorError
 
@@ -145,37 +144,16 @@ class EpisodeController:
         self._judged(episode.name, measured)
 
     def _at_stop(self, episode: Hidden) -> dict[str, Any]:
-        """The terms of Eq. 4, and for every instance of the category that is there: distance of its box, and its masks."""
+        """The terms of Eq. 4, and the same of every instance of the category that is there."""
         session, constants = self._session, self._constants
-        stop, objects = session.pose, dict(session.objects)
         gone = {a.instance for a in episode.second if a.kind == "disable"}
-        there = [k for k, o in objects.items() if o["objectType"] == episode.category and k not in gone]
+        there = [k for k, o in session.objects.items() if o["objectType"] == episode.category and k not in gone]
         answer, navigable = episode.answer, episode.navigable
         if self._world is not None and self._world.mover is not None:
             answer = self._world.mover.position
-            navigable = Ground.around(session, stop, constants.primitives.step_m).navigable(*answer)
-        seen = self._sweep(there, stop)
-        instances = {
-            k: {"box_distance_m": round(box_distance_m(stop.x, stop.z, objects[k]), 4), "visible_px": seen[k]}
-            for k in sorted(there)
-        }
-        target = {"box_distance_m": None, "visible_px": None} if episode.relation.past else instances[episode.target]
-        return {
-            "stop": {"x": round(stop.x, 4), "z": round(stop.z, 4), "yaw_deg": round(stop.yaw_deg, 2)},
-            "box_distance_m": target["box_distance_m"],
-            "answer_distance_m": round(math.dist((stop.x, stop.z), answer), 4),
-            "navigable_distance_m": round(math.dist((stop.x, stop.z), navigable), 4),
-            "visible_px": target["visible_px"],
-            "instances": instances,
-        }
-
-    def _sweep(self, instances: list[str], stop: AgentPose) -> dict[str, dict[str, int]]:
-        seen: dict[str, dict[str, int]] = {k: {} for k in instances}
-        for pitch in self._constants.success.sweep_deg:
-            self._session.teleport(AgentPose(stop.x, stop.z, stop.yaw_deg, float(pitch)), image=True)
-            for instance in instances:
-                seen[instance][str(int(pitch))] = self._session.pixels(instance)
-        return seen
+            navigable = Ground.around(session, session.pose, constants.primitives.step_m).navigable(*answer)
+        sweep = tuple(constants.success.sweep_deg)
+        return at_stop(session, episode.relation.past, episode.target, answer, navigable, sweep, there)
 
 
 def _asked(request: Mapping[str, Any]) -> AgentPose:

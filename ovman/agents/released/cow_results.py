@@ -80,7 +80,7 @@ def imported(hidden: Hidden, seed: int, walk: Walk, verdict: Mapping[str, Any]) 
     record = {"schema": SCHEMA, "episode": hidden.episode, "arm": ARM, "seed": seed}
     record |= {"outcome": "stopped" if walk.stopped else "budget"} | measured
     record |= {"path_length_m": round(walk.path_length_m, 4), "actions": walk.actions}
-    return record | {"instances": verdict.get("instances")}
+    return record | ({"instances": verdict["instances"]} if "instances" in verdict else {})
 
 
 def collected(results: Path, verdicts: Path, hidden: tuple[Hidden, ...], seed: int) -> list[dict[str, Any]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -34,6 +33,7 @@ def read(path: Path) -> Status:
     return Status(record["system"], record["says"])
 
 
-def notes(paths: Iterable[Path]) -> list[str]:
-    """One sentence for each system that was not run."""
-    return [f"{status.system} was not run: {status.says}." for status in map(read, paths) if not status.run]
+def note(path: Path) -> str | None:
+    """A sentence about a system that was not run, None for one that was. What is missing there is its user's affair."""
+    status = read(path)
+    return None if status.run else f"{status.system} was not run: results/released/{path.name} says what is missing."
