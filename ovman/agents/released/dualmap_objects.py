@@ -9,9 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.object_map import ObjectMap
+from ovman.agents.dualmap.mapped import Entry, Mapped, Sort
 from ovman.agents.released.dualmap_frames import floor_points
-from ovman.agents.released.dualmap_process.objects import ANCHOR, COLUMNS, SCHEMA
+from ovman.agents.released.dualmap_process.objects import ANCHOR, COLUMNS, LOCAL, RELATED, SCHEMA
+
+SORTS = {LOCAL: Sort.OBJECT, ANCHOR: Sort.ANCHOR, RELATED: Sort.RELATED}
 
 
 class ObjectsError(ValueError):
@@ -36,14 +38,23 @@ class Objects:
         """The ids of the anchors of a global map."""
         return tuple(self.columns["uid"][self.columns["kind"] == ANCHOR].tolist())
 
-    def as_map(self) -> ObjectMap:
-        """p: the centres of the boxes on our floor plane, x and z in metres; f: the features; tracks of that one place.
+    def mapped(self, frames: int) -> Mapped:
+        """The objects as a map of ours of so many keyframes has them: centres of boxes on our floor plane, and features.
 
-        last_seen is the keyframe, -1 where DualMap keeps no memory of it.
+        DualMap saves neither how often an object was seen nor when. observations is 0; first_seen and last_seen are those of the
+        process's own record, -1 where it has none.
         """
-        p = floor_points(self.columns["center_xyz"])
-        f = unit(self.columns["clip_ft"])
-        return ObjectMap(p, f, tuple(place[None] for place in p), tuple(self.columns["last_seen"].tolist()))
+        columns = self.columns
+        rows = zip(
+            floor_points(columns["center_xyz"]),
+            unit(columns["clip_ft"]),
+            columns["kind"].tolist(),
+            columns["class_id"].tolist(),
+            columns["first_seen"].tolist(),
+            columns["last_seen"].tolist(),
+            strict=True,
+        )
+        return Mapped(tuple(Entry(p, f, SORTS[kind], number, 0, first, last) for p, f, kind, number, first, last in rows), frames)
 
 
 def unit(features: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from typing import Any
 from ovman.agents.released import dualmap_process
 from ovman.agents.released.dualmap_frames import DATASET
 from ovman.agents.released.dualmap_objects import Objects, ObjectsError, read_objects
-from ovman.agents.released.dualmap_setup import Installation
+from ovman.agents.released.dualmap_setup import SYSTEM, Installation, environment
 
 LOCAL, GLOBAL = "local", "global"
 _SAVING = {
@@ -27,15 +27,13 @@ _SAVING = {
     GLOBAL: ("run_local_mapping_only=false", "save_local_map=false", "save_global_map=true"),
 }
 """Never both: each save empties the directory of the map, and one would be lost."""
-_NOT_INHERITED = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV", "PYTHONNOUSERSITE", "CONDA_PREFIX")
-"""What would mix this environment into DualMap's."""
 
 
 class RunError(RuntimeError):
     """A run of DualMap that gave no map; one line with the scene, the reason and where its log is."""
 
     def __init__(self, scene_id: str, reason: str, log: Path) -> None:
-        super().__init__(f"DualMap (released): {scene_id}: {reason}; its log is {log}")
+        super().__init__(f"{SYSTEM}: {scene_id}: {reason}; its log is {log}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +113,7 @@ def run(
                 "seed": policy.seed,
                 "device": policy.device,
                 "map": str(saved_map(output, scene_id).absolute()),
-                "before": installation.before,
+                "before": None if installation.before is None else str(installation.before.absolute()),
                 "output": str(directory.absolute()),
             }
         )
@@ -136,14 +134,13 @@ def run(
 
 
 def _process(installation: Installation, request: Path, log: Path, policy: Policy, scene_id: str) -> None:
-    environment = {name: value for name, value in os.environ.items() if name not in _NOT_INHERITED}
-    environment["PYTHONPATH"] = str(Path(dualmap_process.__file__).parents[1])
+    beside = str(Path(dualmap_process.__file__).parents[1])
     command = [str(installation.python), "-m", "dualmap_process", str(request.absolute())]
     with log.open("wb") as file:
         process = subprocess.Popen(
             command,
             cwd=installation.root,
-            env=environment,
+            env=environment() | {"PYTHONPATH": beside},
             stdin=subprocess.DEVNULL,
             stdout=file,
             stderr=file,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,8 +11,10 @@ from typing import Any
 from ovman.agents.released import interpreter
 from ovman.agents.released.clone import Clone
 
+SYSTEM = "DualMap (released)"
 REPOSITORY = "https://github.com/Eku127/DualMap"
 KEY = "released.dualmap"
+_OWN = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
 OLDEST = (3, 10)
 """DualMap's own Python; its process imports nothing of this package."""
 WEIGHTS = ("model/yolov8l-world.pt", "model/mobile_sam.pt", "model/FastSAM-s.pt")
@@ -52,25 +55,30 @@ NEEDS = interpreter.Needs(
 
 @dataclass(frozen=True, slots=True)
 class Installation:
-    """root: of the clone; python: the interpreter of its environment; before: "module:function" that a run calls before DualMap
-    is built, for networks that stand in for DualMap's, or None.
+    """root: of the clone; python: the interpreter of its environment; before: a Python file whose function `before` a run calls
+    before DualMap is built, for networks that stand in for DualMap's, or None.
     """
 
     root: Path
     python: Path
-    before: str | None = None
+    before: Path | None = None
 
 
 def lacks(dualmap: Any) -> str | None:
     """What is missing and how to get it, in one line, given the settings released.dualmap; None where everything is there."""
     if not dualmap.root:
         return f"{KEY}.root names no clone; docs/baselines.md says how to make one"
-    root = Path(dualmap.root).expanduser()
+    root = Path(dualmap.root).absolute()
     return (
         Clone(REPOSITORY, root, dualmap.commit).lacks()
-        or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS)
+        or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS, environment())
         or missing_weights(root, dualmap.python)
     )
+
+
+def environment() -> dict[str, str]:
+    """Environment variables for a process of DualMap: none that would mix this one's packages into its own."""
+    return {name: value for name, value in os.environ.items() if name not in _OWN}
 
 
 def missing_weights(root: Path, python: str) -> str | None:

@@ -41,7 +41,7 @@ def test_from_frames_to_objects_in_our_world(tmp_path):
     assert not view(BOXES, spin(0.0, 0.0)[6]).rgb.any(), "the first frame is empty, which ends DualMap without the guard"
     objects = run(HERE, policy(), settings, "FloorPlan1", NOUNS, tmp_path / "run")
     assert sorted(objects.columns["class_name"].tolist()) == ["cup", "sofa"]
-    found = dict(zip(objects.columns["class_name"].tolist(), objects.as_map().p, strict=True))
+    found = dict(zip(objects.columns["class_name"].tolist(), objects.mapped(12).object_map().p, strict=True))
     # Two sides and the top of each box are seen from here, so that the boxes are whole on the floor plane.
     assert found["sofa"] == pytest.approx(BOXES[0].centre[::2], abs=0.05)
     assert found["cup"] == pytest.approx(BOXES[1].centre[::2], abs=0.05)
@@ -50,7 +50,7 @@ def test_from_frames_to_objects_in_our_world(tmp_path):
     assert all(1 < first < last <= 12 for first, last in seen), "keyframes count from 1, and the first ones show nothing"
     assert objects.nouns.keys() == set(NOUNS)
     assert objects.nouns["sofa"].tolist() == np.eye(8)[4].tolist()
-    assert np.linalg.norm(objects.as_map().f, axis=1) == pytest.approx(1)
+    assert np.linalg.norm(objects.mapped(12).object_map().f, axis=1) == pytest.approx(1)
     assert report(tmp_path / "run")["keyframes"] == 12 and report(tmp_path / "run")["saved"]["local"] == 2
 
 

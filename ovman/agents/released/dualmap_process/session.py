@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import random
+import runpy
 import time
 from pathlib import Path
 from typing import Any
@@ -23,13 +24,12 @@ def run(request: dict[str, Any]) -> None:
 
     A request has "overrides" (of DualMap's settings, as on its command line), "guard" (first_only, every_frame), "nouns" (phrases
     whose text features are wanted), "seed" (of every generator, or None as released), "device" (cuda, cpu), "map" (where the
-    objects are saved) and "before" ("module:function" that is called before DualMap is built, or None: networks that stand in for
-    its own). The current directory is the clone.
+    objects are saved) and "before" (a Python file whose function `before` is called before DualMap is built, or None: networks
+    that stand in for its own). The current directory is the clone.
     """
     began = time.monotonic()
     if request["before"] is not None:
-        module, _, function = request["before"].partition(":")
-        getattr(importlib.import_module(module), function)()
+        runpy.run_path(request["before"])["before"]()
     if request["seed"] is not None:
         _seed(request["seed"])
     settings = _settings(request["overrides"])

@@ -1,0 +1,22 @@
+"""Stage `released_dualmap_predictions`: what a static arm answers from the maps of DualMap's released code, if there are any."""
+
+from pathlib import Path
+
+from ovman.agents import prediction, predictions
+from ovman.agents.arms import Arm
+from ovman.agents.released import status
+from ovman.job import job
+
+with job(snakemake) as work:
+    if status.read(work.input("status")).run:
+        predictions.run(
+            Arm.of(work.constants.arm),
+            work.input("episodes"),
+            work.inputs("trials"),
+            work.constants,
+            work.output("predictions"),
+            Path("results", "visits"),
+            {name: work.inputs(name) for name in ("dualmap", "nouns")},
+        )
+    else:
+        prediction.write(work.output("predictions"), [])
