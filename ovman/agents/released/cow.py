@@ -75,8 +75,7 @@ def call(share: Sequence[Hidden], seed: int, constants: Any, directory: Path) ->
     job = Job(root, directory / "results", directory / "verdicts.jsonl", constants.canonical, seed, tuple(share))
     job.write(directory / "job.json")
     command = [settings.python, "-m", "ovman.agents.released.cow_process", str(directory / "job.json")]
-    engine = {COMMAND: executable()} if constants.benchmark.backend == "embedded" else {}
-    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(PACKAGE_ROOT) | engine)
+    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(PACKAGE_ROOT) | {COMMAND: executable()})
 
 
 def unit(share: Sequence[Hidden], seed: int, constants: Any) -> str:
