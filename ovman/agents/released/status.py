@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -31,6 +32,13 @@ def read(path: Path) -> Status:
     if not isinstance(record, dict) or record.get("schema") != SCHEMA:
         raise ValueError(f"{path}: is no record {SCHEMA!r}; remove it, and it is made again")
     return Status(record["system"], record["says"])
+
+
+def look_again(paths: Iterable[Path]) -> None:
+    """Removes the records of systems that were not run: what was missing may be there by now."""
+    for path in paths:
+        if path.is_file() and not read(path).run:
+            path.unlink()
 
 
 def note(path: Path) -> str | None:
