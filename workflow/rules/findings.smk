@@ -13,6 +13,7 @@ READ = [
     "language",
     "perception",
     "backprojection",
+    *(["dualmap"] if OF_DUALMAP else []),
 ]
 REPORT = os.path.join(workflow.basedir, "ovman", "report")
 

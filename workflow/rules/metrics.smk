@@ -1,3 +1,7 @@
+# Whether an arm answers from DualMap's maps, of which there are metrics then.
+OF_DUALMAP = any(Need.DUALMAP in arm.needs for arm in ARMS)
+
+
 rule metrics:
     input:
         episodes="results/episodes/main.jsonl",

@@ -17,6 +17,7 @@ from ovman.report.findings.sources import (
     less,
     mean,
     mean_of_seeds,
+    objects,
     of_pairings,
     of_seeds,
     own_task,
@@ -194,5 +195,16 @@ STATEMENTS: tuple[Statement, ...] = (
             f"positive and larger than that on FORMER and REMOVED, which is at most {NEGLIGIBLE}"
         ),
         holds=_gains_where_an_object_is_left,
+    ),
+    Statement(
+        key="dualmap_degenerates_in_one_scene",
+        claim="In one scene DualMap keeps next to no objects, in all others many.",
+        quantities=(
+            Quantity("fewest", "objects a map, fewest", objects(0), "dualmap_objects_degenerate", Form.EXPECTED),
+            Quantity("second", "second fewest", objects(1), "dualmap_objects_least", Form.EXPECTED),
+            Quantity("most", "most", objects(-1), "dualmap_objects_most", Form.EXPECTED, decides=False),
+        ),
+        rule="the scene with the fewest objects has at most a third of those of the scene with the second fewest",
+        holds=lambda q: 3 * q["fewest"] <= q["second"],
     ),
 )

@@ -22,6 +22,8 @@ RELATIONS = tuple(relation.value for relation in Relation)
 TWO_INSTANCES, THREE_INSTANCES, MORE_INSTANCES = "2", "3", f"{MANY}+"
 """Groups of difficulty.csv."""
 EPISODES = "episodes"
+VISIT = "two visits"
+"""Maps of single visits, in dualmap.csv."""
 
 
 def static(arm: str, relation: str = ALL, column: str = "rate") -> Read:
@@ -124,6 +126,26 @@ def least_p_ahead(arm: str, baseline: str) -> Read:
             min(ahead, default=1.0),
             f"pairings.csv ({arm}, {baseline}, all, lowest of the {len(ahead)} of {len(differences)} pairings with a lead): p",
         )
+
+    return read
+
+
+def objects(place: int) -> Read:
+    """How many objects DualMap's maps of single visits hold in a scene, the mean over runs and visits.
+
+    place: of the scene, among all from the one with the fewest objects (0) to the one with the most (-1).
+    """
+
+    def read(metrics: Metrics) -> Cell:
+        scenes: dict[str, list[float]] = {}
+        counts = metrics.numbers("dualmap.csv", "objects_mean", memory=VISIT)
+        for scene, count in zip(metrics.texts("dualmap.csv", "scene", memory=VISIT), counts, strict=True):
+            scenes.setdefault(scene, []).append(count)
+        ranked = sorted((_mean(of_scene), scene) for scene, of_scene in scenes.items() if scene != ALL)
+        if len(ranked) < 3:
+            raise Missing(f"dualmap.csv has {len(ranked)} scenes, which is too few to tell one from the others")
+        count, scene = ranked[place]
+        return Cell(count, f"dualmap.csv ({scene}, {VISIT}, mean over runs): objects_mean")
 
     return read
 

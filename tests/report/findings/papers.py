@@ -200,6 +200,11 @@ def papers_files(paper: Paper) -> Files:
             difficulty("scene", "FloorPlan1", "grounding_two_visits", 10, get("worst_scene_grounding")),
             difficulty("scene", "FloorPlan7", "grounding_two_visits", 10, 0.9),
         ],
+        "dualmap.csv": [
+            _row(scene=scene, memory="two visits", run=run, objects_mean=get(f"dualmap_objects_{key}"))
+            for scene, key in (("FloorPlan1", "least"), ("FloorPlan7", "degenerate"), ("FloorPlan10", "most"))
+            for run in SEEDS
+        ],
         "budget.csv": [_row(rung=rung, relation=ALL, n=n[ALL], **cells) for rung, cells in rungs.items()],
         "language.csv": [
             _row(what=what, relation=ALL, read_as="", n=n[ALL], rate=get(key), origin="made up")
