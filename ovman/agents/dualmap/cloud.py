@@ -1,11 +1,12 @@
-"""Point clouds: thinned to voxels, boxed, and asked what lies near them. World frame, y up, metres."""
+"""Point clouds, boxed and asked what lies near them. World frame, y up, metres."""
 
 from __future__ import annotations
 
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
+
+from ovman.agents.dualmap import grid
 
 UP = 1
 """Index of the vertical coordinate."""
@@ -14,41 +15,44 @@ FLOOR = [0, 2]
 
 
 class Cloud:
-    """Points (N, 3), N >= 1, that are never changed; their search tree is built when it is first asked for."""
+    """Points, at least one, that are never changed. columns: (3, N) float64, coordinate by coordinate."""
 
-    def __init__(self, points: np.ndarray) -> None:
-        self.points = np.ascontiguousarray(points, dtype=np.float64)
-        if self.points.ndim != 2 or self.points.shape[1] != 3 or not len(self.points):
-            raise ValueError(f"a cloud has points (N, 3), N at least 1, not {self.points.shape}")
+    def __init__(self, columns: np.ndarray) -> None:
+        self.columns = columns
+        self._chains: tuple[float, np.ndarray, np.ndarray] | None = None
+
+    @staticmethod
+    def of(points: np.ndarray) -> Cloud:
+        """The cloud of points (N, 3). ValueError for another shape and for no point."""
+        points = np.asarray(points)
+        if points.ndim != 2 or points.shape[1] != 3 or not len(points):
+            raise ValueError(f"a cloud has points (N, 3), N at least 1, not {points.shape}")
+        return Cloud(np.ascontiguousarray(points.T, dtype=np.float64))
 
     def __len__(self) -> int:
-        return len(self.points)
+        return self.columns.shape[1]
+
+    @property
+    def points(self) -> np.ndarray:
+        """(N, 3), metres."""
+        return self.columns.T
 
     @cached_property
     def box(self) -> np.ndarray:
         """(6,): least x, y, z and greatest x, y, z."""
-        return np.concatenate([self.points.min(axis=0), self.points.max(axis=0)])
+        return np.concatenate([self.columns.min(axis=1), self.columns.max(axis=1)])
 
-    @cached_property
-    def _tree(self) -> cKDTree:
-        return cKDTree(self.points, balanced_tree=False, compact_nodes=False)
+    def near(self, asked: np.ndarray, radius_m: float) -> np.ndarray:
+        """(M,) bool: which of the points `asked` (3, M) lie within radius_m of a point of the cloud."""
+        if self._chains is None or self._chains[0] != radius_m:
+            self._chains = radius_m, *grid.chained(self.columns, 2 * radius_m)
+        _, heads, following = self._chains
+        return grid.near(self.columns, heads, following, 2 * radius_m, asked, radius_m)
 
-    def near(self, points: np.ndarray, radius_m: float) -> np.ndarray:
-        """(M,) bool: which of `points` (M, 3) lie within radius_m of a point of the cloud."""
-        reach, _ = self._tree.query(points, distance_upper_bound=np.nextafter(radius_m, np.inf))
-        return np.isfinite(reach)
-
-
-def thinned(points: np.ndarray, voxel_m: float) -> np.ndarray:
-    """One point a voxel, the mean of those in it: (M, 3) of points (N, 3). The grid is centred on the least corner."""
-    cells = np.floor((points - points.min(axis=0)) / voxel_m + 0.5).astype(np.int64)
-    spans = cells.max(axis=0) + 1
-    flat = (cells[:, 0] * spans[1] + cells[:, 1]) * spans[2] + cells[:, 2]
-    order = np.argsort(flat, kind="stable")
-    flat = flat[order]
-    starts = np.flatnonzero(np.concatenate([[True], flat[1:] != flat[:-1]]))
-    counts = np.diff(np.concatenate([starts, [len(flat)]]))
-    return np.add.reduceat(points[order], starts, axis=0) / counts[:, None]
+    def inside(self, box: np.ndarray, margin_m: float) -> float:
+        """The fraction of the points in a box (6,) that is larger by a margin on every side."""
+        low, high = (box[:3] - margin_m)[:, None], (box[3:] + margin_m)[:, None]
+        return np.count_nonzero(((self.columns >= low) & (self.columns <= high)).all(axis=0)) / len(self)
 
 
 def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ovman.agents.dualmap.cloud import FLOOR, Cloud, area, shared_area, thinned
+from ovman.agents.dualmap.cloud import FLOOR, UP, area, shared_area
 from ovman.agents.dualmap.constants import GlobalConstants
+from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import Departure
 from ovman.agents.dualmap.map_object import MapObject
 
@@ -52,7 +53,7 @@ class Anchor:
         thing = departure.object
         return Anchor(
             thing.uid,
-            _flat(thing.points[:, FLOOR], voxel_m),
+            _thin(thing.columns[FLOOR], voxel_m),
             thing.feature,
             thing.class_id,
             len(thing.seen),
@@ -107,7 +108,7 @@ def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:
     looks = new if len(new.flat) > len(old.flat) else old
     return replace(
         old,
-        flat=_flat(np.concatenate([old.flat, new.flat]), voxel_m),
+        flat=_thin(np.concatenate([old.flat, new.flat]).T, voxel_m),
         feature=looks.feature,
         class_id=looks.class_id,
         observations=old.observations + new.observations,
@@ -116,6 +117,6 @@ def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:
     )
 
 
-def _flat(points: np.ndarray, voxel_m: float) -> np.ndarray:
-    """Points (N, 2) of the floor plane, one a voxel."""
-    return thinned(Cloud(np.insert(points, 1, 0.0, axis=1)).points, voxel_m)[:, FLOOR]
+def _thin(columns: np.ndarray, voxel_m: float) -> np.ndarray:
+    """Points (M, 2) of the floor plane, one a voxel, of their columns (2, N)."""
+    return thinned(np.insert(columns, UP, 0.0, axis=0), voxel_m)[FLOOR].T

@@ -14,7 +14,6 @@ from ovman.agents.dualmap.cloud import box_iou
 from ovman.agents.dualmap.constants import GlobalConstants, LocalConstants
 from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, is_stable
 from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
-from ovman.agents.dualmap.observation import Observation
 from ovman.agents.dualmap.relation import lies_on
 
 
@@ -29,13 +28,12 @@ class Departure:
 class LocalMap:
     """The map of one run. Its keyframes are numbered from 0.
 
-    run: which of the observations' clouds are its own; kinds: how many classes there are; draws: the names of its objects;
+    kinds: how many classes there are; draws: the names of its objects;
     handing_on: None where objects that have settled stay (local mapping only), else what is "on" what, and settled objects leave.
     """
 
     def __init__(
         self,
-        run: int,
         kinds: int,
         constants: LocalConstants,
         draws: np.random.Generator,
@@ -45,28 +43,27 @@ class LocalMap:
         self.objects: list[MapObject] = []
         self.departures: list[Departure] = []
         self.frame = -1
-        self._run, self._kinds, self._constants, self._draws = run, kinds, constants, draws
+        self._kinds, self._constants, self._draws = kinds, constants, draws
         self._handing_on, self._unknown = handing_on, unknown
 
     def copy(self, draws: np.random.Generator) -> LocalMap:
         """A map of its own that goes on from here, its new objects named by `draws`."""
-        other = LocalMap(self._run, self._kinds, self._constants, draws, self._handing_on, self._unknown)
+        other = LocalMap(self._kinds, self._constants, draws, self._handing_on, self._unknown)
         other.objects = [thing.copy() for thing in self.objects]
         other.departures = list(self.departures)
         other.frame = self.frame
         return other
 
-    def observe(self, observations: Sequence[Observation]) -> None:
+    def observe(self, seen: Sequence[Seen]) -> None:
         """One keyframe. All observations are matched to the map as it was before; several may be of one object."""
         self.frame += 1
-        seen = [Seen.of(observation, self._run, self.frame) for observation in observations]
         touched = set()
         before = len(self.objects)
         for one, match in zip(seen, matches(seen, self.objects, self._constants), strict=True):
             if match is None:
-                self.objects.append(MapObject(self._uid(), [one], [one.cloud], one.feature.copy(), one.cloud.box))
+                self.objects.append(MapObject.of(self._uid(), [one], [self.frame], self._constants))
             else:
-                self.objects[match].add(one, self._constants)
+                self.objects[match].add(one, self.frame, self._constants)
                 touched.add(match)
         for index in sorted(touched):
             self._split(index)
@@ -82,9 +79,9 @@ class LocalMap:
 
     def _split(self, index: int) -> None:
         whole = self.objects[index]
-        if len(whole.seen) < 2 or whole.seen[-2].frame != self.frame:
+        if whole.frames[-2] != self.frame:
             return
-        pair = together(whole.seen, self.frame - self._constants.split_window + 1)
+        pair = together(whole, self.frame - self._constants.split_window + 1)
         if pair is not None and pair[2] > self._constants.split_frames:
             self.objects[index], other = parted(whole, pair[0], pair[1], self._uid(), self._constants)
             self.objects.append(other)
@@ -158,14 +155,12 @@ def _match(one: Seen, objects: Sequence[tuple[int, MapObject]], constants: Local
         visual = float(one.feature @ thing.feature)
         # No more points can be near an object's cloud than lie in its box.
         if visual + 1.0 > constants.match:
-            low, high = thing.box[:3] - constants.near_m, thing.box[3:] + constants.near_m
-            inside = np.count_nonzero(((one.cloud.points >= low) & (one.cloud.points <= high)).all(axis=1))
-            possible.append((visual + inside / len(one.cloud), j, visual, thing))
+            possible.append((visual + one.cloud.inside(thing.box, constants.near_m), j, visual, thing))
     best, most = None, constants.match
     for greatest, j, visual, thing in sorted(possible, key=lambda each: (-each[0], each[1])):
         if greatest < most:
             break
-        similarity = visual + thing.shared(one.cloud.points, constants.near_m)
+        similarity = visual + thing.shared(one.cloud, constants.near_m)
         if similarity > most or (similarity == most and best is not None and j < best):
             best, most = j, similarity
     return best

@@ -8,17 +8,17 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ovman.agents.dualmap.cloud import FLOOR, Cloud, thinned
+from ovman.agents.dualmap.cloud import FLOOR, Cloud
 from ovman.agents.dualmap.constants import LocalConstants
+from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.life_cycle import Stage
 from ovman.agents.dualmap.observation import Observation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """One observation as one run has it. frame: index of the keyframe in the map's life; cloud: the points that the run drew."""
+    """One observation as one run has it. cloud: the points that the run drew."""
 
-    frame: int
     class_id: int
     confidence: float
     feature: np.ndarray
@@ -26,69 +26,76 @@ class Seen:
     low_mobility: bool
 
     @staticmethod
-    def of(observation: Observation, run: int, frame: int) -> Seen:
-        """What the run of that number makes of an observation in the map's keyframe `frame`."""
+    def of(observation: Observation, run: int) -> Seen:
+        """What the run of that number makes of an observation."""
         return Seen(
-            frame,
             observation.class_id,
             observation.confidence,
             np.asarray(observation.feature, dtype=np.float64),
-            Cloud(observation.clouds[run]),
+            Cloud.of(observation.clouds[run]),
             observation.low_mobility,
         )
 
 
 @dataclass(slots=True, eq=False)
 class MapObject:
-    """uid: a random number, of which the order of a saved map comes; seen: its observations, at least one; parts: its cloud in
-    pieces, first what was thinned last, then what came since; total: sum of its features; stage: where it is in its life.
+    """uid: a random number, of which the order of a saved map comes; seen: its observations, at least one, and frames: in which
+    keyframes of the map's life; parts: its cloud in pieces, first what was thinned last, then what came since; total: sum of its
+    features; stage: where it is in its life.
     """
 
     uid: int
     seen: list[Seen]
+    frames: list[int]
     parts: list[Cloud]
     total: np.ndarray
     box: np.ndarray
     stage: Stage = field(default_factory=Stage)
 
     @staticmethod
-    def of(uid: int, seen: Sequence[Seen], constants: LocalConstants) -> MapObject:
+    def of(uid: int, seen: Sequence[Seen], frames: Sequence[int], constants: LocalConstants) -> MapObject:
         """The object that these observations make, in their order."""
-        first, *more = seen
-        made = MapObject(uid, [first], [first.cloud], first.feature.copy(), first.cloud.box)
-        for observation in more:
-            made.add(observation, constants)
+        first = seen[0]
+        made = MapObject(uid, [first], [frames[0]], [first.cloud], first.feature.copy(), first.cloud.box)
+        for observation, frame in zip(seen[1:], frames[1:], strict=True):
+            made.add(observation, frame, constants)
         return made
 
     def copy(self) -> MapObject:
         """An object of its own that grows independently."""
-        return MapObject(self.uid, list(self.seen), list(self.parts), self.total.copy(), self.box, self.stage)
+        seen, frames, parts = list(self.seen), list(self.frames), list(self.parts)
+        return MapObject(self.uid, seen, frames, parts, self.total.copy(), self.box, self.stage)
 
-    def add(self, seen: Seen, constants: LocalConstants) -> None:
+    def add(self, seen: Seen, frame: int, constants: LocalConstants) -> None:
         """Append an observation's cloud, thinning at every `thin_every`-th, and its share of the running mean of the features."""
         self.seen.append(seen)
+        self.frames.append(frame)
         self.total += seen.feature
         self.parts.append(seen.cloud)
         if len(self.seen) % constants.thin_every == 0:
-            self.parts = [Cloud(thinned(self.points, constants.voxel_m))]
+            self.parts = [Cloud(thinned(self.columns, constants.voxel_m))]
             self.box = self.parts[0].box
         else:
-            self.box = np.concatenate(
-                [np.minimum(self.box[:3], seen.cloud.box[:3]), np.maximum(self.box[3:], seen.cloud.box[3:])]
-            )
+            box = seen.cloud.box
+            self.box = np.concatenate([np.minimum(self.box[:3], box[:3]), np.maximum(self.box[3:], box[3:])])
 
-    def shared(self, points: np.ndarray, near_m: float) -> float:
-        """The fraction of `points` (N, 3) within near_m of this object's cloud."""
-        left = points
+    def shared(self, cloud: Cloud, near_m: float) -> float:
+        """The fraction of a cloud's points within near_m of this object's."""
+        left = cloud.columns
         for part in self.parts:
-            if len(left):
-                left = left[~part.near(left, near_m)]
-        return 1.0 - len(left) / len(points)
+            if left.shape[1]:
+                left = left[:, ~part.near(left, near_m)]
+        return 1.0 - left.shape[1] / len(cloud)
+
+    @property
+    def columns(self) -> np.ndarray:
+        """(3, N), metres: the cloud, coordinate by coordinate."""
+        return self.parts[0].columns if len(self.parts) == 1 else np.concatenate([part.columns for part in self.parts], axis=1)
 
     @property
     def points(self) -> np.ndarray:
         """(N, 3), metres."""
-        return self.parts[0].points if len(self.parts) == 1 else np.concatenate([part.points for part in self.parts])
+        return self.columns.T
 
     @property
     def feature(self) -> np.ndarray:
@@ -108,11 +115,11 @@ class MapObject:
 
     @property
     def first_seen(self) -> int:
-        return self.seen[0].frame
+        return self.frames[0]
 
     @property
     def last_seen(self) -> int:
-        return self.seen[-1].frame
+        return self.frames[-1]
 
     @property
     def position(self) -> np.ndarray:
@@ -120,16 +127,16 @@ class MapObject:
         return (self.box[:3] + self.box[3:])[FLOOR] / 2
 
 
-def together(seen: Sequence[Seen], since: int) -> tuple[int, int, int] | None:
-    """The two classes that observations share most keyframes with, from keyframe `since` on: (class, class, keyframes), the
-    smaller class first; None where no keyframe shows two.
+def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:
+    """The two classes that an object was seen as in most common keyframes from keyframe `since` on: (class, class, keyframes),
+    the smaller class first; None where no keyframe shows two.
     """
-    frames: dict[int, set[int]] = {}
-    for observation in reversed(seen):
-        if observation.frame < since:
+    kinds: dict[int, set[int]] = {}
+    for seen, frame in zip(reversed(thing.seen), reversed(thing.frames), strict=True):
+        if frame < since:
             break
-        frames.setdefault(observation.frame, set()).add(observation.class_id)
-    pairs = Counter((a, b) for kinds in frames.values() for a in kinds for b in kinds if a < b)
+        kinds.setdefault(frame, set()).add(seen.class_id)
+    pairs = Counter((a, b) for classes in kinds.values() for a in classes for b in classes if a < b)
     if not pairs:
         return None
     (a, b), count = min(pairs.items(), key=lambda item: (-item[1], item[0]))
@@ -140,6 +147,9 @@ def parted(whole: MapObject, a: int, b: int, uid: int, constants: LocalConstants
     """An object as the two that its classes a and b say it is. The commoner keeps the name and what was seen as a third class."""
     counts = Counter(seen.class_id for seen in whole.seen)
     lesser = a if counts[a] < counts[b] else b
-    mine = [seen for seen in whole.seen if seen.class_id != lesser]
-    other = [seen for seen in whole.seen if seen.class_id == lesser]
-    return MapObject.of(whole.uid, mine, constants), MapObject.of(uid, other, constants)
+
+    def of(name: int, its: bool) -> MapObject:
+        rows = [k for k, seen in enumerate(whole.seen) if (seen.class_id == lesser) is its]
+        return MapObject.of(name, [whole.seen[k] for k in rows], [whole.frames[k] for k in rows], constants)
+
+    return of(whole.uid, False), of(uid, True)

@@ -18,10 +18,13 @@ import numpy as np
 from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.global_map import Anchor, GlobalMap
 from ovman.agents.dualmap.local_map import Departure, LocalMap
+from ovman.agents.dualmap.map_object import Seen
 from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps
 from ovman.agents.dualmap.observation import Observation
 
 Keyframes = Sequence[Sequence[Observation]]
+Looks = Sequence[Sequence[Seen]]
+"""Keyframes as one run has them."""
 Draws = Callable[..., np.random.Generator]
 """Given the names of the visits, whence the names of the objects come."""
 
@@ -45,11 +48,12 @@ class Run:
     def read(self, maintained: Maintained, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
         """The maps of the visits in `walks`, by name, and of the pairs of them."""
         pairs = list(dict.fromkeys(pairs))
+        seen = {name: [[Seen.of(one, self.number) for one in frame] for frame in keyframes] for name, keyframes in walks.items()}
         if maintained is Maintained.CONCATENATED_LOCAL:
-            return self._concatenated_local(walks, pairs)
-        return self._preloaded_global(walks, pairs)
+            return self._concatenated_local(seen, pairs)
+        return self._preloaded_global(seen, pairs)
 
-    def _concatenated_local(self, walks: Mapping[str, Keyframes], pairs: Sequence[Pair]) -> RunMaps:
+    def _concatenated_local(self, walks: Mapping[str, Looks], pairs: Sequence[Pair]) -> RunMaps:
         visits, kept = {}, {}
         firsts = {first for first, _ in pairs}
         for name, keyframes in walks.items():
@@ -63,7 +67,7 @@ class Run:
             maintained[first, second] = _settled(now, len(walks[first]) + len(walks[second]))
         return RunMaps(visits, maintained)
 
-    def _preloaded_global(self, walks: Mapping[str, Keyframes], pairs: Sequence[Pair]) -> RunMaps:
+    def _preloaded_global(self, walks: Mapping[str, Looks], pairs: Sequence[Pair]) -> RunMaps:
         departures, anchors = {}, {}
         for name, keyframes in walks.items():
             local = self._seen(self._local(self.draws(name), handing_on=True), keyframes)
@@ -79,13 +83,11 @@ class Run:
 
     def _local(self, draws: np.random.Generator, handing_on: bool) -> LocalMap:
         constants = self.constants
-        return LocalMap(
-            self.number, self.kinds, constants.local, draws, constants.anchors if handing_on else None, constants.unknown
-        )
+        return LocalMap(self.kinds, constants.local, draws, constants.anchors if handing_on else None, constants.unknown)
 
-    def _seen(self, local: LocalMap, keyframes: Keyframes) -> LocalMap:
-        for observations in keyframes:
-            local.observe(observations)
+    def _seen(self, local: LocalMap, keyframes: Looks) -> LocalMap:
+        for seen in keyframes:
+            local.observe(seen)
         return local
 
     def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = ()) -> list[Anchor]:

@@ -15,7 +15,7 @@ def major_plane(thing: MapObject, bin_m: float) -> float | None:
     """
     if not thing.low_mobility:
         return None
-    bins, counts = np.unique(np.floor(thing.points[:, UP] / bin_m).astype(np.int64), return_counts=True)
+    bins, counts = np.unique(np.floor(thing.columns[UP] / bin_m).astype(np.int64), return_counts=True)
     return float((bins[counts.argmax()] + 0.5) * bin_m)
 
 

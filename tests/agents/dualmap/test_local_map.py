@@ -10,7 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.cloud import Cloud, box_iou, thinned
+from ovman.agents.dualmap.cloud import Cloud, box_iou
+from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import LocalMap, matches
 from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
 from ovman.agents.dualmap.observation import Observation
@@ -20,16 +21,20 @@ LOCAL = CONSTANTS.local
 
 
 def mapped(frames: Sequence[Sequence[Observation]], run: int = 0, flush: bool = True) -> LocalMap:
-    local = LocalMap(run, FEATURES, LOCAL, np.random.default_rng(run))
+    local = LocalMap(FEATURES, LOCAL, np.random.default_rng(run))
     for observations in frames:
-        local.observe(observations)
+        local.observe([Seen.of(one, run) for one in observations])
     if flush:
         local.flush()
     return local
 
 
-def seen(points: np.ndarray, look: np.ndarray, frame: int = 0, class_id: int = 0) -> Seen:
-    return Seen(frame, class_id, 0.8, look, Cloud(points), True)
+def seen(points: np.ndarray, look: np.ndarray, class_id: int = 0) -> Seen:
+    return Seen(class_id, 0.8, look, Cloud.of(points), True)
+
+
+def thing_of(*observations: Seen, uid: int = 0) -> MapObject:
+    return MapObject.of(uid, observations, range(len(observations)), LOCAL)
 
 
 def sheet(points: int, rng: np.random.Generator) -> np.ndarray:
@@ -76,7 +81,7 @@ def test_a_copy_grows_by_itself():
     before = [thing.points.tobytes() for thing in local.objects]
     copy = local.copy(np.random.default_rng(5))
     for observations in walk([TEN[0].moved(1.0, 1.8), *TEN[1:]], DENSE, seed=1):
-        copy.observe(observations)
+        copy.observe([Seen.of(one, 0) for one in observations])
     assert len(copy.objects) == 11 and copy.frame == local.frame + len(DENSE)
     assert [thing.points.tobytes() for thing in local.objects] == before
 
@@ -97,12 +102,12 @@ def test_the_order_of_a_keyframes_observations_does_not_change_which_objects_the
 def test_one_look_and_more_than_a_fifth_of_its_points_make_an_observation_an_objects(shared: float, same: bool):
     rng = np.random.default_rng(0)
     points = sheet(1000, rng)
-    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    thing = thing_of(seen(points, feature(0)))
     count = round(shared * len(points))
     apart = points.copy()
     apart[count:] += [0.025, 0.025, 0.025]
     match = matches([seen(apart, feature(0))], [thing], LOCAL)
-    assert thing.shared(apart, LOCAL.near_m) == pytest.approx(shared)
+    assert thing.shared(Cloud.of(apart), LOCAL.near_m) == pytest.approx(shared)
     assert match == ([0] if same else [None])
 
 
@@ -110,7 +115,7 @@ def test_one_look_and_more_than_a_fifth_of_its_points_make_an_observation_an_obj
 def test_all_points_and_more_than_a_fifth_of_its_look_do_too(cosine: float, same: bool):
     points = sheet(500, np.random.default_rng(0))
     look = cosine * feature(0) + np.sqrt(1 - cosine**2) * feature(1)
-    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    thing = thing_of(seen(points, feature(0)))
     assert matches([seen(points, look)], [thing], LOCAL) == ([0] if same else [None])
 
 
@@ -118,9 +123,9 @@ def test_the_most_similar_object_is_matched_and_one_elsewhere_never_is():
     points = sheet(500, np.random.default_rng(0))
     less = 0.7 * feature(0) + np.sqrt(1 - 0.49) * feature(1)
     objects = [
-        MapObject.of(0, [seen(points + [5, 0, 0], feature(0))], LOCAL),
-        MapObject.of(1, [seen(points, less)], LOCAL),
-        MapObject.of(2, [seen(points, feature(0))], LOCAL),
+        thing_of(seen(points + [5, 0, 0], feature(0))),
+        thing_of(seen(points, less)),
+        thing_of(seen(points, feature(0))),
     ]
     assert matches([seen(points, feature(0)), seen(points, less)], objects, LOCAL) == [2, 1]
     assert matches([seen(points + [5, 0, 0], feature(1))], objects, LOCAL) == [None]
@@ -139,7 +144,7 @@ def test_looking_at_the_likeliest_first_finds_what_comparing_with_all_does(seed:
         vector = feature(0) + rng.normal(0, 0.2, FEATURES)
         return vector / np.linalg.norm(vector)
 
-    objects = [MapObject.of(k, [seen(cloud(), look()) for _ in range(int(rng.integers(1, 5)))], LOCAL) for k in range(6)]
+    objects = [thing_of(*(seen(cloud(), look()) for _ in range(int(rng.integers(1, 5))))) for _ in range(6)]
     fresh = [seen(cloud(), look()) for _ in range(4)]
     for one, found in zip(fresh, matches(fresh, objects, LOCAL), strict=True):
         overlap = box_iou(one.cloud.box[None], np.stack([thing.box for thing in objects]))[0] >= LOCAL.least_iou
@@ -167,27 +172,36 @@ def test_boxes_that_touch_share_nothing_and_equal_ones_everything():
 @given(st.integers(0, 2**32 - 1), st.integers(1, 300))
 def test_a_thinned_cloud_has_a_point_a_voxel_stays_in_its_box_and_is_near_all_it_was(seed: int, count: int):
     points = np.random.default_rng(seed).uniform(-1, 1, (count, 3)) * [0.1, 0.2, 0.3]
-    thin = thinned(points, 0.05)
+    thin = thinned(np.ascontiguousarray(points.T), 0.05).T
     cells = np.floor((points - points.min(axis=0)) / 0.05 + 0.5)
     assert len(thin) == len(np.unique(cells, axis=0))
     assert (thin >= points.min(axis=0) - 1e-9).all() and (thin <= points.max(axis=0) + 1e-9).all()
-    assert Cloud(thin).near(points, 0.05 * np.sqrt(3)).all()
-    assert thinned(points[:1], 0.05) == pytest.approx(points[:1])
+    assert Cloud.of(thin).near(points.T, 0.05 * np.sqrt(3)).all()
+    assert pytest.approx(points[:1]) == thinned(np.ascontiguousarray(points[:1].T), 0.05).T
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.005, 0.3))
+def test_what_is_near_a_cloud_is_what_is_near_one_of_its_points(seed: int, count: int, radius_m: float):
+    rng = np.random.default_rng(seed)
+    points, asked = rng.uniform(-1, 1, (count, 3)), rng.uniform(-1.2, 1.2, (50, 3))
+    gaps = np.linalg.norm(asked[:, None] - points[None], axis=2)
+    assert np.array_equal(Cloud.of(points).near(asked.T, radius_m), (gaps <= radius_m).any(axis=1))
 
 
 def test_a_cloud_is_appended_and_thinned_at_every_third_observation():
     points = sheet(200, np.random.default_rng(0))
-    thing = MapObject.of(0, [seen(points, feature(0))], LOCAL)
+    thing = thing_of(seen(points, feature(0)))
     sizes = [len(thing.points)]
-    for _ in range(5):
-        thing.add(seen(points, feature(0)), LOCAL)
+    for frame in range(1, 6):
+        thing.add(seen(points, feature(0)), frame, LOCAL)
         sizes.append(len(thing.points))
     assert sizes == [200, 400, 200, 400, 600, 200]
 
 
 def test_the_feature_is_the_mean_and_the_class_the_commonest():
     points = sheet(100, np.random.default_rng(0))
-    thing = MapObject.of(0, [seen(points, feature(k), class_id=k) for k in (4, 2, 2, 4, 2)], LOCAL)
+    thing = thing_of(*(seen(points, feature(k), k) for k in (4, 2, 2, 4, 2)))
     assert thing.class_id == 2
     assert thing.feature == pytest.approx((2 * feature(4) + 3 * feature(2)) / np.sqrt(13))
 
@@ -197,11 +211,11 @@ def test_two_classes_in_more_than_six_common_keyframes_are_two_objects():
     rng, eye = np.random.default_rng(0), np.array([3.0, 1.0, 3.0])
     like = 0.8 * feature(0) + 0.6 * feature(1)
 
-    def both(frame: int) -> list[Observation]:
-        one = observation(box, eye, frame, rng, points=600)
-        return [replace(one, class_id=k, feature=like.astype(np.float32)) for k in (0, 1)]
+    def both(frame: int) -> list[Seen]:
+        one = Seen.of(observation(box, eye, frame, rng, points=600), 0)
+        return [replace(one, class_id=k, feature=like) for k in (0, 1)]
 
-    local = LocalMap(0, FEATURES, LOCAL, np.random.default_rng(0))
+    local = LocalMap(FEATURES, LOCAL, np.random.default_rng(0))
     local.observe([both(0)[0]])
     counts = []
     for frame in range(1, 8):
@@ -213,20 +227,22 @@ def test_two_classes_in_more_than_six_common_keyframes_are_two_objects():
 
 def test_keyframes_before_the_last_ten_do_not_count():
     points = sheet(50, np.random.default_rng(0))
-    observations = [seen(points, feature(0), frame, k) for frame in range(20) for k in ((0, 1) if frame < 12 else (0,))]
-    assert together(observations, since=0) == (0, 1, 12)
-    assert together(observations, since=10) == (0, 1, 2)
-    assert together(observations, since=12) is None
+    rows = [(frame, k) for frame in range(20) for k in ((0, 1) if frame < 12 else (0,))]
+    thing = MapObject.of(0, [seen(points, feature(0), k) for _, k in rows], [frame for frame, _ in rows], LOCAL)
+    assert together(thing, since=0) == (0, 1, 12)
+    assert together(thing, since=10) == (0, 1, 2)
+    assert together(thing, since=12) is None
 
 
 def test_what_was_seen_as_a_third_class_stays_with_the_commoner():
     points = sheet(50, np.random.default_rng(0))
-    whole = MapObject.of(7, [seen(points, feature(k), frame, k) for frame, k in enumerate((0, 1, 1, 2, 1, 0))], LOCAL)
+    whole = thing_of(*(seen(points, feature(k), k) for k in (0, 1, 1, 2, 1, 0)), uid=7)
     one, other = parted(whole, 0, 1, 8, LOCAL)
     assert (one.uid, one.class_id, len(one.seen)) == (7, 1, 4)
+    assert (one.frames, other.frames) == ([1, 2, 3, 4], [0, 5])
     assert (other.uid, other.class_id, len(other.seen)) == (8, 0, 2)
 
 
 def test_a_cloud_of_nothing_is_refused():
     with pytest.raises(ValueError, match="N at least 1"):
-        Cloud(np.zeros((0, 3)))
+        Cloud.of(np.zeros((0, 3)))

@@ -1,0 +1,67 @@
+"""Stage `dualmap`: every run's maps of a scene, one of each visit and one maintained through both visits of an episode. Pure."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ovman import seeds
+from ovman.agents.dualmap.constants import MapConstants
+from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
+from ovman.agents.dualmap.observation_records import Walk, read_walks
+from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.task.record import read_records
+
+
+class EmptyMapError(RuntimeError):
+    """A map without a single object; one line that names the scene, the visit and the remedy."""
+
+
+def pairs_of(scene: str, episodes: Path, trials: Path) -> list[Pair]:
+    """The names of both visits of the scene's released episodes, each pair once."""
+    released = {episode["id"] for episode in read_records(episodes) if episode["scene"] == scene}
+    visits = [t["measured"]["visits"] for t in read_records(trials) if t["candidate"]["id"] in released]
+    return list(dict.fromkeys((visit["first"], visit["second"]) for visit in visits))
+
+
+def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], constants: Any) -> RunMaps:
+    """The maps of a scene that the run of that number makes. constants own benchmark.seed and what it needs of `dualmap`."""
+
+    def draws(*visits: str) -> Any:
+        return seeds.generator(constants.benchmark.seed, "dualmap", scene, *visits, number)
+
+    kinds, unknown = next(((walk.kinds, walk.unknown) for walk in walks.values()), (0, None))
+    run = Run(number, kinds, MapConstants.of(constants.dualmap, unknown), draws)
+    keyframes = {name: walk.frames for name, walk in walks.items()}
+    return run.read(Maintained(constants.dualmap.maintained), keyframes, pairs)
+
+
+def check(scene: str, run: int, made: RunMaps) -> None:
+    """EmptyMapError for a map of no object, which would answer nothing and look like a poor system."""
+    named: dict[str, Mapped] = {**made.visits, **{" and ".join(pair): mapped for pair, mapped in made.maintained.items()}}
+    for name, mapped in named.items():
+        if not mapped.entries:
+            raise EmptyMapError(
+                f"{scene}: run {run}: the map of {name} has no object after {mapped.frames} keyframes; no object was seen in "
+                "enough of them: make the walks denser (dualmap.walk in config.yaml)"
+            )
+
+
+def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Any, output: Path) -> None:
+    """Write the maps of a scene, and print how many objects they hold and what they took."""
+    walks, pairs = read_walks(walks_file), pairs_of(scene, episodes, trials)
+    runs = []
+    for number in range(constants.dualmap.runs):
+        began = time.process_time()
+        made = run_of(number, scene, walks, pairs, constants)
+        check(scene, number, made)
+        runs.append(made)
+        counts = [len(mapped.entries) for mapped in (*made.visits.values(), *made.maintained.values())]
+        print(
+            f"{scene}: run {number}: {len(counts)} maps of {min(counts)} to {max(counts)} objects "
+            f"in {time.process_time() - began:.1f} s of the processor",
+            flush=True,
+        )
+    write(output, runs)
