@@ -94,6 +94,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "dualmap.observation.*",
     ),
     "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
+    "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m"),
     "executions": (*_RUNNING, "admissibility.minimum_mask_px"),
