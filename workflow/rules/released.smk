@@ -3,13 +3,14 @@
 
 from pathlib import Path
 
-from ovman.agents.released.status import look_again
+from ovman.agents.released.status import forget_failures
+
+# Snakemake sees no weights and no GPU: what was missing may be there now.
+if workflow.is_main_process:
+    forget_failures(Path("results", "released"))
 
 # Systems of which the settings name a clone.
 RELEASED = list(dict.fromkeys(arm.released for arm in ARMS if arm.released is not None))
-
-if workflow.is_main_process:
-    look_again(Path("results", "released", f"{system}.json") for system in RELEASED)
 
 
 # The released agent carries state from one episode to the next, so one job has all episodes in their order, and all seeds.
@@ -37,6 +38,8 @@ ruleorder: released_cow > executions
 
 
 rule released_dualmap_setup:
+    input:
+        episodes="results/episodes/main.jsonl",
     output:
         status="results/released/dualmap.json",
     log:

@@ -34,7 +34,6 @@ NEEDS = interpreter.Needs(
         "open_clip": "open_clip_torch",
         "ultralytics": "ultralytics==8.3.103",
         "clip": "git+https://github.com/ultralytics/CLIP.git",
-        "mobileclip": "--no-deps --editable 3rdparty/mobileclip",
         "supervision": "supervision==0.25.1",
         "faiss": "faiss-cpu==1.9.0",
         "rerun": "rerun-sdk==0.22.1",
@@ -72,8 +71,15 @@ def lacks(dualmap: Any) -> str | None:
     return (
         Clone(REPOSITORY, root, dualmap.commit).lacks()
         or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS, environment())
+        or interpreter.lacks(KEY, dualmap.python, "cpu", submodule(root), environment())
         or missing_weights(root, dualmap.python)
     )
+
+
+def submodule(root: Path) -> interpreter.Needs:
+    """MobileCLIP's code, from the clone's submodule: without what it depends on, which would replace the environment's torch."""
+    place = shlex.quote(str(root / "3rdparty" / "mobileclip"))
+    return interpreter.Needs({"mobileclip": f"--no-deps --editable {place}"}, {}, {}, OLDEST)
 
 
 def environment() -> dict[str, str]:

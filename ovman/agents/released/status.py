@@ -1,9 +1,12 @@
-"""Whether a released system was run, as a record: tables say why a row is not there."""
+"""Whether a released system was run, as a record: tables say why a row is not there.
+
+Imports nothing heavy: the Snakefile imports it.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -34,14 +37,17 @@ def read(path: Path) -> Status:
     return Status(record["system"], record["says"])
 
 
-def look_again(paths: Iterable[Path]) -> None:
-    """Removes the records of systems that were not run: what was missing may be there by now."""
-    for path in paths:
-        if path.is_file() and not read(path).run:
-            path.unlink()
-
-
 def note(path: Path) -> str | None:
     """A sentence about a system that was not run, None for one that was. What is missing there is its user's affair."""
     status = read(path)
     return None if status.run else f"{status.system} was not run: results/released/{path.name} says what is missing."
+
+
+def forget_failures(directory: Path) -> None:
+    """Age the records of systems that were not run, so that what was missing is looked for again.
+
+    Snakemake makes again what is older than its input, but not a file that is gone while what follows from it is there.
+    """
+    for path in sorted(directory.glob("*.json")):
+        if not read(path).run:
+            os.utime(path, (0, 0))
