@@ -1,0 +1,101 @@
+"""Observations of walks in files: what is read is what was written, to the millimetre, and equal content has equal bytes."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, read_walks, unpacked, write_walks
+from ovman.agents.dualmap.shot import Seen, Shot, without_ceiling
+from ovman.perception.records import RecordError
+
+NAMES = ("chair", "sofa", "cup")
+
+
+def shot(rng, objects: int, runs: int = 3) -> Shot:
+    def seen() -> Seen:
+        feature = rng.standard_normal(8).astype(np.float32)
+        clouds = tuple(rng.uniform(-9, 9, (rng.integers(1, 60), 3)).astype(np.float32) for _ in range(runs))
+        return Seen(int(rng.integers(len(NAMES))), float(np.float32(rng.random())), feature / np.linalg.norm(feature), clouds)
+
+    return Shot(tuple(seen() for _ in range(objects)), float(rng.random()))
+
+
+@pytest.fixture
+def shots():
+    rng = np.random.default_rng(4)
+    return [shot(rng, objects) for objects in (3, 0, 1)]
+
+
+def assert_same(read: Seen, written: Seen) -> None:
+    assert read.class_id == written.class_id and read.confidence == pytest.approx(written.confidence)
+    assert np.linalg.norm(read.feature) == pytest.approx(1.0, abs=1e-6)
+    assert np.abs(read.feature - written.feature).max() < 1e-3
+    for a, b in zip(read.clouds, written.clouds, strict=True):
+        assert a.dtype == np.float32 and len(a) == len(b)
+        assert np.abs(np.sort(a, axis=0) - np.sort(b, axis=0)).max() <= 5.1e-4
+        gaps = np.linalg.norm(a[:, None] - b[None], axis=2)
+        assert gaps.min(axis=1).max() < 1e-3 and gaps.min(axis=0).max() < 1e-3
+
+
+def test_shots_come_back_to_the_millimetre_and_stay_as_they_are_then(shots):
+    read = unpacked(packed(shots))
+    for one, other in zip(read, shots, strict=True):
+        assert one.top_m == other.top_m
+        for a, b in zip(one.seen, other.seen, strict=True):
+            assert_same(a, b)
+    once, twice = packed(read), packed(unpacked(packed(read)))
+    assert all(np.array_equal(once[name], twice[name]) for name in once)
+    assert unpacked(packed([])) == []
+
+
+def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_path):
+    walks = {
+        "untouched": Taken(np.array([0, 1, 2, 0]), np.array([0, NO_VIEW, 1, NO_VIEW])),
+        "changed": Taken(np.array([2]), np.array([0])),
+        "empty": Taken(np.zeros(0, int), np.zeros(0, int)),
+    }
+    for name in ("a.npz", "b.npz"):
+        write_walks(tmp_path / name, walks, shots, NAMES, np.array([True, True, False]))
+    assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+    read = read_walks(tmp_path / "a.npz")
+    assert list(read) == list(walks)
+    walk = read["untouched"]
+    assert (walk.kinds, walk.names, walk.unknown, walk.views) == (3, NAMES, None, (0, None, 1, None))
+    assert [len(frame) for frame in walk.frames] == [3, 0, 1, 3]
+    assert read["changed"].views == (0,) and read["empty"].frames == ()
+    for number, frame in enumerate(walk.frames):
+        for one, written in zip(frame, shots[walks["untouched"].shots[number]].seen, strict=True):
+            assert one.frame == number and one.low_mobility == (one.class_id < 2)
+            assert_same(one, written)
+            points = np.concatenate(one.clouds)
+            assert np.array_equal(one.box, np.concatenate([points.min(axis=0), points.max(axis=0)]))
+    assert walk.frames[0][0].clouds[0] is walk.frames[3][0].clouds[0]
+
+
+def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
+    (tmp_path / "x.npz").write_bytes(b"nothing")
+    with pytest.raises(RecordError, match=r"x\.npz"):
+        read_walks(tmp_path / "x.npz")
+
+
+def test_what_lies_too_far_away_is_refused():
+    far = Seen(0, 0.5, np.ones(1, np.float32), (np.array([[40.0, 0, 0]], np.float32),))
+    with pytest.raises(ValueError, match="no home"):
+        packed([Shot((far,), 2.0)])
+
+
+def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
+    def at(low: float, high: float) -> Seen:
+        return Seen(0, 0.5, np.ones(1, np.float32), (np.array([[0, low, 0], [0, high, 0]], np.float32),))
+
+    tall, lamp, cornice = at(0.0, 2.6), at(2.0, 2.2), at(2.4, 2.6)
+    assert without_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)
+
+
+def test_reading_imports_no_network_library():
+    code = "import sys, ovman.agents.dualmap.observation_records as r; assert not {'torch', 'cv2', 'ai2thor'} & {*sys.modules}"
+    subprocess.run([sys.executable, "-c", code], check=True)
