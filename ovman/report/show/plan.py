@@ -176,15 +176,15 @@ def _association(parent: Element, frame: Frame, reasoning: Reasoning, labels: La
 
 def _boxes(parent: Element, frame: Frame, static: Sequence[StaticRow]) -> None:
     group = svg.group(parent, "boxes")
-    letters: dict[UniformBox, str] = {}
+    letters: dict[UniformBox, list[str]] = {}
     for row in static:
         if isinstance(row.outcome, UniformBox):
-            letters[row.outcome] = letters.get(row.outcome, "") + row.letter
+            letters.setdefault(row.outcome, []).append(row.letter)
     for box, names in letters.items():
         u, v = frame.at(box.x_min, box.z_max)
         size = (box.x_max - box.x_min) * frame.scale, (box.z_max - box.z_min) * frame.scale
         svg.rectangle(group, (u, v), *size, "box", f"{', '.join(names)}: anywhere in this box")
-        svg.text(group, (u + 5.0, v + 14.0), "".join(names), "box-label")
+        svg.text(group, (u + 5.0, v + 14.0), " ".join(names), "box-label")
 
 
 def _predictions(parent: Element, frame: Frame, static: Sequence[StaticRow], labels: Labels) -> None:

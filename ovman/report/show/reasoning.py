@@ -75,7 +75,8 @@ class Reasoning:
 def reasonings(results: Results, episode: Mapping[str, Any], settings: Any) -> list[Reasoning]:
     """The two-visit arms' evidence, own maps first, as far as the results have it."""
     found = []
-    predictions = results.predictions(episode["id"])
+    # These arms answer once.
+    predictions = {arm: next(iter(runs.values())) for arm, runs in results.predictions(episode["id"]).items()}
     maps = [results.map(episode, which) for which in VISITS]
     if all(clusters is not None for clusters in maps):
         noun = results.nouns.get(episode["noun"])

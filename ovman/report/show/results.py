@@ -95,13 +95,13 @@ class Results:
 
         return read_nouns(path)
 
-    def predictions(self, episode: str) -> Mapping[str, Prediction]:
-        """What the static arms answered to an episode, by arm."""
+    def predictions(self, episode: str) -> Mapping[str, Mapping[int, Prediction]]:
+        """What the static arms answered to an episode, by arm and run; most arms have one run, 0."""
         return {arm: answered[episode] for arm, answered in self._predictions.items() if episode in answered}
 
-    def static_verdict(self, arm: str, episode: str) -> Mapping[str, str] | None:
+    def static_verdict(self, arm: str, run: int, episode: str) -> Mapping[str, str] | None:
         """The row of `static_outcomes.csv`."""
-        return self._verdicts(STATIC_OUTCOMES).get((arm, "0", episode))
+        return self._verdicts(STATIC_OUTCOMES).get((arm, str(run), episode))
 
     def embodied_verdicts(self, arm: str, episode: str) -> Mapping[int, Mapping[str, str]]:
         """The rows of `embodied_outcomes.csv` by seed."""
@@ -147,9 +147,15 @@ class Results:
         return read_detections(path)
 
     @cached_property
-    def _predictions(self) -> Mapping[str, Mapping[str, Prediction]]:
-        files = {arm.name: self.directory / "predictions" / f"{arm.name}.jsonl" for arm in of_kind(self.arms, Kind.STATIC)}
-        return {arm: {p.episode: p for p in prediction.read(path)} for arm, path in files.items() if path.is_file()}
+    def _predictions(self) -> Mapping[str, Mapping[str, Mapping[int, Prediction]]]:
+        found: dict[str, dict[str, dict[int, Prediction]]] = {}
+        for arm in of_kind(self.arms, Kind.STATIC):
+            path = self.directory / "predictions" / f"{arm.name}.jsonl"
+            if path.is_file():
+                answered = found.setdefault(arm.name, {})
+                for one in sorted(prediction.read(path), key=lambda one: one.seed):
+                    answered.setdefault(one.episode, {})[one.seed] = one
+        return found
 
     @cache  # noqa: B019
     def _verdicts(self, name: str) -> Mapping[tuple[str, str, str], Mapping[str, str]]:

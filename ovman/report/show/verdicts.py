@@ -30,8 +30,9 @@ REASONS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class StaticRow:
-    """An arm that predicts a point. letter: its name on the maps; answer: in words; verdict: one of the words above; words: the
-    verdict in more words; beside: the true instance that the predicted point is nearest to, and how far from it.
+    """A run of an arm that predicts a point. letter: its name on the maps; answer: in words; verdict: one of the words above;
+    words: the verdict in more words; beside: the true instance that the predicted point is nearest to, and how far from it; run:
+    which one of an arm that has several, else None.
     """
 
     letter: str
@@ -42,6 +43,7 @@ class StaticRow:
     words: str
     distance_m: float | None
     beside: str
+    run: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,18 +65,19 @@ class EmbodiedRow:
 
 
 def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]:
-    """The static arms in the order of the tables."""
+    """The static arms in the order of the tables, those with several runs once a run."""
     predictions = results.predictions(episode["id"])
     rows = []
     for letter, arm in zip(LETTERS, of_kind(results.arms, Kind.STATIC), strict=False):
-        prediction = predictions.get(arm.name)
-        if prediction is None:
+        runs = predictions.get(arm.name, {})
+        if not runs:
             rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
-            continue
-        verdict, words, distance = _static(results.static_verdict(arm.name, episode["id"]))
-        outcome = prediction.outcome
-        beside = _beside(outcome, episode)
-        rows.append(StaticRow(letter, arm, outcome, answer_words(outcome), verdict, words, distance, beside))
+        for run, prediction in runs.items():
+            verdict, words, distance = _static(results.static_verdict(arm.name, run, episode["id"]))
+            outcome = prediction.outcome
+            name, number = (f"{letter}{run}", run) if len(runs) > 1 else (letter, None)
+            beside = _beside(outcome, episode)
+            rows.append(StaticRow(name, arm, outcome, answer_words(outcome), verdict, words, distance, beside, number))
     return rows
 
 
@@ -127,7 +130,8 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> S
     success = row["success"] == "1"
     ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
     away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m away · "
-    words = f"{ended}{away}{float(row['path_length_m']):.2f} m, {row['actions']} actions · SPL {float(row['spl']):.2f}"
+    own = {"1": " · any instance: found", "0": " · any instance: missed"}.get(row.get("own_success", ""), "")
+    words = f"{ended}{away}{float(row['path_length_m']):.2f} m, {row['actions']} actions · SPL {float(row['spl']):.2f}{own}"
     return Stop(seed, at, yaw, FOUND if success else MISSED, words)
 
 
