@@ -14,6 +14,7 @@ from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting,
 from ovman.journal import digest
 from ovman.sim import measurement
 from ovman.sim.change import Alteration, World, position
+from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import Ground
 from ovman.sim.mover import Gait
 from ovman.sim.recorded import MEASURED
@@ -26,7 +27,8 @@ class Assignment:
     """What the evaluator knows of an episode when it runs an agent: the truth, which the agent does not see.
 
     answer: floor-plane point in metres, for MOVING where the mover is when the run begins; mover: its "along_m" and "direction"
-    at that moment, None where nothing moves.
+    at that moment, None where nothing moves; navigable: nu(a), the cell nearest to the answer that the benchmark's own body can
+    reach.
     """
 
     relation: Relation
@@ -35,6 +37,7 @@ class Assignment:
     second: tuple[Alteration, ...]
     spawn: AgentPose
     answer: tuple[float, float]
+    navigable: tuple[float, float]
     mover: Mapping[str, Any] | None
 
     @staticmethod
@@ -48,6 +51,7 @@ class Assignment:
             tuple(Alteration.from_json(a) for a in candidate["second"]),
             AgentPose(**candidate["spawn"]),
             (measured["answer"]["x"], measured["answer"]["z"]),
+            (measured["nearest_navigable"]["x"], measured["nearest_navigable"]["z"]),
             measured["mover"],
         )
 
@@ -69,6 +73,8 @@ def execute(
     constants: Any,
     budget: int | None = None,
     marks: Sequence[int] = (),
+    any_instance: bool = False,
+    noise: int | None = None,
 ) -> dict[str, Any]:
     """One run, as the measured part of an "ovman-run/1" record: outcome, stop, distances, visible pixels, path length, actions.
 
@@ -76,17 +82,23 @@ def execute(
     reachable positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None
     for an agent that is not handed any. `rng` drives the mover. budget: of actions, primitives.action_budget where it is None;
     marks: numbers of actions at which the path length is written down ("path_at_m"), for those that cut the run there.
+    any_instance: whether every instance of the category is measured at the stop ("instances"), for an agent whose own task is to
+    reach one. noise: seed of what a noisy body does beside what it is told.
+    A body of its own is not told where the benchmark's can go, and is not ended for standing still: CoW knows no such rule.
     An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
     simulator. SimulatorError if it refuses.
     """
     world = World(session, assignment.second, Gait.of(constants), rng)
     if assignment.mover is not None:
         world.send_mover_to(assignment.mover["along_m"], assignment.mover["direction"])
+    if noise is not None:
+        session.step("SetRandomSeed", seed=noise)
     session.teleport(assignment.spawn)
-    ground = Ground.around(session, assignment.spawn, constants.primitives.step_m)
+    own_body = session.embodiment.mode != Embodiment.of(constants).mode
+    ground = None if own_body else Ground.around(session, assignment.spawn, constants.primitives.step_m)
     if first is not None:
         agent.familiarise(first)
-    agent.revisit(second(cells(ground)))
+    agent.revisit(second(np.empty((0, 2)) if ground is None else cells(ground)))
     agent.ask(Query(assignment.category, assignment.relation))
 
     looks = name_of is None and getattr(agent, "looks", True)
@@ -98,7 +110,7 @@ def execute(
     outcome = "budget"
     while actions < (constants.primitives.action_budget if budget is None else budget):
         reachable = None
-        if world.mover is not None:
+        if world.mover is not None and not own_body:
             mover_in, before_in = _cell(world.mover.position, constants.primitives.step_m), mover_in
             if mover_in != before_in:
                 reachable = cells(Ground.around(session, session.pose, constants.primitives.step_m))
@@ -115,17 +127,26 @@ def execute(
             path_at_m[str(actions)] = round(travelled, 4)
         since_moved = 0 if moved > 0 else since_moved + 1
         world.after_action()
-        if since_moved >= constants.primitives.stall_after:
+        if since_moved >= constants.primitives.stall_after and not own_body:
             outcome = "stalled"
             break
     measured: dict[str, Any] = {"outcome": outcome, **dict.fromkeys(MEASURED)}
     if outcome == "stopped":
-        answer = assignment.answer
+        answer, navigable = assignment.answer, assignment.navigable
         if world.mover is not None:
             answer = world.mover.position
             ground = Ground.around(session, session.pose, constants.primitives.step_m)
+        if ground is not None:
+            navigable = ground.navigable(*answer)
+        there = [k for k, o in session.objects.items() if o["objectType"] == assignment.category and k not in gone]
         measured |= measurement.at_stop(
-            session, assignment.relation.past, assignment.target, answer, ground, tuple(constants.success.sweep_deg)
+            session,
+            assignment.relation.past,
+            assignment.target,
+            answer,
+            navigable,
+            tuple(constants.success.sweep_deg),
+            there if any_instance else (),
         )
     measured |= {"path_length_m": round(travelled, 4), "actions": actions}
     return measured | {"path_at_m": path_at_m} if marks else measured
@@ -151,7 +172,7 @@ def _observation(
 ) -> Observation:
     pose = session.pose
     camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
-    field_of_view_deg = constants.camera.field_of_view_deg
+    field_of_view_deg = session.embodiment.field_of_view_deg
     if looks:
         session.step("Pass", image=True)
         return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)

@@ -22,6 +22,7 @@ from ovman.agents.senses import Senses, of_scene
 from ovman.journal import Journal, digest
 from ovman.language import noun
 from ovman.navigation import Primitives
+from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
 from ovman.task.record import read_records
@@ -87,6 +88,8 @@ def execution(session: Session, arm: Arm, seed: int, trial: Mapping[str, Any], c
         constants,
         arm.budget,
         arm.marks,
+        arm.any_instance,
+        seeds.integer(constants.benchmark.seed, "actuation", arm.name, name, seed) if session.embodiment.noisy else None,
     )
     return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run
 
@@ -133,7 +136,7 @@ def run(
     names = [e["id"] for e in read_records(episodes_file) if e["scene"] == scene]
     senses = Senses(arm, constants, visits / scene, of_scene(scene, files))
     kept = Journal(journal)
-    with Session(scene, constants) as session:
+    with Session(scene, constants, Embodiment.named(arm.embodiment, constants)) as session:
         for seed, output in outputs.items():
             lines = []
             for name in names:

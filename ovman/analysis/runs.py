@@ -8,19 +8,27 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents.arms import Arm
+from ovman.analysis.outcomes import OWN_SUCCESS
 from ovman.constants import task_constants
-from ovman.sim.recorded import MEASURED, judged
+from ovman.sim.recorded import MEASURED, any_instance, judged
 from ovman.task import Relation, SuccessConstants, spl
 from ovman.task.record import read_records
 
 FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
 
 
-def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: SuccessConstants) -> dict[str, Any]:
-    """An "ovman-run/1" record: the execution with its success and SPL."""
+def judge(
+    execution: Mapping[str, Any], episode: Mapping[str, Any], constants: SuccessConstants, own_task: bool = False
+) -> dict[str, Any]:
+    """An "ovman-run/1" record: the execution with its success and SPL.
+
+    own_task: whether the agent has a task of its own, to reach any instance of the category; the verdict on that is added.
+    """
     success = judged(execution, Relation(episode["relation"]), constants)
     score = spl(success, episode["shortest_path_m"], execution["path_length_m"])
-    return {field: execution[field] for field in FIELDS} | {"success": success, "spl": round(score, 6)}
+    judged_on = {"success": success, "spl": round(score, 6)}
+    own = {OWN_SUCCESS: any_instance(execution, constants)} if own_task else {}
+    return {field: execution[field] for field in FIELDS} | judged_on | own
 
 
 def cut(execution: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
@@ -48,6 +56,7 @@ def run(
     episodes = {e["id"]: e for e in read_records(episodes_file)}
     for source, output in zip(executions_files, outputs, strict=True):
         executions = [x if arm is None else cut(x, arm) for x in read_records(source)]
-        records = [judge(x, episodes[x["episode"]], task) for x in executions]
+        own_task = arm is not None and arm.any_instance
+        records = [judge(x, episodes[x["episode"]], task, own_task) for x in executions]
         Path(output).parent.mkdir(parents=True, exist_ok=True)
         Path(output).write_text("".join(json.dumps(r, separators=(",", ":")) + "\n" for r in records))

@@ -40,6 +40,7 @@ class Detector:
     def __init__(self, network: Any, side_px: int, confidence: float, device: str = "cpu") -> None:
         network = network.to(device).float().eval()
         network.pt_path = None
+        self._of, self._at = (network, confidence, device), {side_px: self}
         options = {
             "imgsz": side_px,
             "conf": confidence,
@@ -58,6 +59,13 @@ class Detector:
     def network(self) -> Any:
         """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs: batch normalisation folded in."""
         return self._predict.model
+
+    def at(self, side_px: int) -> Detector:
+        """The same network for pictures that are scaled to another side, a multiple of 32."""
+        network, confidence, device = self._of
+        if side_px not in self._at:
+            self._at[side_px] = Detector(network, side_px, confidence, device)
+        return self._at[side_px]
 
     def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
         """The instances of pictures (H, W, 3) uint8 RGB."""

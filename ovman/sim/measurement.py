@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -42,19 +42,34 @@ def at_stop(
     relation_is_past: bool,
     target: str,
     answer: tuple[float, float],
-    ground: Ground,
+    navigable: tuple[float, float],
     pitches_deg: tuple[int, ...],
+    instances: Collection[str] = (),
 ) -> dict[str, Any]:
-    """The terms of Eq. 4 at the agent's pose; the sweep leaves it looking down. Past relations have no object terms (null)."""
+    """The terms of Eq. 4 at the agent's pose; the sweep leaves it looking down. Past relations have no object terms (null).
+
+    navigable: nu(a). instances: others to be measured in the same way, for an agent whose own task is to reach any of them;
+    their terms are under "instances" if there are any.
+    """
     stop = session.pose
-    navigable_x, navigable_z = ground.navigable(*answer)
-    return {
-        "stop": {"x": round(stop.x, 4), "z": round(stop.z, 4), "yaw_deg": round(stop.yaw_deg, 2)},
-        "box_distance_m": None if relation_is_past else round(box_distance_m(stop.x, stop.z, session.objects[target]), 4),
-        "answer_distance_m": round(math.hypot(stop.x - answer[0], stop.z - answer[1]), 4),
-        "navigable_distance_m": round(math.hypot(stop.x - navigable_x, stop.z - navigable_z), 4),
-        "visible_px": None if relation_is_past else {str(p): n for p, n in session.sweep(target, stop, pitches_deg).items()},
+    objects, names = session.objects, sorted({*instances} | (set() if relation_is_past else {target}))
+    seen = session.sweeps(names, stop, pitches_deg) if names else {}
+    terms = {
+        k: {
+            "box_distance_m": round(box_distance_m(stop.x, stop.z, objects[k]), 4),
+            "visible_px": {str(p): n for p, n in seen[k].items()},
+        }
+        for k in names
     }
+    of_target = {"box_distance_m": None, "visible_px": None} if relation_is_past else terms[target]
+    measured = {
+        "stop": {"x": round(stop.x, 4), "z": round(stop.z, 4), "yaw_deg": round(stop.yaw_deg, 2)},
+        "box_distance_m": of_target["box_distance_m"],
+        "answer_distance_m": round(math.dist((stop.x, stop.z), answer), 4),
+        "navigable_distance_m": round(math.dist((stop.x, stop.z), navigable), 4),
+        "visible_px": of_target["visible_px"],
+    }
+    return measured | {"instances": {k: terms[k] for k in sorted(instances)}} if instances else measured
 
 
 def from_navigable(

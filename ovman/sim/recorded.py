@@ -34,6 +34,20 @@ def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_p
     )
 
 
+def any_instance(run: Mapping[str, Any], constants: SuccessConstants) -> bool:
+    """Whether a measured run ends within R of any instance of the category and with it in sight, the relation aside.
+
+    A run that did not stop is a failure.
+    """
+    if run["outcome"] != "stopped":
+        return False
+    return any(
+        found["box_distance_m"] <= constants.radius_m
+        and any(found["visible_px"][str(pitch)] >= constants.visible_px for pitch in constants.sweep_deg)
+        for found in run.get("instances", {}).values()
+    )
+
+
 def judged(run: Mapping[str, Any], relation: Relation, constants: SuccessConstants) -> bool:
     """Success (Eq. 4) of a measured run; a run that did not stop is a failure."""
     if run["outcome"] != "stopped":

@@ -177,10 +177,15 @@ class Session:
 
     def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
         """Mask size of an object at each pitch of the look-down sweep from `pose` (Eq. 4, vis)."""
-        seen = {}
+        return self.sweeps([object_id], pose, pitches_deg)[object_id]
+
+    def sweeps(self, object_ids: Collection[str], pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[str, dict[int, int]]:
+        """The sweep of several objects in the same images."""
+        seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
             self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True)
-            seen[int(pitch)] = self.pixels(object_id)
+            for object_id in object_ids:
+                seen[object_id][int(pitch)] = self.pixels(object_id)
         return seen
 
     def settle(self, limit: int = 50) -> None:

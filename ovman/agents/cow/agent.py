@@ -12,10 +12,11 @@ from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.frontiers import frontier_targets
 from ovman.agents.cow.odometry import Pose, failed
 from ovman.agents.cow.paths import Paths
-from ovman.agents.cow.relevance import Localiser
+from ovman.agents.cow.relevance import Localiser, OpenVocabularyLocaliser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.agents.given import Given
 from ovman.task import Query
 
 
@@ -158,3 +159,20 @@ class Cow:
         states = self.map.states(cells)
         there = np.flatnonzero((states != State.UNKNOWN) & (states != State.OCCUPIED))
         return None if not len(there) else (int(cells[there[0], 0]), int(cells[there[0], 1]))
+
+
+def agent(given: Given) -> Cow:
+    """The arm `cow`: needs the networks, and of the constants cow.*, locobot.* and section perception."""
+    constants = CowConstants.of(given.constants)
+    camera, perception = given.constants.camera, given.constants.perception
+    detector, encoder = given.sight()
+    return Cow(
+        OpenVocabularyLocaliser(
+            detector.at(given.constants.locobot.side_px),
+            encoder,
+            constants,
+            perception.detector.minimum_mask_px / (camera.width_px * camera.height_px),
+            perception.encoder.crop_padding,
+        ),
+        constants,
+    )

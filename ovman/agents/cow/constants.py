@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class CowConstants:
-    """Section `cow` of config.yaml, where every constant has its unit and its reason, with the step and the turn of the benchmark.
+    """Section `cow` of config.yaml, where every constant has its unit and its reason, and the benchmark's step and turn.
 
     Distances in metres unless they are said to be in voxels, angles in degrees.
     """

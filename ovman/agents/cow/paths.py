@@ -17,20 +17,19 @@ NOWHERE = -9999
 class Paths:
     """The shortest ways from one cell to every other, of the lengths that A* finds one after the other.
 
-    Edges join free cells to their eight neighbours. The cell that the agent stands in is free whatever the map says.
+    Edges join free cells to their eight neighbours. `start`, a cell that the map covers, is free whatever the map says: the agent
+    stands in it.
     """
 
     def __init__(self, known: VoxelMap, start: Cell) -> None:
-        rows, columns = np.nonzero(known.state)
-        low = np.array([rows.min(), columns.min()])
+        inside = np.array(start) - known.origin
+        there = np.concatenate([np.argwhere(known.state), inside[None]])
+        low, high = there.min(axis=0), there.max(axis=0) + 1
         self._origin = low + known.origin
-        state = known.state[low[0] : rows.max() + 1, low[1] : columns.max() + 1]
+        state = known.state[low[0] : high[0], low[1] : high[1]]
         free = (state == State.FREE) | (state == State.FRONTIER)
         self._shape = free.shape
-        self._start = self._inside(start)
-        if self._start is None:
-            self._number = np.full(free.shape, -1)
-            return
+        self._start = (int(inside[0] - low[0]), int(inside[1] - low[1]))
         free[self._start] = True
         self._number = np.full(free.shape, -1)
         self._number[free] = np.arange(np.count_nonzero(free))
@@ -51,7 +50,7 @@ class Paths:
         way = [number]
         while (before := int(self._before[way[-1]])) != NOWHERE:
             way.append(before)
-        if self._start is None or way[-1] != self._number[self._start]:
+        if way[-1] != self._number[self._start]:
             return None
         return [(int(i), int(j)) for i, j in self._cells[way[::-1]] + self._origin]
 

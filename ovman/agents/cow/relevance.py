@@ -11,7 +11,8 @@ from ovman.agents.cow.constants import CowConstants
 from ovman.language import noun
 from ovman.perception.crop import crop
 
-PROMPT = "a photo of a {}."
+PROMPT = "a photo of a {}"
+"""CoW's, without the full stop at its end, which the text tower of the default has never seen."""
 
 
 class Localiser(Protocol):
@@ -47,12 +48,12 @@ class Embedder(Protocol):
 
 
 def prompt(category: str) -> str:
-    """What the text tower is given: "a photo of a house plant."."""
+    """What the text tower is given: "a photo of a house plant"."""
     return PROMPT.format(noun(category))
 
 
 class OpenVocabularyLocaliser:
-    """The networks of the reference agent in the place of OWL-ViT: class-agnostic instances whose crops are compared to the prompt.
+    """The reference agent's networks in the place of OWL-ViT: class-agnostic instances, their crops compared to the prompt.
 
     smallest: share of the image that a mask covers at least; crop_padding: of the longer side of a mask's box.
     """
@@ -81,7 +82,10 @@ class OpenVocabularyLocaliser:
         return found
 
     def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The instances of an image (H, W, 3): boxes (N, 4) top, left, bottom, right in pixels, and similarities (N,) to the prompt."""
+        """The instances of an image (H, W, 3), and how similar they are to the prompt.
+
+        Boxes (N, 4): top, left, bottom, right in pixels, the latter two outside; similarities (N,): cosines.
+        """
         (seen,) = self._detector.detect([rgb])
         masks = seen.masks[seen.masks.sum(axis=(1, 2), dtype=np.int64) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):

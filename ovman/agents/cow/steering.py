@@ -24,7 +24,7 @@ def headings(count: int) -> tuple[int, ...]:
 def steered(
     known: VoxelMap, pose: Pose, goal: Cell, constants: CowConstants, forbidden: Action | None = None
 ) -> tuple[Action, ...] | None:
-    """Actions that lead to within `waypoint_voxels` of a goal; None where the search finds none.
+    """Actions, at least one, that lead to within `waypoint_voxels` of a goal; None where the search finds none.
 
     Best-first by the distance to the goal over macro-actions, each a turn to one of the headings and a step; at most
     `expansions` of them, every cell entered once, and none that is occupied. `forbidden` does not begin the first macro-action:
@@ -44,7 +44,7 @@ def steered(
         if not waiting:
             return None
         distance, _, at, actions = heapq.heappop(waiting)
-        if distance <= constants.waypoint_voxels:
+        if actions and distance <= constants.waypoint_voxels:
             return actions
         for by in headings(constants.headings):
             macro = (*turns(by), Action.MOVE_AHEAD)

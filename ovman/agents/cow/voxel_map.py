@@ -106,7 +106,7 @@ class VoxelMap:
         self._state[cells[:, 0] - self._origin[0], cells[:, 1] - self._origin[1]] = value
 
     def _pad(self, seen: Scan) -> None:
-        """Free, where nothing is known, on the rays from the camera to the nearest points below it: the floor that it stands on."""
+        """Free, where nothing is known, on the rays to the nearest points below the camera: the floor that it does not see."""
         along = seen.blind - seen.origin
         if not len(along):
             return
