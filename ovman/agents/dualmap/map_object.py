@@ -26,13 +26,13 @@ class Seen:
     low_mobility: bool
 
     @staticmethod
-    def of(observation: Observation, run: int) -> Seen:
-        """What the run of that number makes of an observation."""
+    def of(observation: Observation, run: int, cloud: Cloud | None = None) -> Seen:
+        """What the run of that number makes of an observation. cloud: that of the points it drew, if there is one already."""
         return Seen(
             observation.class_id,
             observation.confidence,
             np.asarray(observation.feature, dtype=np.float64),
-            Cloud.of(observation.clouds[run]),
+            Cloud.of(observation.clouds[run]) if cloud is None else cloud,
             observation.low_mobility,
         )
 

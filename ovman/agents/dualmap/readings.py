@@ -15,6 +15,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from ovman.agents.dualmap.cloud import Cloud
 from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.global_map import Anchor, GlobalMap
 from ovman.agents.dualmap.local_map import Departure, LocalMap
@@ -48,10 +49,22 @@ class Run:
     def read(self, maintained: Maintained, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
         """The maps of the visits in `walks`, by name, and of the pairs of them."""
         pairs = list(dict.fromkeys(pairs))
-        seen = {name: [[Seen.of(one, self.number) for one in frame] for frame in keyframes] for name, keyframes in walks.items()}
+        seen = self._looks(walks)
         if maintained is Maintained.CONCATENATED_LOCAL:
             return self._concatenated_local(seen, pairs)
         return self._preloaded_global(seen, pairs)
+
+    def _looks(self, walks: Mapping[str, Keyframes]) -> dict[str, Looks]:
+        """The keyframes as this run has them. Walks share frames, and so what is found out about their clouds."""
+        clouds: dict[int, Cloud] = {}
+
+        def seen(one: Observation) -> Seen:
+            points = one.clouds[self.number]
+            if id(points) not in clouds:
+                clouds[id(points)] = Cloud.of(points)
+            return Seen.of(one, self.number, clouds[id(points)])
+
+        return {name: [[seen(one) for one in frame] for frame in keyframes] for name, keyframes in walks.items()}
 
     def _concatenated_local(self, walks: Mapping[str, Looks], pairs: Sequence[Pair]) -> RunMaps:
         visits, kept = {}, {}
