@@ -32,7 +32,7 @@ STATE = ("agent.*", "cameraPosition.*", "objects.distance", "lastActionSuccess",
 
 RULES: Sequence[Rule] = (
     Rule(("*:pictures.*", "*:colors"), None, "rooms and objects are modelled by rule, not taken from AI2-THOR's assets"),
-    Rule(("*:objects.visible", "*:objects.isInteractable", "*:objects.visibleBounds2D"), None,
+    Rule(("*:objects.visible", "*:objects.isInteractable"), None,
          "the engine sees the triangles that it draws, Unity points that artists set"),
     Rule(("GetReachablePositions:actionReturn", "*:sceneBounds.*"), None, "the engine infers the walls of a room"),
     Rule(tuple(f"{action}:{key}" for action in DRIVEN for key in STATE), None,

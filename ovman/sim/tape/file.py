@@ -98,7 +98,7 @@ class Writer:
 
     def write(self, entry: Call | Result) -> None:
         """Add a line."""
-        self._line({key: value for key, value in asdict(entry).items() if value is not None and value != {}})
+        self._line({key: value for key, value in vars(entry).items() if value is not None and value != {}})
 
     def _line(self, record: Mapping[str, Any]) -> None:
         self._file.write(json.dumps(record, separators=(",", ":")).encode() + b"\n")
