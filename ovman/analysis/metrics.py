@@ -67,6 +67,7 @@ def run(
     embodied = embodied_outcomes(cases, runs)
     _whole(Kind.STATIC, static, arms)
     _whole(Kind.EMBODIED, embodied, arms)
+    _every_run(static, arms)
     place = {case.id: index for index, case in enumerate(cases)}
     names = [arm.name for arm in arms]
 
@@ -119,6 +120,18 @@ def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms
 def _may_lack(arms: Sequence[Arm]) -> set[str]:
     """Arms of released systems: one that something is missing for leaves empty records, and its own note in the tables."""
     return {arm.name for arm in arms if arm.released is not None}
+
+
+def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:
+    runs: dict[str, set[int]] = {}
+    for outcome in outcomes:
+        runs.setdefault(outcome.arm, set()).add(outcome.seed)
+    for arm in arms:
+        if arm.name in runs and len(runs[arm.name]) != arm.runs:
+            raise ValueError(
+                f"{arm.name}: predictions of {len(runs[arm.name])} runs, but its entry in section arms says {arm.runs}; "
+                "make its predictions again"
+            )
 
 
 def read_cases(episodes_file: Path) -> list[Case]:

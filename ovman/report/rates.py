@@ -21,7 +21,8 @@ from ovman.report.table import (
 def static_table(rates: Sequence[Record], radius_m: float, confidence: float, arms: Sequence[Arm]) -> Table:
     """The static gate. rates: rows of "static_rates.csv"; radius_m: R; confidence: of the intervals.
 
-    One row an arm that has rates, in the order of the arms' table. Raises ValueError for an arm that there is not.
+    One row an arm that has rates: those on their own first, then those with grounding and with positions handed over, each in the
+    order of `arms`. Raises ValueError for an arm that there is not.
     """
     expected = any(rate["interval"] == Interval.POISSON_BINOMIAL for rate in rates)
     caption = (
@@ -68,7 +69,7 @@ def static_table(rates: Sequence[Record], radius_m: float, confidence: float, ar
                 },
                 section=_section(arm),
             )
-            for arm, of_arm in _by_arm(rates, of_kind(arms, Kind.STATIC), Kind.STATIC)
+            for arm, of_arm in _by_arm(rates, sorted(of_kind(arms, Kind.STATIC), key=_handed_over), Kind.STATIC)
         ),
         wide=True,
     )
@@ -151,6 +152,11 @@ def _rate_cells(of_arm: Mapping[str, Record], whole: str = ALL) -> dict[str, str
             }
     mark = MARK if of_arm[ALL]["interval"] == Interval.POISSON_BINOMIAL else ""
     return cells | {"range": span(of_arm[ALL]["low"], of_arm[ALL]["high"]) + mark}
+
+
+def _handed_over(arm: Arm) -> int:
+    """How much an arm is handed over."""
+    return (arm.grounding is Source.HANDED) + 2 * (arm.positions is Source.HANDED)
 
 
 def _section(arm: Arm) -> str | None:

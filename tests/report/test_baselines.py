@@ -93,6 +93,14 @@ def test_runs_are_means_and_the_page_says_so(tables):
     assert "means over them" in caption and "runs add no episodes" in caption
 
 
+def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
+    table = static_table(rows(Rate, static_rates(STATIC, 0.95)), 1.0, 0.95, ARMS[::-1])
+    assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
+    assert latex(table).count("grounding handed over") == 1 and [row.section is None for row in table.rows] == [True] * 3 + [
+        False
+    ]
+
+
 def test_an_arm_with_a_body_of_its_own_has_its_spl(tables):
     cow, oracle = data(tables["embodied"])
     assert (cow["agent"], cow["sr"], cow["spl"], cow["seeds"]) == ("cow (reimplemented)", "0.104", "0.094", "2")
