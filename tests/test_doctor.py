@@ -13,8 +13,10 @@ import pytest
 import yaml
 
 from ovman import cli
-from ovman.doctor import checks
+from ovman.doctor import checks, simulator
 from ovman.doctor.checks import ROOT, Finding, State
+from ovman.sim import unity
+from tests.sim import unity_build
 
 
 @pytest.fixture(autouse=True)
@@ -41,20 +43,61 @@ def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str], monkeypatch: 
 
 
 def test_without_vulkan_unity_is_not_tried(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
     monkeypatch.setattr(checks, "HERE", (checks.python,))
     assert cli.main(["doctor", "--thor"]) == 1
     out = capsys.readouterr().out
-    assert "vulkaninfo is not installed\n" in out and "apt install vulkan-tools" in out
-    assert "not tried: vulkan first" in out
+    assert "Vulkan's library is not installed\n" in out and "apt install libvulkan1 vulkan-tools" in out
+    assert out.count("not tried: vulkan first") == 2
 
 
 def test_vulkan_names_its_devices(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    program(tmp_path, "vulkaninfo", 'echo "  deviceName = Some card"')
-    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    unity_build.machine(monkeypatch, tmp_path / "machine")
     assert checks.vulkan() == Finding("vulkan", State.WELL, "Some card")
-    program(tmp_path, "vulkaninfo", 'echo "no driver" >&2; exit 1')
-    assert checks.vulkan().state is State.ILL and checks.vulkan().says == "no driver"
+    program(tmp_path / "machine" / "programs", "vulkaninfo", 'echo "no driver" >&2; exit 1')
+    assert checks.vulkan().state is State.ILL and "no driver" in checks.vulkan().says
+    (tmp_path / "machine" / "programs" / "vulkaninfo").unlink()
+    monkeypatch.setenv("PATH", str(tmp_path / "machine" / "programs"))
+    found = checks.vulkan()
+    assert found.state is State.ABSENT and "vulkan-tools" in found.remedy
+
+
+def test_unity_draws_where_it_can(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine on which the engine plays Unity."""
+    home = unity_build.machine(monkeypatch, tmp_path / "machine")
+    monkeypatch.setattr(checks, "HERE", (checks.client,))
+    assert cli.main(["doctor", "--thor"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == ["ok"] * 4
+    assert "Some card" in lines[1] and f"{home}/.ai2thor/releases/thor-CloudRendering-" in lines[2] and " MB" in lines[2]
+    assert "300 x 300 RGB, depth and ids" in lines[3]
+
+
+@pytest.mark.parametrize(("does", "says"), [("exit 3", "ended while it was being started"), ("sleep 60", "no frame within 6 s")])
+def test_a_unity_that_does_not_draw_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, does: str, says: str) -> None:
+    home = unity_build.machine(monkeypatch, tmp_path / "machine")
+    unity_build.build(home, f"exec /bin/sh -c '{does}'")
+    monkeypatch.setitem(checks.FRAME_LIMIT_S, "thor", 6.0 if "within" in says else 300.0)
+    before = time.monotonic()
+    found = checks.unity_frame()
+    assert found.state is State.ILL and says in found.says and "Player.log" in found.remedy
+    assert time.monotonic() - before < 200
+
+
+def test_a_build_that_cannot_be_had_is_a_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unity, "fetch", lambda: (_ for _ in ()).throw(unity.Missing("its build cannot be had", "fetch it")))
+    assert checks.unity_build() == Finding("unity build", State.ILL, "its build cannot be had", "fetch it")
+
+
+def test_the_stage_says_the_first_thing_that_is_missing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
+    with pytest.raises(unity.Missing, match="^benchmark.backend is thor, but Vulkan's library is not installed; sudo apt"):
+        simulator.run(tmp_path / "simulator.txt")
+    assert not (tmp_path / "simulator.txt").exists()
+    monkeypatch.undo()
+    unity_build.machine(monkeypatch, tmp_path / "machine")
+    simulator.run(tmp_path / "simulator.txt")
+    assert (tmp_path / "simulator.txt").read_text().count("ok ") == 3
 
 
 def test_a_driver_that_fails_is_told_in_its_own_words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
