@@ -78,7 +78,7 @@ def test_pairs_without_an_arm_are_named_and_no_others():
 
 def test_every_pair_and_rung_is_of_arms_that_there_are():
     arms = BY_NAME
-    for pair in (pair for pair in (*PAIRS, *PAIRINGS) if {pair.arm, pair.baseline} <= arms.keys()):
+    for pair in (pair for pair in (*PAIRS, *PAIRINGS) if not pair.released):
         assert arms[pair.arm].kind is arms[pair.baseline].kind and not arms[pair.arm].expected
     assert all(arms[rung.arm].memory == "two visits" for rung in RUNGS)
     assert len({pair.title for pair in (*PAIRS, *PAIRINGS)}) == len(PAIRS) + len(PAIRINGS)
