@@ -50,8 +50,14 @@ def check(scene: str, run: int, made: RunMaps) -> None:
 
 
 def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Any, output: Path) -> None:
-    """Write the maps of a scene, and print how many objects they hold and what they took."""
+    """Write the maps of a scene, and print how many objects they hold and what they took.
+
+    EmptyMapError as ``check``, ValueError for an episode's visit that was not walked.
+    """
     walks, pairs = read_walks(walks_file), pairs_of(scene, episodes, trials)
+    absent = sorted({visit for pair in pairs for visit in pair} - set(walks))
+    if absent:
+        raise ValueError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
     runs = []
     for number in range(constants.dualmap.runs):
         began = time.process_time()
@@ -59,9 +65,6 @@ def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: A
         check(scene, number, made)
         runs.append(made)
         counts = [len(mapped.entries) for mapped in (*made.visits.values(), *made.maintained.values())]
-        print(
-            f"{scene}: run {number}: {len(counts)} maps of {min(counts)} to {max(counts)} objects "
-            f"in {time.process_time() - began:.1f} s of the processor",
-            flush=True,
-        )
+        took = time.process_time() - began
+        print(f"{scene}: run {number}: maps of {sorted(counts)} objects in {took:.1f} s of the processor", flush=True)
     write(output, runs)

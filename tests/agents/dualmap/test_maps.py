@@ -1,0 +1,80 @@
+"""The stage `dualmap`: from walks and episodes to the maps of every run; a map of nothing ends it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ovman.agents.dualmap import maps
+from ovman.agents.dualmap.mapped import read
+from ovman.agents.dualmap.observation_records import Taken, write_walks
+from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.config import canonical, load
+from ovman.constants import StageConstants
+from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
+
+CONFIG = load(Path(__file__).parents[3] / "config.yaml")
+CONSTANTS = StageConstants(canonical(CONFIG, "dualmap"))
+SCENE = "FloorPlan1"
+MOVED = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
+FRAMES = {"untouched": walk(TEN, DENSE, 1, 3), "displaced": walk(MOVED, DENSE, 2, 3), "glimpsed": walk(TEN, TOUR, 3, 3)}
+
+
+def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> SimpleNamespace:
+    """Walks of these visits, and an episode for each pair; beside them a trial that was not released."""
+    shots, taken = [], {}
+    for name in visits:
+        numbers = range(len(shots), len(shots) + len(FRAMES[name]))
+        shots += [Shot(tuple(Seen(o.class_id, o.confidence, o.feature, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]]
+        taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
+    paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "trials", "output")})
+    write_walks(paths.walks, taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))
+    ids = [f"{SCENE}/moved/{k:04}" for k in range(len(pairs))]
+    paths.episodes.write_text("".join(json.dumps({"id": name, "scene": SCENE}) + "\n" for name in ids))
+    trials = [
+        {"candidate": {"id": name}, "measured": {"visits": {"first": first, "second": second}}}
+        for name, (first, second) in zip(ids, pairs, strict=True)
+    ]
+    trials.append({"candidate": {"id": f"{SCENE}/moved/9999"}, "measured": {"ended": "no_placement"}})
+    paths.trials.write_text("".join(json.dumps(trial) + "\n" for trial in trials))
+    return paths
+
+
+def run(paths: SimpleNamespace) -> None:
+    maps.run(SCENE, paths.walks, paths.episodes, paths.trials, CONSTANTS, paths.output)
+
+
+def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_released(tmp_path: Path):
+    paths = files(tmp_path, [("untouched", "displaced")] * 2, ["untouched", "displaced"])
+    run(paths)
+    first = paths.output.read_bytes()
+    runs = read(paths.output)
+    assert len(runs) == CONFIG.dualmap.runs == 3
+    for made in runs:
+        assert {name: len(mapped.entries) for name, mapped in made.visits.items()} == {"untouched": 10, "displaced": 10}
+        assert {pair: len(mapped.entries) for pair, mapped in made.maintained.items()} == {("untouched", "displaced"): 11}
+    run(paths)
+    assert paths.output.read_bytes() == first
+
+
+def test_a_map_of_nothing_ends_the_stage_with_the_scene_and_the_visit(tmp_path: Path):
+    paths = files(tmp_path, [("untouched", "glimpsed")], ["untouched", "glimpsed"])
+    with pytest.raises(maps.EmptyMapError, match=r"^FloorPlan1: run 0: the map of glimpsed has no object after 24 keyframes"):
+        run(paths)
+    assert not paths.output.exists()
+
+
+def test_an_episode_of_a_visit_that_was_not_walked_is_named(tmp_path: Path):
+    paths = files(tmp_path, [("untouched", "displaced")], ["untouched"])
+    with pytest.raises(ValueError, match="no walk of the visit displaced; make the stage walks again"):
+        run(paths)
+
+
+def test_a_scene_without_episodes_has_maps_of_nothing(tmp_path: Path):
+    paths = files(tmp_path, [], [])
+    run(paths)
+    assert [(dict(made.visits), dict(made.maintained)) for made in read(paths.output)] == [({}, {})] * 3
