@@ -27,6 +27,7 @@ __all__ = [
     "StageConstants",
     "canonical",
     "constants",
+    "file_with",
     "load",
     "owned",
     "settings",
@@ -79,7 +80,7 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     else:
         tree, files = _read(Path(source)), [Path(source)]
     if not isinstance(tree, Mapping):
-        raise ConfigError(f"{_file(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
+        raise ConfigError(f"{file_with(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
     try:
         config = Config.model_validate({k: v for k, v in tree.items() if not str(k).startswith("x-")})
     except ValidationError as error:
@@ -87,10 +88,10 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     values = settings(config)
     if contradiction := contradictions(config.arms, values):
         key, says = contradiction
-        raise ConfigError(f"{_file(files, key)}: {'.'.join(key)} {says}")
+        raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
     for verdict, bound, needed in _BOUNDS:
         if values[bound] > values[verdict] if needed == "at most" else values[bound] < values[verdict]:
-            where = _file(files, tuple(verdict.split(".")))
+            where = file_with(files, tuple(verdict.split(".")))
             needs = f"{bound} must be {needed} that and is {values[bound]}"
             raise ConfigError(f"{where}: {verdict} is {values[verdict]}, but {needs}; change one of the two")
     return config
@@ -121,7 +122,7 @@ def _read(path: Path) -> Any:
         raise ConfigError(f"{path}: {' '.join(str(error).split())}") from None
 
 
-def _file(files: Sequence[str | Path], location: Sequence[Any]) -> str:
+def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
     """Name of the last file that has the setting at `location`; config.yaml where none is known."""
     for path in reversed([Path(f) for f in files]):
         here: Any = _read(path) if len(files) > 1 else {}
@@ -142,7 +143,7 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     location = tuple(first["loc"])
     path = [str(name) for name in location if not isinstance(name, int)]
     name = ".".join(path)
-    where = _file(files, [p for p in location if not isinstance(p, int)])
+    where = file_with(files, [p for p in location if not isinstance(p, int)])
     if first["type"] == "extra_forbidden":
         return f"{where}: {name} is not a setting; {_nearest(path)}"
     field = _field(path)

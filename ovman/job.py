@@ -10,6 +10,7 @@ import fcntl
 import os
 import select
 import shutil
+import sys
 import tempfile
 import threading
 from collections.abc import Iterator
@@ -21,6 +22,9 @@ from ovman.constants import StageConstants
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
 """Environment variable in which the Snakefile leaves the id of Snakemake's process."""
+AGENTS = "OVMAN_AGENTS"
+"""Environment variable in which it leaves the directories of the overlays: agents may lie there. They are looked through last, so
+that a file there takes no other module's place."""
 
 
 class Job:
@@ -101,6 +105,7 @@ def job(snakemake: Any) -> Iterator[Job]:
     attribute `says_all` is true names in its one line what is missing and the remedy: the log gets that line and no traceback.
     """
     _end_with(os.environ.get(WORKFLOW_PID))
+    sys.path.extend(filter(None, os.environ.get(AGENTS, "").split(os.pathsep)))
     if snakemake.log:
         _log_to(Path(str(snakemake.log)))
     with ExitStack() as stack:

@@ -46,6 +46,29 @@ def module_digest(name: str, root: Path = ROOT) -> str | None:
     return _sources(root).module_digest(name)
 
 
+def module_file(name: str, root: Path = ROOT) -> Path | None:
+    """Where the source of a module lies, by its dotted name; None if it is not there. Nothing is imported."""
+    return _sources(root).module_file(name)
+
+
+def defined(source: bytes) -> set[str] | None:
+    """The names that a module has at its top, as far as its source says; None for one that imports all of another."""
+    names: set[str] = set()
+    for node in ast.parse(source).body:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                names.add(name)
+            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
+                names |= {(alias.asname or alias.name).split(".")[0] for alias in aliases}
+            case ast.Assign(targets=targets):
+                names |= {node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)}
+            case ast.AnnAssign(target=ast.Name(id=name)):
+                names.add(name)
+            case ast.If() | ast.Try():
+                return None
+    return None if "*" in names else names
+
+
 def digest(entry: Path, root: Path = ROOT) -> str:
     """Hexadecimal digest of the file `entry` and of its transitive imports from the package under `root`."""
     return _Sources(root).digest(entry)
@@ -75,6 +98,9 @@ class _Sources:
             return self._digest([name], found) if name in found else None
         finally:
             self._packages = packages
+
+    def module_file(self, name: str) -> Path | None:
+        return self._place(name)
 
     def modules(self, entry: Path) -> dict[str, Path]:
         return self._reached(self._imports(entry, ""))

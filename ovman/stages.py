@@ -184,7 +184,7 @@ def settings(config: Config) -> dict[str, Any]:
             if isinstance(value, BaseModel):
                 yield from walk(f"{where}.", value)
             elif where == "arms":
-                yield where, [{"name": name, **entry.model_dump()} for name, entry in value.items()]
+                yield where, [{"name": name, **dict(entry)} for name, entry in value.items()]
             else:
                 yield where, value
 
@@ -235,7 +235,7 @@ _WORDS = {"system", "memory"}
 
 def _in_a_job(config: Config, name: str) -> dict[str, Any]:
     marks = sorted(other.budget for other in config.arms.values() if other.cut_from == name and other.budget is not None)
-    return {"name": name, **config.arms[name].model_dump(mode="json", exclude=_WORDS), "marks": marks}
+    return {"name": name, **{key: value for key, value in config.arms[name] if key not in _WORDS}, "marks": marks}
 
 
 def constants(config: Config, stage: str, arm: str | None = None) -> StageConstants:

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 import fcntl
 import os
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
 from ovman import provenance
-from ovman.job import WORKFLOW_PID
+from ovman.config import Config, ConfigError, file_with
+from ovman.job import AGENTS, WORKFLOW_PID
 
 ALIVE = Path(".snakemake", "ovman.alive")
 """Every Snakemake that works in a directory shares a lock on this file; the kernel takes it away from those that die."""
@@ -28,6 +31,10 @@ def prepare(workflow: Any) -> None:
     paths = [str(workflow.basedir), *filter(None, [os.environ.get("PYTHONPATH")])]
     os.environ["PYTHONPATH"] = os.pathsep.join(paths)
     os.environ[WORKFLOW_PID] = str(os.getpid())
+    # An agent may lie beside the overlay that names it.
+    beside = dict.fromkeys(str(Path(path).absolute().parent) for path in workflow.overwrite_configfiles)
+    os.environ[AGENTS] = os.pathsep.join(beside)
+    sys.path.extend(place for place in beside if place not in sys.path)
     provenance.remember(Path.cwd() / SOURCES)
     limit_gpu(workflow)
     if workflow.is_main_process:
@@ -58,3 +65,22 @@ def release_stale_locks(directory: Path) -> None:
         for lock in (directory / ".snakemake" / "locks").glob("*.lock"):
             lock.unlink(missing_ok=True)
     fcntl.flock(file, fcntl.LOCK_SH)
+
+
+def check_agents(config: Config, files: Sequence[str | Path]) -> None:
+    """Every arm's "module:function" is there, as far as its source tells: nothing is imported.
+
+    files: that the settings were merged from, later ones winning. ConfigError in one line.
+    """
+    for name, entry in config.arms.items():
+        module, _, function = entry.agent.partition(":")
+        key = f"{file_with(files, ('arms', name, 'agent'))}: arms.{name}.agent is {entry.agent!r}"
+        path = provenance.module_file(module)
+        if path is None:
+            raise ConfigError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
+        try:
+            names = provenance.defined(path.read_bytes())
+        except SyntaxError as error:
+            raise ConfigError(f"{key}, and {path.name}, line {error.lineno}, is no Python: {error.msg}; mend it") from None
+        if names is not None and function not in names:
+            raise ConfigError(f"{key}, and {module} has no function {function}; name one that it has")

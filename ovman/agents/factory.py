@@ -33,7 +33,7 @@ def function(name: str, agent: str) -> Callable[..., Any]:
         if there:
             found = getattr(import_module(module), attribute, None)
     if not there:
-        raise AgentError(f"{key}, and there is no module {module}; install it, put it on PYTHONPATH or beside the overlay")
+        raise AgentError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
     if not callable(found):
         raise AgentError(f"{key}, and {module} has no function {attribute}; name one that it has")
     return found

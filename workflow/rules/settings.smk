@@ -8,13 +8,16 @@ sys.path.insert(0, str(workflow.basedir))
 from ovman.agents.arms import Kind, Need, named, of_kind, table
 from ovman.config import ConfigError, canonical, load
 from ovman.perception.weights import located
-from ovman.workflow import prepare
+from ovman.workflow import check_agents, prepare
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
 
 try:
-    settings = load(config, files=[os.path.join(workflow.basedir, "config.yaml"), *overlays])
+    files = [os.path.join(workflow.basedir, "config.yaml"), *overlays]
+    settings = load(config, files)
+    if workflow.is_main_process:
+        check_agents(settings, files)
 except ConfigError as error:
     raise SystemExit(str(error))
 
