@@ -100,6 +100,49 @@ def test_what_one_process_found_in_a_file_the_next_one_need_not_find_again(root,
     assert process() != found, "another reader trusts no findings of this one"
 
 
+@pytest.fixture
+def elsewhere(tmp_path_factory, monkeypatch):
+    """A package and a module of somebody else, where Python finds them."""
+    place = tmp_path_factory.mktemp("elsewhere")
+    files = {
+        "theirs/__init__.py": "raise RuntimeError\n",
+        "theirs/agent.py": "from ovman.a import two\nfrom . import part\nimport json\n\n\ndef f():\n    return two\n",
+        "theirs/part.py": "x = 1\n",
+        "theirs/other.py": "y = 1\n",
+        "alone.py": "def f():\n    return 1\n",
+    }
+    for name, text in files.items():
+        (place / name).parent.mkdir(exist_ok=True)
+        (place / name).write_text(text)
+    monkeypatch.syspath_prepend(str(place))
+    return place
+
+
+def test_of_somebody_elses_module_its_own_package_and_ovman_count_and_nothing_is_imported(root, elsewhere):
+    def digest(name="theirs.agent"):
+        return provenance._Sources(root).module_digest(name)
+
+    before = digest()
+    assert before is not None and digest("alone") not in (None, before)
+    for name in ("theirs.nowhere", "nowhere", "nowhere.at_all"):
+        assert digest(name) is None
+    (elsewhere / "theirs" / "other.py").write_text("y = 2\n")
+    (root / "ovman/a/one.py").write_text(FILES["ovman/a/one.py"] + "\nmore = 1\n")
+    (elsewhere / "theirs" / "part.py").write_text("# why\nx = 1\n")
+    assert digest() == before
+    for path in (elsewhere / "theirs" / "part.py", root / "ovman/c/four.py", elsewhere / "theirs" / "agent.py"):
+        path.write_text(path.read_text() + "\nmore = 1\n")
+        assert digest() != before
+        before = digest()
+
+
+def test_what_a_source_defines():
+    text = "import a.b\nfrom c import d as e\nx, y = 1, 2\nz: int = 3\n\n\nclass F: ...\n\n\ndef g(): ...\n"
+    assert provenance.defined(text.encode()) == {"a", "e", "x", "y", "z", "F", "g"}
+    assert provenance.defined(b"from a import *\n") is None
+    assert provenance.defined(b"try:\n    from a import b\nexcept ImportError:\n    b = None\n") is None
+
+
 def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_it():
     for stage in STAGES:
         assert provenance.script(stage).is_file()
