@@ -88,7 +88,7 @@ def _needs(values: Iterable[str]) -> tuple[Need, ...]:
 def table(entries: Mapping[str, Any] | Iterable[Mapping[str, Any]]) -> tuple[Arm, ...]:
     """All arms in the order of config.yaml. entries: section `arms` of the settings, or as a stage's constants have it."""
     if isinstance(entries, Mapping):
-        entries = [{"name": name, **entry.model_dump()} for name, entry in entries.items()]
+        entries = [{"name": name, **dict(entry)} for name, entry in entries.items()]
     return tuple(map(Arm.of, entries))
 
 
