@@ -17,7 +17,7 @@ from ovman.agents.released import cow
 from ovman.agents.released.clone import Clone
 from ovman.agents.released.cow_controller import ARM
 from ovman.agents.released.cow_episodes import Hidden, exported, vocabulary
-from ovman.agents.released.status import notes, read
+from ovman.agents.released.status import note, read
 from ovman.config import canonical, load
 from ovman.constants import StageConstants
 from ovman.journal import Journal
@@ -137,7 +137,7 @@ def ran(set_up, files, tmp_path_factory):
 
 def test_every_episode_under_every_seed_in_the_order_given(ran):
     records, status, _ = ran
-    assert read(status).run and notes([status]) == []
+    assert read(status).run and note(status) is None
     for seed, of_seed in records.items():
         assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.episode, ARM, seed) for h in EPISODES]
 
@@ -246,8 +246,8 @@ def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files,
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
     cow.run(files[0], [files[1]], given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
     assert [path.read_bytes() for path in outputs.values()] == [b"", b""]
-    (note,) = notes([tmp_path / "status.json"])
-    assert note.startswith("CoW (released) was not run: there is no clone in")
+    assert read(tmp_path / "status.json").says.startswith("there is no clone in")
+    assert note(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 
 @pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
