@@ -36,11 +36,13 @@ class World:
         base = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(self.directory)]
         return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", target]
 
-    def snakemake(self, *arguments: str, overlay: Mapping[str, Any] | None = None) -> subprocess.CompletedProcess[str]:
+    def snakemake(
+        self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET
+    ) -> subprocess.CompletedProcess[str]:
         """Run it to its end; standard error is in stdout."""
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
         return subprocess.run(
-            self.command(*arguments, overlay=overlay),
+            self.command(*arguments, overlay=overlay, target=target),
             cwd=ROOT,
             env=environment,
             stdout=subprocess.PIPE,

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import ctypes.util
+import json
+import os
 import re
 import subprocess
 import sys
+from collections.abc import Mapping
+from typing import Any
 
 import pytest
+import yaml
 
+from ovman.provenance import modules, script
+from ovman.stages import STAGES
+from tests.sim import unity_build
 from tests.workflow.conftest import ROOT, World
 
 SNAKEFILE = """
@@ -44,21 +53,69 @@ def test_one_job_at_a_time(tmp_path, given):
     assert (tmp_path / "turns").read_text().split() == ["in", "out"] * 4
 
 
-SIMULATOR, NETWORK = {"scenes", "trials", "certified", "executions"}, {"detections", "nouns"}
+SIMULATOR = {"simulator", "scenes", "trials", "certified", "executions", "walks"}
+NETWORK = {"detections", "nouns", "walks", "executions"}
+"""Of the executions, those of arms with networks of their own."""
 
 
 @pytest.mark.parametrize(
     ("overlay", "hungry"),
     [
         ({}, set()),
-        ({"benchmark": {"backend": "thor"}}, SIMULATOR),
+        (yaml.safe_load((ROOT / "overlays" / "thor.yaml").read_text()), SIMULATOR | NETWORK),
         ({"perception": {"device": "cuda"}}, NETWORK),
     ],
-    ids=["neither", "the Unity build", "networks on a GPU"],
+    ids=["neither", "the paper's set-up", "networks on a GPU"],
 )
 def test_the_stages_that_need_a_gpu_ask_for_it(tmp_path, overlay, hungry):
-    said = World(tmp_path).snakemake("--dry-run", overlay=overlay)
-    asked = dict(re.findall(r"^rule (\w+):.*?^    resources: .*?(?:gpu=(\d))?$", said.stdout, re.MULTILINE | re.DOTALL))
-    assert {stage for stage, n in asked.items() if n == "1"} == hungry
-    assert {stage for stage, n in asked.items() if n} == SIMULATOR | NETWORK
-    assert asked.keys() >= {"candidates", "tables"}
+    asked = planned(World(tmp_path), overlay)
+    assert {stage for stage, numbers in asked.items() if "1" in numbers} == hungry
+    assert {stage for stage, numbers in asked.items() if numbers & {"0", "1"}} >= (SIMULATOR | NETWORK) - {"simulator"}
+    assert asked.keys() >= {"candidates", "tables"} and ("simulator" in asked) is (hungry >= SIMULATOR)
+
+
+def planned(world: World, overlay: Mapping[str, Any]) -> dict[str, set[str]]:
+    """How many GPUs the jobs of each rule ask for; nothing where they do not say."""
+    said = world.snakemake("--dry-run", overlay=overlay)
+    assert said.returncode == 0, said.stdout
+    asked: dict[str, set[str]] = {}
+    for rule, number in re.findall(r"^rule (\w+):.*?^    resources: .*?(?:gpu=(\d))?$", said.stdout, re.MULTILINE | re.DOTALL):
+        asked.setdefault(rule, set()).add(number)
+    return asked
+
+
+def test_whatever_starts_the_simulator_or_loads_the_networks_asks_for_a_gpu():
+    """By what the scripts import and the stages own, so that a new stage is not forgotten."""
+    rules = "\n".join(path.read_text() for path in sorted((ROOT / "workflow" / "rules").glob("*.smk")))
+    bodies = dict(re.findall(r"^rule (\w+):\n(.*?)(?=^\S|\Z)", rules, re.MULTILINE | re.DOTALL))
+    scripts = {name: re.search(r"scripts/(\w+)\.py", body)[1] for name, body in bodies.items() if "scripts/" in body}
+    for name, stage in scripts.items():
+        imports, owned = modules(script(stage)).keys(), STAGES[stage]
+        simulates = "ovman.sim.controller" in imports and "benchmark.backend" in owned
+        looks = "ovman.perception.networks" in imports and {"perception.device", "perception.*"} & set(owned)
+        wanted = {word for word, wants in (("GPU", simulates), ("NETWORK_GPU", looks)) if wants}
+        asks = re.search(r"gpu=(.*?),\n", bodies[name])
+        assert wanted <= set(re.findall(r"\b(?:NETWORK_)?GPU\b", asks[1] if asks else "")), name
+
+
+def test_a_machine_without_vulkan_is_told_once_in_a_line(tmp_path, monkeypatch):
+    unity_build.library(tmp_path / "programs", present=False)
+    monkeypatch.setenv("PATH", f"{tmp_path / 'programs'}:{os.environ['PATH']}")
+    if ctypes.util.find_library("vulkan") is not None:
+        pytest.skip("this machine has Vulkan")
+    world = World(tmp_path)
+    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan201.json")
+    assert said.returncode != 0 and "Traceback" not in said.stdout
+    line = "benchmark.backend is thor, but Vulkan's library is not installed; sudo apt install libvulkan1"
+    assert said.stdout.count(line) == 1 and "Traceback" not in (tmp_path / "logs" / "simulator.log").read_text()
+    assert not (tmp_path / "results" / "scenes").exists() and not (tmp_path / "results" / "simulator.txt").exists()
+
+
+def test_a_scene_is_surveyed_on_the_unity_build(tmp_path, monkeypatch):
+    """The engine plays it; what it is asked goes all the way through Snakemake, the check and the client."""
+    unity_build.machine(monkeypatch, tmp_path / "machine")
+    world = World(tmp_path)
+    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan201.json")
+    assert said.returncode == 0, said.stdout
+    assert (tmp_path / "results" / "simulator.txt").read_text().count("ok ") == 3
+    assert json.loads((tmp_path / "results" / "scenes" / "FloorPlan201.json").read_text())["objects"]
