@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from ovman.analysis.significance import Method
 from ovman.report.cells import MARK, Record, count, p_value, signed, small_capitals
+from ovman.report.significance import TESTS
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
@@ -36,6 +37,7 @@ def pairings_table(pairings: Sequence[Record]) -> Table:
             Column("best_p", "p of the best", numeric=True, formats=DATA),
             Column("best_p_page", "p", numeric=True, formats=PAGE),
             Column("test", "test", formats=DATA),
+            Column("test_page", "test", formats=PAGE),
             Column("n", "n", numeric=True),
         ),
         rows=tuple(_row(title, relation, rows) for (title, relation), rows in groups.items()),
@@ -47,7 +49,8 @@ def _row(title: str, relation: str, rows: Sequence[Record]) -> Row:
     # Of equal differences the one that is harder on the claim: the larger p.
     worst = min(rows, key=lambda row: (float(row["difference"]), -float(row["p"])))
     best = max(rows, key=lambda row: (float(row["difference"]), -float(row["p"])))
-    expected = any(row["test"] == Method.POISSON_BINOMIAL for row in rows)
+    method = Method(worst["test"])
+    expected = method is Method.POISSON_BINOMIAL
     return Row(
         {
             "comparison": title,
@@ -66,10 +69,11 @@ def _row(title: str, relation: str, rows: Sequence[Record]) -> Row:
             "best_runs": _runs(best),
             "best_p": best["p"],
             "best_p_page": p_value(best["p"]),
-            "test": rows[0]["test"],
+            "test": method.value,
+            "test_page": TESTS[method],
             "n": rows[0]["n"],
         },
-        section=title + (MARK if expected else ""),
+        section=title,
     )
 
 
@@ -81,11 +85,11 @@ def _caption(pairings: Sequence[Record]) -> str:
     caption = (
         "Static arms of which one has several runs, each run of the first against each run of the second, the baseline. "
         "Difference: of the success rates, the mean over the pairings; worst and best: the pairing with the least and with the "
-        "greatest. Wins, losses: of the worst pairing. p: exact two-sided McNemar test of that pairing, not corrected."
+        "greatest. Wins, losses: of the worst pairing. p: of the pairing to its left, not corrected; McNemar: exact, two-sided."
     )
     if any(row["test"] == Method.POISSON_BINOMIAL for row in pairings):
         caption += (
-            f" {MARK} The baseline is a stochastic pick: wins and losses are expectations, and p is one-sided "
-            "(Poisson-binomial), the probability that the pick succeeds at least as often as the first arm did."
+            f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. Poisson-binomial: exact, one-sided, "
+            "the probability that the pick succeeds at least as often as the first arm did."
         )
     return caption

@@ -14,7 +14,7 @@ SECTIONS = {Kind.STATIC: "static gate, by run", Kind.EMBODIED: "embodied, by see
 
 
 def seeds_table(passes: Sequence[Record], arms: Sequence[Arm]) -> Table:
-    """One row an arm with several seeds or runs. passes: rows of "seeds.csv"."""
+    """One row an arm. passes: rows of "seeds.csv"."""
     of_arm: dict[str, list[Record]] = {}
     for row in passes:
         of_arm.setdefault(row["arm"], []).append(row)

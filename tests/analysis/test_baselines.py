@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.agents.arms import Kind
 from ovman.analysis.comparisons import PAIRINGS, Pair, among
 from ovman.analysis.own_task import own_task
 from ovman.analysis.pairings import pairings
@@ -216,6 +217,13 @@ def test_the_passes_of_an_arm_are_what_its_rate_is_the_mean_of(runs):
     if whole:
         assert sum(row.rate for row in whole) / len(whole) == pytest.approx(rate.rate)
         assert (min(row.rate for row in whole), max(row.rate for row in whole)) == (rate.least, rate.greatest)
+
+
+def test_a_drive_is_a_pass_even_if_there_is_one():
+    rows = passes([static("two_visits", 0, 1)], [embodied("cow", 0, True)])
+    assert [(row.kind, row.arm, row.relation, row.seed, row.rate) for row in rows] == [
+        (Kind.EMBODIED, "cow", relation, 0, 1.0) for relation in ("moved", "all")
+    ]
 
 
 def test_scenes_add_up_to_all_for_static_and_embodied_arms_alike():

@@ -70,10 +70,12 @@ def largest_p(arm: str, baseline: str) -> Read:
 
 
 def of_seeds(arm: str, choose: Callable[[Sequence[float]], float], relation: str = ALL) -> Read:
-    """The lowest (min) or highest (max) success of an arm among its seeds or runs."""
+    """The lowest (min) or highest (max) success of an arm among its seeds or runs, of which there must be several."""
 
     def read(metrics: Metrics) -> Cell:
         rates = metrics.numbers("seeds.csv", "rate", arm=arm, relation=relation)
+        if len(rates) < 2:
+            raise Missing(f"seeds.csv has one seed of {arm}, which cannot differ from others")
         seed = metrics.texts("seeds.csv", "seed", arm=arm, relation=relation)[rates.index(value := choose(rates))]
         return Cell(value, f"seeds.csv ({arm}, {relation}, seed {seed}): rate")
 

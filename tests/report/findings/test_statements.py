@@ -141,3 +141,26 @@ def test_every_figure_of_the_paper_is_used_or_declared_as_for_later():
     assert {key for key in PAPER if key not in used and not PAPER.for_later(key)} == set()
     assert {key for key in used if key and PAPER.for_later(key)} == set(), "declared as for later, but used"
     assert [start for start in PAPER.later if not any(key.startswith(start) for key in PAPER)] == []
+
+
+def test_what_differs_between_seeds_cannot_be_told_of_one():
+    files = papers_files(PAPER)
+    (statement,) = [statement for statement in STATEMENTS if statement.key == "cow_seeds_spread_little"]
+    once = [row for row in files["seeds.csv"] if row["seed"] == "0"]
+    judgement = judged(statement, metrics_of(files | {"seeds.csv": once}))
+    assert (judgement.verdict, judgement.missing) == (
+        Verdict.UNKNOWN,
+        "seeds.csv has one seed of cow, which cannot differ from others",
+    )
+
+
+def test_one_scene_with_few_objects_is_told_from_several():
+    files = papers_files(PAPER)
+    (statement,) = [statement for statement in STATEMENTS if statement.key == "dualmap_degenerates_in_one_scene"]
+    verdicts = [
+        judged(
+            statement, metrics_of(files | {"dualmap.csv": [row for row in files["dualmap.csv"] if row["scene"] != gone]})
+        ).verdict
+        for gone in ("FloorPlan1", "no scene")
+    ]
+    assert verdicts == [Verdict.UNKNOWN, Verdict.HOLDS]
