@@ -306,3 +306,20 @@ def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):
     with pytest.raises(RuntimeError, match="status"):
         cow.passed(EPISODES[:1], 0, constants(set_up[0], set_up[1], shutil.which("false")), kept)
     assert not (tmp_path / "journal.jsonl").exists()
+
+
+def test_the_runners_process_ends_with_whoever_waits_for_it():
+    program = (
+        "import time; from ovman.agents.released import cow_process; "
+        "cow_process._end_with_parent(); print(1, flush=True); time.sleep(99)"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert process.stdout.readline() == b"1\n" and process.poll() is None
+    process.stdin.close()
+    assert process.wait(30) == 1
