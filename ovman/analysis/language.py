@@ -10,8 +10,8 @@ from typing import Any
 
 from ovman.agents import prediction
 from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
-from ovman.agents.prediction import Prediction
 from ovman.agents.perceived import Perceived, read_perceived
+from ovman.agents.prediction import Prediction
 from ovman.agents.reasoning import ReferenceConstants
 from ovman.analysis.metrics import csv_text, read_cases, record
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
