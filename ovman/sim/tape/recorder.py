@@ -58,7 +58,9 @@ def called(call: str, arguments: dict[str, Any], do: Callable[[], Any]) -> tuple
     try:
         event = do()
     except Exception as error:
-        return Call(call, plain(arguments), None, {}, (type(error).__name__, str(error))), error
+        # A mistake's message is the simulator's, whole; others may go on with traces of this machine.
+        message = str(error) if isinstance(error, ValueError) else str(error).partition("\n")[0]
+        return Call(call, plain(arguments), None, {}, (type(error).__name__, message)), error
     return Call(call, plain(arguments), plain(dict(event.metadata)), pictures(event)), event
 
 
