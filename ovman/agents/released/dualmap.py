@@ -60,7 +60,8 @@ class Maintained(StrEnum):
 class Runs:
     """The runs of a scene. walk: writes the frames of the visit of a name into a directory; kept: where finished runs are.
 
-    identity: what a visit and its walk are, by name, JSON-serialisable; a run is found again by those of its visits.
+    identity: what a visit and its walk are, by name, JSON-serialisable; a run is found again by those of its visits. One job at a
+    time has `kept`.
     """
 
     installation: Installation
@@ -75,6 +76,8 @@ class Runs:
     @cached_property
     def _frames(self) -> Path:
         self.kept.mkdir(parents=True, exist_ok=True)
+        for left in self.kept.glob("frames.*"):
+            shutil.rmtree(left)
         return Path(tempfile.mkdtemp(prefix="frames.", dir=self.kept))
 
     def clear(self) -> None:

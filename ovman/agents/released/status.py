@@ -46,8 +46,8 @@ def note(path: Path) -> str | None:
 def forget_failures(directory: Path) -> None:
     """Age the records of systems that were not run, so that what was missing is looked for again.
 
-    Snakemake makes again what is older than its input, but not a file that is gone while what follows from it is there.
+    Snakemake makes again what is older than the script that made it, but not a file that is gone while what follows is there.
     """
     for path in sorted(directory.glob("*.json")):
         if not read(path).run:
-            os.utime(path, (0, 0))
+            os.utime(path, (1, 1))

@@ -28,7 +28,7 @@ def runs(kept: Path, maintained: Maintained, walk=None) -> Runs:
     def walked(name: str, directory: Path) -> None:
         write_visit(directory, (view(WORLDS[name], camera) for camera in spin(0.0, 0.0)), 0.0)
 
-    here = Installation(Path(__file__).parent / "stand_in", Path(sys.executable))
+    here = Installation(Path(__file__).parent / "stand_ins" / "dualmap", Path(sys.executable))
     policy = Policy(maintained.kind, "first_only", "cpu", 60.0, seed=0)
     return Runs(here, policy, maintained, "FloorPlan1", ["sofa"], {name: [name] for name in WORLDS}, walk or walked, kept)
 
@@ -79,7 +79,9 @@ def test_what_a_killed_job_left_is_no_run(tmp_path):
     (done,) = tmp_path.glob("*/done")
     done.unlink()
     (done.parent / "objects.npz").write_bytes(b"half")
+    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
     assert len(made.run(0, ["before"])[0]) == 2
+    assert len(list(tmp_path.glob("frames.*"))) == 1, "the frames of the killed job are gone"
 
 
 def test_an_empty_map_is_no_kept_run(tmp_path):

@@ -18,7 +18,7 @@ SOMETHING[2:4, 3:6, 0] = 10
 @pytest.fixture
 def module() -> ModuleType:
     """A detector of its own for every test: guarding changes its classes."""
-    spec = spec_from_file_location("a_detector", Path(__file__).parent / "stand_in" / "utils" / "object_detector.py")
+    spec = spec_from_file_location("a_detector", Path(__file__).parent / "stand_ins" / "dualmap" / "utils" / "object_detector.py")
     made = module_from_spec(spec)
     spec.loader.exec_module(made)
     return made

@@ -20,7 +20,7 @@ from tests.agents.released.boxes import Box, spin, view
 SOFA, CUP, LAMP = 0, 1, 2
 BOXES = [Box((0.6, 0.0, 1.6), (1.4, 0.6, 2.2), SOFA), Box((0.9, 0.6, 1.8), (1.0, 0.75, 1.9), CUP)]
 MOVED = [Box((-1.6, 0.0, 1.6), (-0.8, 0.6, 2.2), SOFA), BOXES[1]]
-HERE = Installation(Path(__file__).parent / "stand_in", Path(sys.executable))
+HERE = Installation(Path(__file__).parent / "stand_ins" / "dualmap", Path(sys.executable))
 NOUNS = ["sofa", "house plant"]
 
 
