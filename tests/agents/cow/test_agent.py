@@ -1,0 +1,98 @@
+"""CoW in a room of boxes whose geometry is known."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from ovman.agents.agent import Action, Agent, CameraPose
+from ovman.agents.cow.agent import Cow, Mode
+from ovman.agents.cow.voxel_map import State
+from tests.agents.cow.world import CONSTANTS, NOWHERE, Room, Sight, walked
+
+TARGET = (6.6, 7.0, 0.3, 0.8, 4.6, 5.0)
+TABLE = (3.0, 4.2, 0.0, 0.8, 2.2, 3.4)
+SHELF = (5.0, 5.4, 0.0, 2.0, 3.5, 6.0)
+STARTS = [(1.0, 1.0, 0.0), (2.0, 5.0, 210.0), (4.5, 1.2, 90.0)]
+
+
+def room(start, *boxes) -> Room:
+    return Room(*start, boxes=boxes)
+
+
+def test_it_is_an_agent():
+    assert isinstance(Cow(Sight(), CONSTANTS), Agent)
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_it_spins_before_it_does_anything_else_unless_it_sees_the_category(start):
+    agent, actions, _ = walked(room(start, TARGET, TABLE), Sight(None), CONSTANTS.spin_turns + 1)
+    assert actions[: CONSTANTS.spin_turns] == [Action.ROTATE_LEFT] * 9
+    assert agent.mode is Mode.EXPLORE
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_it_stops_beside_what_it_detected(start):
+    here, sight = room(start, TARGET, TABLE, SHELF), Sight()
+    agent, actions, places = walked(here, sight, 250)
+    assert actions[-1] is Action.STOP and sight.found > 0 and agent.map.regions
+    assert set(actions) <= {Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT, Action.STOP}
+    nearest = min(math.dist(agent.cell, region) for region in agent.map.regions) * CONSTANTS.voxel_m
+    assert nearest < CONSTANTS.stop_voxels * CONSTANTS.voxel_m + CONSTANTS.step_m
+    assert here.distance() < 1.0 + CONSTANTS.step_m
+    true, thought = places[-1]
+    assert math.dist(true, thought) < 1e-6
+
+
+def test_a_category_that_is_not_there_costs_the_budget_and_the_room_is_explored():
+    here = room(STARTS[0], TARGET, TABLE, SHELF)
+    agent, actions, places = walked(here, Sight(None), 120)
+    assert len(actions) == 120 and Action.STOP not in actions
+    assert not agent.map.regions
+    xs, zs = zip(*(true for true, _ in places), strict=True)
+    assert max(xs) - min(xs) > 3.0 or max(zs) - min(zs) > 3.0
+
+
+def test_what_is_free_on_its_map_is_free_in_the_room():
+    start = (1.0, 1.0, 0.0)
+    here = room(start, TARGET, TABLE)
+    agent, _, _ = walked(here, Sight(None), 60)
+    state, (first_i, first_j) = agent.map.state, agent.map.origin
+    reach = CONSTANTS.voxel_m
+    free = 0
+    for i in range(state.shape[0]):
+        for j in range(state.shape[1]):
+            if state[i, j] in (State.FREE, State.FRONTIER):
+                x, z = start[0] + (first_i + i) * reach, start[1] + (first_j + j) * reach
+                assert -reach <= x <= here.width + reach and -reach <= z <= here.depth + reach
+                assert not (TABLE[0] + reach < x < TABLE[1] - reach and TABLE[4] + reach < z < TABLE[5] - reach)
+                free += 1
+    assert free * reach**2 > 20.0
+
+
+def test_equal_rooms_give_equal_walks_wherever_the_observation_says_the_camera_is():
+    one = walked(room(STARTS[1], TARGET, TABLE), Sight(), 60)[1]
+    other = walked(room(STARTS[1], TARGET, TABLE), Sight(), 60, CameraPose(3.0, 1.0, -2.0, 77.0, 0.0))[1]
+    assert one == other == walked(room(STARTS[1], TARGET, TABLE), Sight(), 60, NOWHERE)[1]
+
+
+def test_a_new_episode_starts_from_nothing():
+    sight = Sight()
+    agent = walked(room(STARTS[0], TARGET), sight, 30)[0]
+    agent.familiarise(None)
+    assert agent.pose.cell(1.0) == (0, 0) and agent.mode is Mode.SPIN and not agent.map.regions and not agent.map.state.any()
+
+
+def test_a_move_that_was_blocked_is_noticed_and_not_believed():
+    # Glass: nothing in the depth image says that it is there.
+    class Glass(Room):
+        def fits(self, x, z):
+            return super().fits(x, z) and x < 3.0
+
+    here = Glass(2.0, 3.0, 90.0)
+    _, actions, places = walked(here, Sight(None), 60)
+    assert here.blocked > 0 and Action.STOP not in actions
+    for action, (before, thought_before), (after, thought_after) in zip(actions, places, places[1:], strict=False):
+        if action is Action.MOVE_AHEAD and before == after:
+            assert thought_before == thought_after

@@ -1,0 +1,181 @@
+"""The map, its frontiers and the ways over it."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.agent import Action
+from ovman.agents.cow.frontiers import frontier_targets
+from ovman.agents.cow.odometry import Pose
+from ovman.agents.cow.paths import DIAGONAL, STRAIGHT, Paths
+from ovman.agents.cow.scan import Scan, scan, square
+from ovman.agents.cow.steering import facing, headings, steered
+from ovman.agents.cow.voxel_map import State, VoxelMap
+from tests.agents.cow.world import CONSTANTS, SIDE, Room
+
+NO_CELLS = np.zeros((0, 2), np.int32)
+
+
+def seen(floor=(), obstacles=(), relevance=None, origin=(0.0, 0.0)) -> Scan:
+    cells = np.array([*floor, *obstacles], np.int32).reshape(-1, 2)
+    is_floor = np.arange(len(cells)) < len(floor)
+    value = np.zeros(len(cells), np.float32) if relevance is None else np.array(relevance, np.float32)
+    return Scan(cells, is_floor, np.zeros(len(cells), np.float32), value, np.array(origin), np.zeros((0, 2)))
+
+
+def mapped(*scans: Scan, agent=(0, 0)) -> VoxelMap:
+    known = VoxelMap(CONSTANTS)
+    for one in scans:
+        known.update(one, agent)
+    return known
+
+
+def square_of(side: int) -> list[tuple[int, int]]:
+    return [(i, j) for i in range(-side, side + 1) for j in range(-side, side + 1)]
+
+
+CELLS = st.lists(st.tuples(st.integers(-12, 12), st.integers(-12, 12)), max_size=150, unique=True)
+SCANS = st.lists(
+    st.tuples(CELLS, st.lists(st.tuples(st.integers(-12, 12), st.integers(-12, 12)), max_size=25)), min_size=1, max_size=3
+)
+
+
+@settings(max_examples=30, deadline=None)
+@given(SCANS)
+def test_frontiers_are_free_and_border_on_what_is_unknown(scans):
+    known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
+    first_i, first_j = known.origin
+    for i, j in np.argwhere(known.state > 0) + known.origin:
+        beside = [known.at(cell) for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))]
+        if known.at((i, j)) is State.FRONTIER:
+            assert State.UNKNOWN in beside
+        if known.at((i, j)) is State.FREE:
+            assert State.UNKNOWN not in beside
+    targets = frontier_targets(known, (0, 0), CONSTANTS)
+    assert all(known.at(target) is State.FRONTIER for target in targets)
+    assert [math.hypot(*t) for t in targets] == sorted(math.hypot(*t) for t in targets)
+    assert len(set(targets)) == len(targets)
+
+
+@settings(max_examples=30, deadline=None)
+@given(SCANS)
+def test_obstacles_and_their_four_neighbours_are_occupied_whatever_else_was_seen(scans):
+    floor, obstacles = scans[-1]
+    known = mapped(*(seen(f, o) for f, o in scans))
+    for i, j in obstacles:
+        assert all(known.at(c) is State.OCCUPIED for c in ((i, j), (i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)))
+
+
+def test_floor_that_is_seen_again_frees_what_was_occupied():
+    known = mapped(seen(obstacles=[(3, 3)]), seen(floor=square_of(6)))
+    assert known.at((3, 3)) is State.FREE and known.at((6, 0)) is State.FRONTIER
+
+
+def test_the_arrays_grow_and_keep_what_they_had():
+    known = mapped(seen(floor=square_of(2)), seen(obstacles=[(-150, 300)]), seen(obstacles=[(70, -90)]))
+    assert known.at((0, 0)) is State.FREE and known.at((-150, 301)) is State.OCCUPIED and known.at((70, -90)) is State.OCCUPIED
+    assert known.at((1000, 0)) is State.UNKNOWN
+    assert list(known.states(np.array([[0, 0], [1000, 0]]))) == [State.FREE, State.UNKNOWN]
+
+
+def test_the_nearest_voxel_of_interest_becomes_a_region_and_keeps_its_greatest_relevance():
+    far, near = (9, 0), (5, 0)
+    known = mapped(seen(obstacles=[far, near], relevance=[1.0, 0.0]))
+    assert known.regions == (far,)
+    known.update(seen(obstacles=[far, near], relevance=[0.5, 0.95]), (0, 0))
+    assert known.regions == (near, far) and known.interest(far)[0] == 1.0
+    known.update(seen(floor=[(2, 2)], relevance=[1.0]), (0, 0))
+    assert known.regions == (near, far), "floor is no region of interest"
+
+
+def test_a_visited_frontier_takes_its_neighbourhood_with_it():
+    known = mapped(seen(floor=square_of(6)))
+    known.visit((6, 6))
+    assert known.visited((4, 4)) and known.visited((6, 4)) and not known.visited((3, 6))
+
+
+@settings(max_examples=30, deadline=None)
+@given(SCANS, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
+def test_ways_go_over_free_cells_from_one_to_the_next(scans, goal):
+    known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
+    way = Paths(known, (0, 0)).to(goal)
+    if way is None:
+        return
+    assert way[0] == (0, 0) and way[-1] == goal
+    assert all(known.at(cell) in (State.FREE, State.FRONTIER) for cell in way[1:])
+    assert all(max(abs(a[0] - b[0]), abs(a[1] - b[1])) == 1 for a, b in pairwise(way))
+
+
+@given(st.integers(-8, 8), st.integers(-8, 8))
+def test_ways_over_open_floor_are_the_shortest(i, j):
+    way = Paths(mapped(seen(floor=square_of(8))), (0, 0)).to((i, j))
+    assert way is not None
+    length = sum(STRAIGHT if a[0] == b[0] or a[1] == b[1] else DIAGONAL for a, b in pairwise(way))
+    assert length == pytest.approx(DIAGONAL * min(abs(i), abs(j)) + STRAIGHT * abs(abs(i) - abs(j)))
+
+
+def test_no_way_leads_through_a_wall_or_into_the_unknown():
+    wall = [(4, j) for j in range(-9, 10)]
+    known = mapped(seen(floor=square_of(8), obstacles=wall))
+    assert Paths(known, (0, 0)).to((7, 0)) is None and Paths(known, (0, 0)).to((40, 0)) is None
+
+
+POSES = st.builds(Pose, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.integers(0, 11).map(lambda k: 30.0 * k))
+
+
+@settings(max_examples=30, deadline=None)
+@given(SCANS, POSES, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
+def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
+    known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
+    actions = steered(known, pose, goal, CONSTANTS)
+    if actions is None:
+        return
+    assert actions[-1] is Action.MOVE_AHEAD
+    for action in actions:
+        pose = pose.after(action, CONSTANTS.step_m, CONSTANTS.turn_deg)
+        if action is Action.MOVE_AHEAD:
+            assert known.at((round(pose.x / CONSTANTS.voxel_m), round(pose.z / CONSTANTS.voxel_m))) is not State.OCCUPIED
+    assert math.hypot(pose.x / CONSTANTS.voxel_m - goal[0], pose.z / CONSTANTS.voxel_m - goal[1]) <= CONSTANTS.waypoint_voxels
+
+
+def test_steering_does_not_begin_with_what_has_just_failed():
+    known = mapped(seen(floor=square_of(10)))
+    assert steered(known, Pose(), (0, 6), CONSTANTS) == (Action.MOVE_AHEAD, Action.MOVE_AHEAD)
+    around = steered(known, Pose(), (0, 6), CONSTANTS, Action.MOVE_AHEAD)
+    assert around is not None and around[0] is not Action.MOVE_AHEAD
+
+
+def test_there_are_twelve_macro_headings():
+    assert sorted(headings(12)) == list(range(-5, 7)) and headings(12)[:3] == (0, 1, -1)
+
+
+@given(POSES, st.tuples(st.integers(-9, 9), st.integers(-9, 9)).filter(lambda c: max(map(abs, c)) > 4))
+def test_facing_looks_within_half_a_turn(pose, target):
+    for action in facing(pose, target, CONSTANTS):
+        pose = pose.after(action, CONSTANTS.step_m, CONSTANTS.turn_deg)
+    bearing = math.degrees(math.atan2(target[0] * CONSTANTS.voxel_m - pose.x, target[1] * CONSTANTS.voxel_m - pose.z))
+    assert abs((bearing - pose.yaw_deg + 180.0) % 360.0 - 180.0) <= 15.0 + 1e-6
+
+
+def test_a_scan_knows_floor_from_obstacles_and_leaves_the_ceiling_out():
+    room = Room(4.0, 1.0, 0.0, boxes=((3.5, 4.5, 0.0, 0.7, 3.0, 3.5),))
+    points = scan(room.look()[0], np.zeros((SIDE, SIDE), np.float32), Pose(), 90.0, CONSTANTS)
+    ahead = {tuple(cell) for cell in points.cells[~points.floor]}
+    assert (0, 16) in ahead, "the front of the box, 2 m ahead"
+    assert points.height.max() <= CONSTANTS.ceiling_m - CONSTANTS.camera_height_m
+    assert np.abs(points.height[points.floor] + CONSTANTS.camera_height_m).max() <= CONSTANTS.floor_tolerance_m
+    known = VoxelMap(CONSTANTS)
+    known.update(points, (0, 0))
+    assert known.at((0, 0)) is State.FRONTIER and known.at((0, 3)) is State.FREE, "the floor that the camera does not see"
+    assert known.at((0, 16)) is State.OCCUPIED and known.at((0, 30)) is not State.FREE
+
+
+def test_images_are_made_square_by_their_nearest_pixels():
+    image = np.arange(36.0).reshape(6, 6)
+    assert (square(image, 3) == image[1::2, 1::2]).all() and square(image, 6) is image

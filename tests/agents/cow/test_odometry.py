@@ -1,0 +1,51 @@
+"""Dead reckoning, and noticing that an action failed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.agent import Action
+from ovman.agents.cow.odometry import Pose, failed
+from tests.agents.cow.world import CONSTANTS, Room
+
+STEP = CONSTANTS.step_m, CONSTANTS.turn_deg
+MOTIONS = st.sampled_from([Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT])
+
+
+def after(pose: Pose, actions) -> Pose:
+    for action in actions:
+        pose = pose.after(action, *STEP)
+    return pose
+
+
+def test_a_loop_closes():
+    side = [Action.MOVE_AHEAD] * 4 + [Action.ROTATE_RIGHT] * 3
+    end = after(Pose(), side * 4)
+    assert (end.x, end.z) == pytest.approx((0.0, 0.0), abs=1e-12) and end.yaw_deg == 0.0
+
+
+def test_unity_turns_clockwise():
+    assert after(Pose(), [Action.ROTATE_RIGHT] * 3 + [Action.MOVE_AHEAD]).x == pytest.approx(0.25)
+
+
+@given(st.lists(MOTIONS, max_size=40))
+def test_it_agrees_with_what_exact_motions_do(actions):
+    room = Room(50.0, 50.0, 0.0, 100.0, 100.0)
+    for action in actions:
+        room.do(action)
+    end = after(Pose(), actions)
+    assert (end.x + 50.0, end.z + 50.0) == pytest.approx((room.x, room.z)) and end.yaw_deg == pytest.approx(room.yaw_deg)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.sampled_from([Action.MOVE_AHEAD, Action.ROTATE_LEFT]), st.floats(0.0, 359.0), st.booleans())
+def test_failures_are_told_from_motions(action, yaw_deg, fails):
+    room = Room(3.0, 2.0, yaw_deg, boxes=((1.0, 1.6, 0.0, 1.2, 3.0, 3.6), (5.0, 6.0, 0.0, 0.9, 1.0, 4.0)))
+    before = room.look()[0]
+    if not fails:
+        assert room.do(action)
+    noise = np.random.default_rng(0).normal(0.0, 0.003, before.shape).astype(np.float32)
+    assert failed(before, room.look()[0] + noise, CONSTANTS.unchanged_depth_m) == fails
