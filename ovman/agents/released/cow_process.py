@@ -100,8 +100,9 @@ def _call(job: Job, constants: Any, factory: Any, runner: Any) -> None:
         center_only=True,
         **world,
     )
-    known = zip(arguments.get("classes") or (), arguments.get("classes_clip") or (), strict=True)
-    names = vocabulary([episode.category for episode in job.hidden], dict(known))
+    # The released lists are of the same length where there are any; names of categories that it knows stay its own.
+    known = dict(zip(arguments.get("classes") or (), arguments.get("classes_clip") or (), strict=False))
+    names = vocabulary([episode.category for episode in job.hidden], known)
     arguments["classes"], arguments["classes_clip"] = names
     waiting: queue.Queue[dict[str, Any]] = queue.Queue()
     for episode in job.hidden:
@@ -125,11 +126,14 @@ def _call(job: Job, constants: Any, factory: Any, runner: Any) -> None:
 
 
 def parameters(settings: Path) -> dict[str, Any]:
-    """The Controller's parameters of the released configuration: its body, its camera, its step."""
+    """The Controller's parameters of the released configuration: its body, its camera, its step. ValueError without a size."""
     import yaml
 
     read = yaml.safe_load(settings.read_text(encoding="utf-8"))
-    return dict(read["initialize"]) | {name: read[name] for name in SIZE}
+    given = dict(read["initialize"]) | {name: read[name] for name in SIZE if name in read}
+    if lost := [name for name in SIZE if name not in given]:
+        raise ValueError(f"{settings}: has no {' and no '.join(lost)}; check out the released code again")
+    return given
 
 
 def _device(name: str) -> Any:
