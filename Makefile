@@ -26,7 +26,9 @@ help:
 	@echo "make lock    requirements.lock from the newest releases that pyproject.toml allows"
 	@echo "make setup   .venv alone;  make clean: remove .venv and caches, keep results"
 
+# Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
 tables: $(READY)
+	@$(SNAKEMAKE) -- results/episodes/main.jsonl
 	@$(SNAKEMAKE) -- results/tables
 
 static: $(READY)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -71,7 +71,8 @@ class Recorded:
     rng: draws of this arm, episode and run; run: 0 for the first of `runs`. constants: those of the stage `predictions` and those
     that the arm's entry names. reachable (2, 2): two corners of the box around what can be reached in the second visit, metres.
     visits: the names under which files have what was made of the visits; they tell what was changed, and an agent uses them for
-    nothing but to look that up. category: the query's; measured: of the trial, for what is handed over.
+    nothing but to look that up. category: the query's; sightings: by visit, of the instances of that category, for an arm that is
+    handed its grounding or positions, else None.
     """
 
     rng: np.random.Generator
@@ -82,7 +83,7 @@ class Recorded:
     category: str
     arm: Arm
     senses: Senses
-    measured: Mapping[str, Any]
+    sightings: Mapping[str, Sequence[Mapping[str, Any]]] | None = None
 
     @property
     def grounding(self) -> Source:
@@ -114,15 +115,16 @@ class Recorded:
 
         For an arm that is handed its grounding. ValueError for any other.
         """
-        self._handed(self.arm.grounding, "grounding")
+        sightings = self._handed(self.arm.grounding, "grounding")[which]
         least_px, radius_m = self.constants.admissibility.minimum_mask_px, self.constants.success.radius_m
-        return grounding_by_truth(recorded_positions(self.measured["sightings"][which], least_px), p, radius_m)
+        return grounding_by_truth(recorded_positions(sightings, least_px), p, radius_m)
 
     def world(self, which: str) -> WorldState:
         """The instances of the query's category as a visit recorded them. For an arm that is handed positions."""
-        self._handed(self.arm.positions, "positions")
-        return world_state(self.measured["sightings"][which], self.category, self.constants.admissibility.minimum_mask_px)
+        sightings = self._handed(self.arm.positions, "positions")[which]
+        return world_state(sightings, self.category, self.constants.admissibility.minimum_mask_px)
 
-    def _handed(self, source: Source, what: str) -> None:
-        if source is not Source.HANDED:
+    def _handed(self, source: Source, what: str) -> Mapping[str, Sequence[Mapping[str, Any]]]:
+        if source is not Source.HANDED or self.sightings is None:
             raise ValueError(f"arms.{self.arm.name} finds its {what} itself; a diagnostic arm says {what}: handed in its entry")
+        return self.sightings

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.arms import Arm
+from ovman.agents.arms import Arm, Source
 from ovman.agents.factory import AgentError, failures, function
 from ovman.agents.given import Recorded
 from ovman.agents.prediction import Outcome, Prediction, write
@@ -38,7 +38,7 @@ def predict(arm: Arm, trial: Mapping[str, Any], constants: Any, senses: Senses, 
         category=candidate["category"],
         arm=arm,
         senses=senses,
-        measured=measured,
+        sightings=measured["sightings"] if Source.HANDED in (arm.grounding, arm.positions) else None,
     )
     answer = function(arm.name, arm.agent)
     with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {candidate['id']}: it"):

@@ -57,9 +57,7 @@ def recorded(
     """places: where each visit recorded a chair."""
     sightings = {which: [{"view": 0, "px": 900, "x": x, "z": z} for x, z in (places or {}).get(which, [])] for which in VISITS}
     arm = Arm("dualmap", Kind.STATIC, "m:f", grounding=grounding)
-    return Recorded(
-        np.random.default_rng(0), run, CONSTANTS, np.zeros((2, 2)), VISITS, "Chair", arm, Seen(*runs), {"sightings": sightings}
-    )
+    return Recorded(np.random.default_rng(0), run, CONSTANTS, np.zeros((2, 2)), VISITS, "Chair", arm, Seen(*runs), sightings)
 
 
 STAYED, BEFORE, AFTER, OTHER = (0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (5.0, 5.0)
