@@ -106,25 +106,17 @@ class LocalMap:
 
     def _hand_on(self, constants: GlobalConstants) -> None:
         """Settled furniture departs with what is on it; what else has settled and is on nothing is dropped."""
-        on = {
-            thing.uid: [low for low in self.objects if low is not thing and lies_on(thing, low, constants)]
-            for thing in self.objects
-        }
         leaving: set[int] = set()
         for thing in self.objects:
-            if thing.stage.phase is not Phase.SETTLED:
+            if thing.stage.phase is not Phase.SETTLED or thing.uid in leaving:
                 continue
             if not thing.low_mobility:
-                if not on[thing.uid]:
+                if not any(lies_on(thing, low, constants) for low in self.objects):
                     leaving.add(thing.uid)
                 continue
             leaving.add(thing.uid)
             if thing.class_id != self._unknown:
-                related = [
-                    up
-                    for up in self.objects
-                    if not up.low_mobility and up.uid not in leaving and any(low is thing for low in on[up.uid])
-                ]
+                related = [up for up in self.objects if up.uid not in leaving and lies_on(up, thing, constants)]
                 self.departures.append(Departure(thing, tuple(related)))
                 leaving.update(up.uid for up in related)
         self.objects = [thing for thing in self.objects if thing.uid not in leaving]
