@@ -12,7 +12,7 @@ from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.frontiers import frontier_targets
 from ovman.agents.cow.odometry import Pose, failed
 from ovman.agents.cow.paths import Paths
-from ovman.agents.cow.relevance import Localiser, OpenVocabularyLocaliser
+from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
@@ -68,6 +68,9 @@ class Cow:
         """The next action, given the images at the present pose."""
         constants = self._constants
         assert observation.rgb is not None and observation.depth is not None, "CoW needs images"
+        if self._queue and self._queue[-1] is Action.STOP:
+            # Turning to what it will stop at: nothing that it sees on the way changes that, so it need not be understood.
+            return self._queue.pop(0)
         depth = square(observation.depth, constants.image_px)
         self._reckon(depth)
         relevance = self._localiser.relevance(observation.rgb)
@@ -163,16 +166,4 @@ class Cow:
 
 def agent(given: Given) -> Cow:
     """The arm `cow`: needs the networks, and of the constants cow.*, locobot.* and section perception."""
-    constants = CowConstants.of(given.constants)
-    camera, perception = given.constants.camera, given.constants.perception
-    detector, encoder = given.sight()
-    return Cow(
-        OpenVocabularyLocaliser(
-            detector.at(given.constants.locobot.side_px),
-            encoder,
-            constants,
-            perception.detector.minimum_mask_px / (camera.width_px * camera.height_px),
-            perception.encoder.crop_padding,
-        ),
-        constants,
-    )
+    return Cow(localiser(given.constants, *given.sight()), CowConstants.of(given.constants))

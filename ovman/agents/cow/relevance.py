@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -82,16 +82,32 @@ class OpenVocabularyLocaliser:
         return found
 
     def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The instances of an image (H, W, 3), and how similar they are to the prompt.
+        """Boxes (N, 4) of the instances of an image (H, W, 3), and how similar they are to the prompt: cosines (N,)."""
+        boxes, features = self.instances(rgb)
+        return boxes, features @ self._text
 
-        Boxes (N, 4): top, left, bottom, right in pixels, the latter two outside; similarities (N,): cosines.
+    def instances(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The instances of an image (H, W, 3): boxes (N, 4), and unit embeddings (N, K) of their crops.
+
+        A box is top, left, bottom, right in pixels, the latter two outside.
         """
         (seen,) = self._detector.detect([rgb])
         masks = seen.masks[seen.masks.sum(axis=(1, 2), dtype=np.int64) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):
-            return np.zeros((0, 4)), np.zeros(0, np.float32)
+            return np.zeros((0, 4)), np.zeros((0, len(self._text)), np.float32)
         crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]
-        return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops)) @ self._text
+        return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
+
+
+def localiser(constants: Any, detector: Any, encoder: Any) -> OpenVocabularyLocaliser:
+    """The localiser of the LoCoBot's frames; `constants` owns cow.*, locobot.*, camera.* and perception.*.
+
+    An instance is as large a share of the frame as the smallest that the reference agent takes is of its own.
+    """
+    camera, perception = constants.camera, constants.perception
+    smallest = perception.detector.minimum_mask_px / (camera.width_px * camera.height_px)
+    of_frames = detector.at(constants.locobot.side_px)
+    return OpenVocabularyLocaliser(of_frames, encoder, CowConstants.of(constants), smallest, perception.encoder.crop_padding)
 
 
 def _box(mask: np.ndarray) -> np.ndarray:

@@ -1,0 +1,125 @@
+"""How well CoW's localiser tells what is of a category, threshold by threshold: cow.similarity of config.yaml is chosen by it.
+
+    python -m ovman.training.localisation [--config config.yaml] [--views 100]
+
+Views of the LoCoBot from random places of the held-out floor plans, which neither the benchmark has nor the networks have learnt
+from. Every movable category of a floor plan is looked for in each of its views.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman import seeds
+from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, prompt
+from ovman.config import load
+from ovman.perception.networks import detector_of, encoder_of
+from ovman.perception.weights import ROOT
+from ovman.sim.embodiment import Embodiment
+from ovman.sim.session import AgentPose, Session
+from ovman.training.floorplans import floor_plans
+from ovman.training.pictures import Picture, picture_of
+
+STEP = 0.0025
+"""Between two thresholds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Looked:
+    """A category looked for in one view.
+
+    right, wrong: the greatest similarity of a box whose centre is on the category, and of one whose centre is on something else;
+    -1 where there is none. shown: whether the category is there to be seen.
+    """
+
+    right: float
+    wrong: float
+    shown: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Views in which something was found rightly, found wrongly, and not found, at a threshold."""
+
+    threshold: float
+    right: int
+    wrong: int
+    missed: int
+
+    @property
+    def f1(self) -> float:
+        """2 TP / (2 TP + FP + FN)."""
+        return 2 * self.right / max(2 * self.right + self.wrong + self.missed, 1)
+
+
+def scores(looked: list[Looked], thresholds: np.ndarray) -> list[Score]:
+    """The scores of all thresholds, in their order."""
+    right, wrong, shown = (np.array([getattr(one, name) for one in looked]) for name in ("right", "wrong", "shown"))
+    return [
+        Score(float(t), int((right >= t).sum()), int((wrong >= t).sum()), int((shown & (right < t)).sum())) for t in thresholds
+    ]
+
+
+def views(session: Session, count: int, rng: np.random.Generator) -> Iterator[tuple[Picture, list[str]]]:
+    """Pictures from random places and headings, and the movable categories of the scene."""
+    session.reset()
+    categories = sorted({o["objectType"] for o in session.objects.values() if o["moveable"] or o["pickupable"]})
+    places = sorted(session.reachable())
+    for _ in range(count):
+        x, z = places[rng.integers(len(places))]
+        yield picture_of(session.teleport(AgentPose(x, z, float(rng.uniform(0.0, 360.0))), image=True)), categories
+
+
+def looked_for(
+    picture: Picture, texts: dict[str, np.ndarray], eyes: OpenVocabularyLocaliser, smallest_px: float
+) -> Iterator[Looked]:
+    """Every category of `texts` (embeddings of prompts) in a picture; an instance of `smallest_px` pixels is there to be seen."""
+    boxes, features = eyes.instances(picture.rgb)
+    middle = [picture.ids[int((top + bottom) / 2), int((left + right) / 2)] for top, left, bottom, right in boxes]
+    at = [picture.objects[i].type if i >= 0 else "" for i in middle]
+    sizes = np.bincount(picture.ids[picture.ids >= 0], minlength=len(picture.objects))
+    there = {shown.type for shown, size in zip(picture.objects, sizes, strict=True) if size >= smallest_px}
+    for category, text in texts.items():
+        similarity, on = features @ text, np.array([name == category for name in at], bool)
+        yield Looked(similarity[on].max(initial=-1.0), similarity[~on].max(initial=-1.0), category in there)
+
+
+def main() -> None:
+    """Prints the scores of the thresholds about the best one."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
+    parser.add_argument("--views", type=int, default=100, help="of each floor plan")
+    options = parser.parse_args()
+    settings: Any = load(options.config)
+    body = Embodiment.named("locobot", settings)
+    encoder = encoder_of(settings.perception)
+    eyes = localiser(settings, detector_of(settings.perception), encoder)
+    eyes.look_for("Floor")
+    share = settings.perception.detector.minimum_mask_px / (settings.camera.width_px * settings.camera.height_px)
+    looked: list[Looked] = []
+    scenes = floor_plans(settings.benchmark.scenes).held_out
+    for scene in scenes:
+        with Session(scene, settings, body) as session:
+            texts: dict[str, np.ndarray] = {}
+            for picture, categories in views(session, options.views, seeds.generator(0, "localisation", scene)):
+                texts = texts or dict(zip(categories, encoder.texts([prompt(c) for c in categories]), strict=True))
+                looked += looked_for(picture, texts, eyes, share * picture.ids.size)
+    found = scores(looked, np.arange(0.4, 0.7, STEP))
+    best = max(found, key=lambda score: score.f1)
+    shown = sum(one.shown for one in looked)
+    print(f"{len(scenes)} floor plans, {options.views} views each: {len(looked)} searches, {shown} of them for what is in view")
+    print(f"best F1 {best.f1:.3f} at {best.threshold:.4f}; in use: {settings.cow.similarity}")
+    print(f"{'threshold':>9}{'F1':>8}{'right':>8}{'wrong':>8}{'missed':>8}")
+    for score in found:
+        if abs(score.threshold - best.threshold) < 8.5 * STEP:
+            print(f"{score.threshold:9.4f}{score.f1:8.3f}{score.right:8}{score.wrong:8}{score.missed:8}")
+
+
+if __name__ == "__main__":
+    main()
