@@ -1,0 +1,126 @@
+"""The stage of the walks: frames of equal content are looked at once, and a killed job goes on where it was."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from ovman.agents.dualmap import walks
+from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
+from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.walks import Assigned, Memory
+from ovman.config import canonical, load
+from ovman.constants import StageConstants
+from ovman.perception.backprojection import Camera
+from ovman.sim.session import AgentPose
+from ovman.sim.visit import Visit
+from ovman.sim.walk import Frame
+
+ROOT = Path(__file__).parents[3]
+RUNS = 2
+
+
+def frame(grey: int, view: int | None = None, x: float = 0.0) -> Frame:
+    rgb, depth = np.full((4, 4, 3), grey, np.uint8), np.ones((4, 4), np.float32)
+    return Frame(rgb, depth, Camera((x, 1.0, 0.0), 0.0, 0.0, 90.0), AgentPose(x, 0.0, 0.0), view)
+
+
+class Observer:
+    """Sees one object in each frame, of as many points as it is grey, where the runs draw them; remembers at what it looked."""
+
+    classes = SimpleNamespace(names=("chair", "cup"), low_mobility=np.array([True, False]))
+
+    def __init__(self):
+        self.looked_at = []
+
+    def look(self, frames, draws):
+        self.looked_at += [int(f.rgb[0, 0, 0]) for f in frames]
+        return [
+            Shot(
+                (Seen(1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)),),
+                2.5,
+            )
+            for f, runs in zip(frames, draws, strict=True)
+        ]
+
+
+def test_frames_of_equal_content_are_looked_at_once_and_drawn_alike_in_any_walk():
+    observer = Observer()
+    memory = Memory(lambda: observer, RUNS, 0)
+    contents, views, new = memory.walked([frame(5, 0), frame(6), frame(5), frame(6, 1)])
+    assert observer.looked_at == [5, 6] and views == [0, NO_VIEW, NO_VIEW, 1]
+    assert contents[0] == contents[2] != contents[1] == contents[3] and list(new) == contents[:2]
+    memory.shots |= new
+    assert not memory.walked([frame(6)])[2]
+    assert len(memory.walked([frame(6, x=1.0)])[2]) == 1
+    other = Memory(lambda: Observer(), RUNS, 0).walked([frame(6)])[2][contents[1]]
+    for a, b in zip(other.seen[0].clouds, new[contents[1]].seen[0].clouds, strict=True):
+        assert np.array_equal(a, b)
+    assert not np.array_equal(*other.seen[0].clouds)
+
+
+def test_more_frames_than_go_together_are_all_looked_at():
+    observer = Observer()
+    count = 2 * walks.TOGETHER + 3
+    assert len(Memory(lambda: observer, RUNS, 0).walked([frame(1 + k) for k in range(count)])[2]) == count
+    assert observer.looked_at == list(range(1, count + 1))
+
+
+@pytest.fixture
+def job(monkeypatch, tmp_path):
+    """A job of three visits on frames that are told; `job.walked` are those that were walked, `job.fail` names one that fails."""
+    told = {"a": [frame(3, 0), frame(4)], "b": [frame(4, 0), frame(5)], "c": [frame(3, 0), frame(6, 1)]}
+    state = SimpleNamespace(walked=[], fail=None, observer=Observer(), kept=tmp_path / "kept")
+    constants = StageConstants(canonical(load(ROOT / "config.yaml"), "walks"))
+
+    def frames(session, of, constants):
+        state.walked.append(of.recorded.name)
+        yield told[of.recorded.name][0]
+        if state.fail == of.recorded.name:
+            raise KeyboardInterrupt
+        yield from told[of.recorded.name][1:]
+
+    def run(output, names="abc"):
+        state.walked, state.observer = [], Observer()
+        of = {n: Assigned(Visit({"visit": n, "alterations": [n], "mover": None, "views": []}), n) for n in names}
+        walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
+        return tmp_path / output
+
+    monkeypatch.setattr(walks, "frames", frames)
+    monkeypatch.setattr(walks, "_observer", lambda perception, observation: state.observer)
+    monkeypatch.setattr(walks.networks, "looked_at_by", lambda perception: {})
+    state.run = run
+    return state
+
+
+def test_a_killed_job_goes_on_with_the_walk_that_it_was_in_and_writes_the_same(job, tmp_path):
+    whole = job.run("whole.npz")
+    assert job.walked == ["a", "b", "c"] and job.observer.looked_at == [3, 4, 5, 6]
+    for part in job.kept.iterdir():
+        part.unlink()
+    job.fail = "b"
+    with pytest.raises(KeyboardInterrupt):
+        job.run("cut.npz")
+    job.fail = None
+    again = job.run("again.npz")
+    assert job.walked == ["b", "c"] and job.observer.looked_at == [5, 6]
+    assert again.read_bytes() == whole.read_bytes()
+    assert job.run("once more.npz").read_bytes() == whole.read_bytes() and job.walked == []
+
+
+def test_a_kept_walk_that_builds_on_one_that_is_gone_is_walked_again(job):
+    job.run("whole.npz")
+    read = read_walks(job.run("two.npz", "bc"))
+    assert job.walked == ["b", "c"] and job.observer.looked_at == [4, 5, 3, 6]
+    assert [len(walk.frames) for walk in read.values()] == [2, 2]
+    assert len(list(job.kept.iterdir())) == 2
+
+
+def test_what_is_kept_but_cannot_be_read_is_made_again(job):
+    whole = job.run("whole.npz").read_bytes()
+    for part in job.kept.iterdir():
+        part.write_bytes(part.read_bytes()[:100])
+    assert job.run("again.npz").read_bytes() == whole and job.walked == ["a", "b", "c"]
