@@ -83,8 +83,12 @@ def submodule(root: Path) -> interpreter.Needs:
 
 
 def environment() -> dict[str, str]:
-    """Environment variables for a process of DualMap: none that would mix this one's packages into its own."""
-    return {name: value for name, value in os.environ.items() if name not in _OWN}
+    """Environment variables for a process of DualMap.
+
+    None mixes this one's packages into its own; nothing is downloaded or installed, and no bytecode is written into the clone.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in _OWN}
+    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "YOLO_OFFLINE": "true", "YOLO_AUTOINSTALL": "false"}
 
 
 def missing_weights(root: Path, python: str) -> str | None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.mapped import Sort
+from ovman.agents.dualmap.mapped import Sort, read, write
 from ovman.agents.released.dualmap import CODE, Maintained, Runs, identity
 from ovman.agents.released.dualmap_frames import write_visit
 from ovman.agents.released.dualmap_runner import Policy, RunError
@@ -48,6 +48,9 @@ def test_maps_of_both_visits_and_one_through_both(tmp_path):
     lamp = max(maps.maintained[PAIR].entries, key=lambda entry: entry.first_seen)
     assert lamp.position[0] < -1.6 and lamp.class_id == 2 and lamp.first_seen > 12
     assert nouns.keys() == {"sofa"}
+    write(tmp_path / "maps.npz", [maps])
+    (kept,) = read(tmp_path / "maps.npz")
+    assert places(kept.maintained[PAIR]).tolist() == places(maps.maintained[PAIR]).tolist()
     made.clear()
     assert not list(tmp_path.glob("frames.*"))
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import ast
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -133,6 +135,18 @@ def test_a_run_that_hangs_is_killed(tmp_path):
         run(HERE, policy(limit_s=2.0), sequence(tmp_path, "hangs"), "hangs", NOUNS, tmp_path / "run")
     said = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
     assert str(tmp_path) not in said
+
+
+def test_the_clone_stays_as_it_was(tmp_path):
+    clone = shutil.copytree(HERE.root, tmp_path / "clone", ignore=shutil.ignore_patterns("__pycache__"))
+
+    def files():
+        return {path: path.stat().st_mtime_ns for path in clone.rglob("*")}
+
+    before = files()
+    run(replace(HERE, root=clone), policy(), sequence(tmp_path), "FloorPlan1", NOUNS, tmp_path / "run")
+    assert files() == before
+    assert (tmp_path / "run" / "classes.txt").read_bytes() == (HERE.root / "config" / "classes.txt").read_bytes()
 
 
 def test_a_path_with_odd_characters_is_one_setting(tmp_path):

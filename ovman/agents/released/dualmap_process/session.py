@@ -6,6 +6,7 @@ import importlib
 import json
 import random
 import runpy
+import shutil
 import time
 from pathlib import Path
 from typing import Any
@@ -25,14 +26,17 @@ def run(request: dict[str, Any]) -> None:
     A request has "overrides" (of DualMap's settings, as on its command line), "guard" (first_only, every_frame), "nouns" (phrases
     whose text features are wanted), "seed" (of every generator, or None as released), "device" (cuda, cpu), "map" (where the
     objects are saved) and "before" (a Python file whose function `before` is called before DualMap is built, or None: networks
-    that stand in for its own). The current directory is the clone.
+    that stand in for its own). The current directory is the clone. The list of classes is copied, as it is, since DualMap writes
+    colours beside it.
     """
     began = time.monotonic()
     if request["before"] is not None:
         runpy.run_path(request["before"])["before"]()
     if request["seed"] is not None:
         _seed(request["seed"])
+    output = Path(request["output"])
     settings = _settings(request["overrides"])
+    settings.yolo.given_classes_path = str(shutil.copy(settings.yolo.given_classes_path, output / "classes.txt"))
     guard.apply(importlib.import_module("utils.object_detector"), request["guard"])
     system = importlib.import_module("dualmap.core").Dualmap(settings)
     try:
@@ -48,7 +52,6 @@ def run(request: dict[str, Any]) -> None:
         system.stop_thread = True
     names = Path(settings.yolo.given_classes_path).read_text().splitlines()
     found = objects.read(Path(request["map"]), names, sights)
-    output = Path(request["output"])
     objects.write(output / "objects.npz", found, nouns)
     kinds = [record["kind"] for record in found]
     counts = {kind: kinds.count(kind) for kind in (objects.LOCAL, objects.ANCHOR, objects.RELATED)}
