@@ -18,6 +18,7 @@ from ovman.agents.perceived import Perceived
 from ovman.agents.reasoning import ReferenceConstants
 from ovman.agents.reference import ReferenceAgent, SingleVisitAgent
 from ovman.agents.senses import Senses
+from ovman.analysis import runs
 from ovman.config import canonical
 from ovman.constants import StageConstants, task_constants
 from ovman.language import noun
@@ -108,6 +109,26 @@ def test_the_single_visit_draws_by_its_seed(session):
     arm, eyes = BY_NAME["single_visit_embodied"], TrueEyes(chosen)
     one, again, other = (executions.execution(session, arm, seed, chosen, constants(), eyes) for seed in (0, 0, 1))
     assert one == again and one["stop"] != other["stop"]
+
+
+@pytest.mark.parametrize("budget", [4, 7, 300])
+def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
+    chosen, eyes = trial(Relation.FORMER), TrueEyes(trial(Relation.FORMER))
+    whole = executions.execution(session, replace(TWO_VISITS, marks=(budget,)), 0, chosen, constants(), eyes)
+    assert whole["outcome"] == "stopped" and 7 < whole["actions"] < 300
+    short = executions.execution(session, replace(TWO_VISITS, budget=budget), 0, chosen, constants(), eyes)
+    cut = runs.cut(whole, replace(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
+    assert {key: cut[key] for key in short} == short | {"arm": "short"}
+    assert runs.cut(whole, TWO_VISITS) is whole
+
+
+def test_a_run_that_left_no_mark_cannot_be_cut():
+    whole = {"episode": "e", "arm": "long", "outcome": "stopped", "actions": 9}
+    with pytest.raises(ValueError, match="e: long was not run for short; make its executions again"):
+        runs.cut(whole, replace(TWO_VISITS, name="short", cut_from="long", budget=9))
+    for actions, outcome in ((8, "stopped"), (9, "stalled"), (9, "budget")):
+        ended = whole | {"actions": actions, "outcome": outcome}
+        assert runs.cut(ended, replace(TWO_VISITS, name="short", cut_from="long", budget=9)) == ended | {"arm": "short"}
 
 
 class Watcher:
