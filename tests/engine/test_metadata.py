@@ -216,6 +216,11 @@ def test_a_filter_leaves_out_objects_but_not_what_is_known_of_them(engine):
     assert {o["objectId"] for o in some} == set(chosen) and all(o == whole[o["objectId"]] for o in some)
     assert scene.do("SetObjectFilter", objectIds=[])["objects"] == []
     assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
+    turned = scene.do("RotateRight")["objects"]
+    scene.do("RotateLeft")
+    scene.do("SetObjectFilter", objectIds=[])
+    scene.do("RotateRight")
+    assert scene.do("ResetObjectFilter")["objects"] == turned
 
 
 def test_renamed_objects_leave_nothing_behind(engine):

@@ -72,7 +72,7 @@ def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
     features = arrays["feature"].astype(np.float32)
     features /= np.maximum(np.linalg.norm(features, axis=1, keepdims=True), np.finfo(np.float32).tiny)
     seen = [
-        Seen(class_id, confidence, feature, tuple(clouds[start:end]))
+        Seen(class_id, feature, confidence, tuple(clouds[start:end]))
         for class_id, confidence, feature, (start, end) in zip(
             arrays["class_id"].tolist(), arrays["confidence"].tolist(), features, _spans(arrays["clouds"]), strict=True
         )

@@ -14,7 +14,7 @@ from ovman.agents.dualmap.masks import MaskConstants, filtered
 from ovman.agents.dualmap.shot import Seen, Shot
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.crop import squared
-from ovman.perception.tour import Embedder, Segmenter
+from ovman.perception.tour import Embedder, Segmenter, Segments
 
 EVERY_PX, HIGH = 4, 0.95
 """One pixel in so many of a row and of a column is asked how high it is, and this share of them lies below the ceiling: what is
@@ -48,28 +48,38 @@ class Observer:
     def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
         """What each of the frames shows. draws: of each frame, the generators of the runs, which draw pixels."""
         found = self._detector.detect([frame.rgb for frame in frames])
-        shots = []
-        for frame, segments, runs in zip(frames, found, draws, strict=True):
-            scale = frame.depth.size / self._constants.published_px
-            which, own, whole = filtered(segments.masks, frame.rgb, self._constants.least_px * scale, self._masks)
-            clouds = [self._clouds(frame, mask, min(self._constants.sample / scale, 1.0), runs) for mask in own]
-            seen = [k for k, cloud in enumerate(clouds) if all(map(len, cloud))]
-            crops = [self._crop(frame.rgb, whole[k], round(self._constants.border_px * math.sqrt(scale))) for k in seen]
-            sure = segments.confidence[which[seen]] if seen else np.zeros(0, np.float32)
-            shots.append(Shot(self._named(crops, sure, [clouds[k] for k in seen]), _top_m(frame)))
-        return shots
+        looks = [self._clouded(*one) for one in zip(frames, found, draws, strict=True)]
+        crops = [crop for look in looks for crop, _, _ in look]
+        named = iter(self._named(crops))
+        return [
+            Shot(tuple(Seen(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
+            for frame, look in zip(frames, looks, strict=True)
+        ]
 
-    def _named(
-        self, crops: Sequence[np.ndarray], confidence: np.ndarray, clouds: Sequence[tuple[np.ndarray, ...]]
-    ) -> tuple[Seen, ...]:
+    def _clouded(
+        self, frame: Frame, segments: Segments, runs: Sequence[np.random.Generator]
+    ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...]]]:
+        """Crop, confidence and clouds of every object of a frame of which each run has a cloud."""
+        scale = frame.depth.size / self._constants.published_px
+        share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
+        objects = []
+        for which, own, whole in zip(
+            *filtered(segments.masks, frame.rgb, self._constants.least_px * scale, self._masks), strict=True
+        ):
+            clouds = self._clouds(frame, own, share, runs)
+            if all(map(len, clouds)):
+                objects.append((self._crop(frame.rgb, whole, border_px), float(segments.confidence[which]), clouds))
+        return objects
+
+    def _named(self, crops: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:
+        """Class and feature (K,) of each crop."""
         if not crops:
-            return ()
+            return []
         images = self._encoder.images(np.stack(crops))
         classes = (images @ self.classes.feature.T).argmax(axis=1)
         mixed = self._constants.image_weight * images + self._constants.text_weight * self.classes.feature[classes]
         features = mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
-        rows = zip(classes.tolist(), confidence.tolist(), features.astype(np.float32), clouds, strict=True)
-        return tuple(Seen(*row) for row in rows)
+        return list(zip(classes.tolist(), features.astype(np.float32), strict=True))
 
     def _clouds(
         self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
@@ -77,12 +87,10 @@ class Observer:
         """Of each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
         rows, columns = np.nonzero(mask & (frame.depth > 0))
         drawn = [draw.choice(len(rows), int(share * len(rows)), replace=False, shuffle=False) for draw in runs]
-        clouds = []
-        for one in drawn:
-            points = pixel_points(frame.depth, rows[one], columns[one], frame.camera)
-            inside = largest_cluster(points, self._constants.cluster_radius_m, self._constants.cluster_points)
-            clouds.append(points[inside].astype(np.float32))
-        return tuple(clouds)
+        every = np.concatenate(drawn)
+        points = pixel_points(frame.depth, rows[every], columns[every], frame.camera).astype(np.float32)
+        radius_m, least = self._constants.cluster_radius_m, self._constants.cluster_points
+        return tuple(part[largest_cluster(part, radius_m, least)] for part in np.split(points, len(drawn)))
 
     def _crop(self, rgb: np.ndarray, mask: np.ndarray, border_px: int) -> np.ndarray:
         rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))

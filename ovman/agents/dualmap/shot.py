@@ -9,12 +9,12 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seen:
-    """One object in a frame: its class, how sure the detector was, its feature (K,) of unit length, and of every run the points
+    """One object in a frame: its class, its feature (K,) of unit length, how sure the detector was, and of every run the points
     (N, 3) float32 that were drawn of it, world frame, metres."""
 
     class_id: int
-    confidence: float
     feature: np.ndarray
+    confidence: float
     clouds: tuple[np.ndarray, ...]
 
     @property

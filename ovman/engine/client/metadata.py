@@ -67,7 +67,8 @@ class SceneMetadata:
             self._seen_from = None
         view = (settings.field_of_view_deg, settings.visibility_m, settings.visibility_scheme, aspect)
         seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment, *view)
-        if self._seen_from != seen_from:
+        # Who is visible from where takes longer than all else that is told; nobody is told of nobody.
+        if self._seen_from != seen_from and settings.shown != frozenset():
             self._look(Eye.of(agent, settings.field_of_view_deg, aspect), settings)
             self._seen_from = seen_from
         return self._list

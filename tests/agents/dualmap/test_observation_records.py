@@ -19,7 +19,7 @@ def shot(rng, objects: int, runs: int = 3) -> Shot:
     def seen() -> Seen:
         feature = rng.standard_normal(8).astype(np.float32)
         clouds = tuple(rng.uniform(-9, 9, (rng.integers(1, 60), 3)).astype(np.float32) for _ in range(runs))
-        return Seen(int(rng.integers(len(NAMES))), float(np.float32(rng.random())), feature / np.linalg.norm(feature), clouds)
+        return Seen(int(rng.integers(len(NAMES))), feature / np.linalg.norm(feature), float(np.float32(rng.random())), clouds)
 
     return Shot(tuple(seen() for _ in range(objects)), float(rng.random()))
 
@@ -83,14 +83,14 @@ def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
 
 
 def test_what_lies_too_far_away_is_refused():
-    far = Seen(0, 0.5, np.ones(1, np.float32), (np.array([[40.0, 0, 0]], np.float32),))
+    far = Seen(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
     with pytest.raises(ValueError, match="no home"):
         packed([Shot((far,), 2.0)])
 
 
 def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
     def at(low: float, high: float) -> Seen:
-        return Seen(0, 0.5, np.ones(1, np.float32), (np.array([[0, low, 0], [0, high, 0]], np.float32),))
+        return Seen(0, np.ones(1, np.float32), 0.5, (np.array([[0, low, 0], [0, high, 0]], np.float32),))
 
     tall, lamp, cornice = at(0.0, 2.6), at(2.0, 2.2), at(2.4, 2.6)
     assert without_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)
