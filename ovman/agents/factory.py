@@ -19,6 +19,8 @@ from ovman.task import Query
 class AgentError(RuntimeError):
     """An arm's agent is not there or failed; one line that names the key, the place and the remedy."""
 
+    says_all = True
+
 
 @cache
 def function(name: str, agent: str) -> Callable[..., Any]:

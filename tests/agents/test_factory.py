@@ -169,5 +169,6 @@ def test_an_agent_acts_in_actions_and_has_all_methods():
 
 
 def test_a_failure_that_was_told_is_not_told_again():
+    assert AgentError.says_all
     with pytest.raises(AgentError, match="^once$"), failures("outer"):
         raise AgentError("once")
