@@ -55,7 +55,7 @@ RULES: Sequence[Rule] = (
 
 @dataclass(frozen=True)
 class Difference:
-    """One key of one answer. `by`: how much, where both are numbers."""
+    """One key of one answer. `by`: how much, where both are numbers; of sets of points, the share that one of them lacks."""
 
     line: int
     key: str
@@ -66,7 +66,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Summary:
-    """All differences of a key that one rule, or none, is for."""
+    """All differences of a key, after whatever action, that one rule, or none, is for."""
 
     key: str
     rule: Rule | None
@@ -78,7 +78,8 @@ class Summary:
         """One line."""
         by = "" if self.largest is None else f", by up to {self.largest:.4g}"
         shown = f"{_short(self.first.recorded)} was recorded, {_short(self.first.answered)} answered"
-        return f"{self.key}: {self.count} times{by}; first in line {self.first.line}: {shown}"
+        after = self.first.key.partition(":")[0]
+        return f"{self.key}: {self.count} times{by}; first in line {self.first.line} ({after}): {shown}"
 
 
 def differences(line: int, recorded: Call, answered: Call) -> Iterator[Difference]:
@@ -100,7 +101,7 @@ def summaries(found: Sequence[Difference], rules: Sequence[Rule]) -> list[Summar
     """Differences by key, those that may not be first."""
     groups: dict[tuple[str, Rule | None], list[Difference]] = {}
     for difference in found:
-        groups.setdefault((difference.key, allowed(difference, rules)), []).append(difference)
+        groups.setdefault((difference.key.partition(":")[2], allowed(difference, rules)), []).append(difference)
     made = [
         Summary(key, rule, len(all_of), all_of[0], max((d.by for d in all_of if d.by is not None), default=None))
         for (key, rule), all_of in groups.items()
@@ -112,15 +113,22 @@ class _Named(dict[str, Any]):
     """Things by names that do not show in the key of a difference."""
 
 
+class _Points(frozenset[tuple[float, ...]]):
+    """Positions to the millimetre, in no order."""
+
+    def __repr__(self) -> str:
+        return f"{len(self)} points"
+
+
 def _comparable(call: Call) -> Mapping[str, Any]:
-    """The answer of a call with its objects by name, and its points in one order."""
+    """The answer of a call with its objects by name, and its points as a set."""
     if call.metadata is None:
         return {"error": call.error}
     answer = dict(call.metadata)
     answer["objects"] = _Named({o["name"]: o for o in answer.get("objects") or []})
     given = answer.get("actionReturn")
-    if isinstance(given, list) and all(isinstance(p, Mapping) and p.keys() == {"x", "y", "z"} for p in given):
-        answer["actionReturn"] = sorted([p["x"], p["y"], p["z"]] for p in given)
+    if isinstance(given, list) and given and all(isinstance(p, Mapping) and p.keys() == {"x", "y", "z"} for p in given):
+        answer["actionReturn"] = _Points(tuple(round(p[axis], 3) for axis in "xyz") for p in given)
     return {**answer, "pictures": call.pictures, "error": None}
 
 
@@ -154,6 +162,8 @@ def _is_number(value: Any) -> bool:
 
 
 def _distance(key: str, was: Any, now: Any) -> float | None:
+    if isinstance(was, _Points) and isinstance(now, _Points):
+        return 1.0 - len(was & now) / len(was | now)
     if not (_is_number(was) and _is_number(now)):
         return None
     apart = abs(was - now)
