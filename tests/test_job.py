@@ -66,6 +66,19 @@ def files(directory: Path) -> set[str]:
     return {str(p.relative_to(directory)) for p in directory.rglob("*") if p.is_file()}
 
 
+def test_what_says_all_in_its_line_needs_no_traceback(directory):
+    class Missing(ValueError):
+        says_all = True
+
+    outputs = Named(one="one.txt")
+    with pytest.raises(SystemExit) as ended, job(rule(output=outputs)) as work:
+        work.output("one").write_text("half")
+        raise Missing("a thing is missing; install it")
+    assert ended.value.code == "a thing is missing; install it" and files(directory) == set()
+    with pytest.raises(ValueError, match="a mistake"), job(rule(output=outputs)):
+        raise ValueError("a mistake")
+
+
 def test_an_output_appears_when_all_is_done(directory):
     with job(rule(output=Named(one="a/one.txt", two="a/two"))) as work:
         work.output("one").write_text("1")
