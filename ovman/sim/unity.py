@@ -22,7 +22,7 @@ DOWNLOAD_LIMIT_S = 1800.0
 REACH_LIMIT_S = 20.0
 """How long its server may take to say that it has the build."""
 VULKANINFO_LIMIT_S = 30.0
-DRIVER = "the GPU's own driver with its Vulkan part (Debian, Ubuntu: sudo apt install nvidia-driver libnvidia-gl, of one version)"
+DRIVER = "the GPU's own driver with its Vulkan part (NVIDIA's is libnvidia-gl-NNN on Ubuntu, nvidia-vulkan-icd on Debian)"
 
 
 class Missing(ValueError):
