@@ -90,6 +90,7 @@ def _caption(pairings: Sequence[Record]) -> str:
     if any(row["test"] == Method.POISSON_BINOMIAL for row in pairings):
         caption += (
             f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. Poisson-binomial: exact, one-sided, "
-            "the probability that the pick succeeds at least as often as the first arm did."
+            "the probability that the pick succeeds at least as often as the first arm did"
+            + ("; 0: more often than the pick can." if any(float(row["p"]) == 0.0 for row in pairings) else ".")
         )
     return caption

@@ -119,6 +119,15 @@ def test_worst_and_best_pairing(tables):
     assert whole[OURS, MAINTAINED]["worst"] == "+0.292"
 
 
+def test_a_pick_that_cannot_succeed_so_often_is_told():
+    outcomes = [static(f"grounding_{TWICE}", i, 1.0, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in (0, 1) for i in range(N)]
+    made = pairings_table(rows(Pairing, pairings([*STATIC, *outcomes])[0]))
+    whole = {(row["arm"], row["baseline"]): row for row in data(made) if row["relation"] == "ALL"}
+    of_pick = whole[f"grounding_{TWICE}", HANDED]
+    assert (of_pick["test"], of_pick["pairings"], of_pick["best"], of_pick["best_p"]) == ("poisson_binomial", "6", "+1.000", "0")
+    assert "0: more often than the pick can." in " ".join(markdown(made).split("\n\n")[0].split())
+
+
 def test_the_own_task_beside_this_one(tables):
     *_, whole = data(tables["own_task"])
     shown = ("agent", "relation", "own", "rate", "rate_min", "rate_max", "gap", "only_own", "only_here")
