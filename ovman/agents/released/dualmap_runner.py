@@ -155,12 +155,11 @@ def _process(installation: Installation, request: Path, log: Path, policy: Polic
                 os.killpg(process.pid, signal.SIGKILL)
             process.wait()
     if status:
-        raise RunError(scene_id, f"{_last_line(log)} (exit status {status})", log)
+        raise RunError(scene_id, _said(request.with_name("error.txt")) or f"ended with status {status}", log)
 
 
-def _last_line(log: Path) -> str:
-    lines = [line.strip() for line in log.read_text(errors="replace").splitlines() if line.strip()]
-    return lines[-1] if lines else "it said nothing"
+def _said(path: Path) -> str:
+    return path.read_text(errors="replace").strip() if path.is_file() else ""
 
 
 def _quoted(path: Path) -> str:

@@ -123,6 +123,7 @@ def test_a_map_without_objects_is_an_error_that_names_the_scene(tmp_path):
     [
         ("half_built", "half_built: the detector is not complete: weights did not load"),
         ("raises", "raises: RuntimeError: something went wrong in DualMap"),
+        ("killed", "killed: ended with status -9"),
     ],
 )
 def test_a_run_that_fails_says_why_and_ends_though_a_thread_goes_on(tmp_path, scene_id, says):

@@ -34,14 +34,17 @@ def _forget_own_directory() -> None:
 
 
 def main(request_file: str) -> int:
-    """Exit status of the run that a file asks for; what is wrong is the last line printed."""
+    """Exit status of the run that a file asks for. What is wrong is said in `error.txt`, where the objects would be."""
+    request = json.loads(Path(request_file).read_text())
     try:
-        session.run(json.loads(Path(request_file).read_text()))
+        session.run(request)
         return 0
     except session.RunError as error:
-        print(error, flush=True)
-    except BaseException:
+        said = str(error)
+    except BaseException as error:
         traceback.print_exc()
+        said = f"{type(error).__name__}: {error}"
+    Path(request["output"], "error.txt").write_text(" ".join(said.split()) + "\n")
     return 1
 
 

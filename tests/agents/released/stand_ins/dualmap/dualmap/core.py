@@ -1,10 +1,12 @@
 """A map with DualMap's outside: a class is an object, which stays if it was seen in two keyframes of a sequence.
 
-The scene's name says what goes wrong: "hangs", "raises", "half_built", "forgets" (what it was preloaded with).
+The scene's name says what goes wrong: "hangs", "killed", "raises", "half_built", "forgets" (what it was preloaded with).
 """
 
+import os
 import pickle
 import shutil
+import signal
 import threading
 import time
 from importlib import import_module
@@ -45,6 +47,8 @@ class Dualmap:
     def sequential_process(self, frame):
         if self.settings.scene_id == "hangs":
             time.sleep(600)
+        if self.settings.scene_id == "killed":
+            os.kill(os.getpid(), signal.SIGKILL)
         if self.settings.scene_id == "raises":
             raise RuntimeError("something went wrong in DualMap")
         for class_id, mask in self.detector.process_detections(frame.color):
