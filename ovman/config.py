@@ -82,7 +82,7 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     if not isinstance(tree, Mapping):
         raise ConfigError(f"{file_with(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
     try:
-        config = Config.model_validate({k: v for k, v in tree.items() if not str(k).startswith("x-")})
+        config = Config.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
     except ValidationError as error:
         raise ConfigError(_line(error, files)) from None
     values = settings(config)
@@ -95,6 +95,16 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
             needs = f"{bound} must be {needed} that and is {values[bound]}"
             raise ConfigError(f"{where}: {verdict} is {values[verdict]}, but {needs}; change one of the two")
     return config
+
+
+def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, Any]:
+    """The tree with its arms in the order of the files: whoever merges files may begin with the last one's keys."""
+    arms = tree.get("arms")
+    if len(files) < 2 or not isinstance(arms, Mapping):
+        return tree
+    sections = [read.get("arms") for path in files if isinstance(read := _read(path), Mapping)]
+    names = dict.fromkeys(name for section in sections if isinstance(section, Mapping) for name in section)
+    return {**tree, "arms": {name: arms[name] for name in (*names, *arms) if name in arms}}
 
 
 class _Loader(yaml.SafeLoader):

@@ -71,6 +71,14 @@ def test_an_overlay_adds_arms_and_leaves_them_out():
     assert list(arms) == [name for name in NAMES if name != "oracle_check"] + ["mine"]
 
 
+def test_merged_arms_stand_in_the_order_of_the_files_however_they_were_merged(tmp_path):
+    (tmp_path / "overlay.yaml").write_text(yaml.safe_dump({"arms": {"mine": MINE, "cow": {"system": "changed"}}}))
+    arms = TREE["arms"] | {"mine": MINE, "cow": TREE["arms"]["cow"] | {"system": "changed"}}
+    files = [ROOT / "config.yaml", tmp_path / "overlay.yaml"]
+    read = load(TREE | {"arms": {name: arms[name] for name in ("mine", "cow", *arms)}}, files).arms
+    assert list(read) == [*NAMES, "mine"] and read["cow"].system == "changed"
+
+
 @pytest.mark.parametrize(
     ("entry", "line"),
     [
