@@ -15,8 +15,10 @@ from ovman.agents.dualmap.readings import Maintained, Run
 from ovman.task.record import read_records
 
 
-class EmptyMapError(RuntimeError):
-    """A map without a single object; one line that names the scene, the visit and the remedy."""
+class MapsError(RuntimeError):
+    """A scene whose maps cannot be made; one line that names the scene, the visit and the remedy."""
+
+    says_all = True
 
 
 def pairs_of(scene: str, episodes: Path, trials: Path) -> list[Pair]:
@@ -39,11 +41,11 @@ def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[P
 
 
 def check(scene: str, run: int, made: RunMaps) -> None:
-    """EmptyMapError for a map of no object, which would answer nothing and look like a poor system."""
+    """MapsError for a map of no object, which would answer nothing and look like a poor system."""
     named: dict[str, Mapped] = {**made.visits, **{" and ".join(pair): mapped for pair, mapped in made.maintained.items()}}
     for name, mapped in named.items():
         if not mapped.entries:
-            raise EmptyMapError(
+            raise MapsError(
                 f"{scene}: run {run}: the map of {name} has no object after {mapped.frames} keyframes; no object was seen in "
                 "enough of them: make the walks denser (dualmap.walk in config.yaml)"
             )
@@ -52,12 +54,12 @@ def check(scene: str, run: int, made: RunMaps) -> None:
 def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Any, output: Path) -> None:
     """Write the maps of a scene, and print how many objects they hold and what they took.
 
-    EmptyMapError as ``check``, ValueError for an episode's visit that was not walked.
+    MapsError as ``check``, and for an episode's visit that was not walked.
     """
     walks, pairs = read_walks(walks_file), pairs_of(scene, episodes, trials)
     absent = sorted({visit for pair in pairs for visit in pair} - set(walks))
     if absent:
-        raise ValueError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
+        raise MapsError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
     runs = []
     for number in range(constants.dualmap.runs):
         began = time.process_time()

@@ -63,14 +63,14 @@ def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_r
 
 def test_a_map_of_nothing_ends_the_stage_with_the_scene_and_the_visit(tmp_path: Path):
     paths = files(tmp_path, [("untouched", "glimpsed")], ["untouched", "glimpsed"])
-    with pytest.raises(maps.EmptyMapError, match=r"^FloorPlan1: run 0: the map of glimpsed has no object after 24 keyframes"):
+    with pytest.raises(maps.MapsError, match=r"^FloorPlan1: run 0: the map of glimpsed has no object after 24 keyframes"):
         run(paths)
     assert not paths.output.exists()
 
 
 def test_an_episode_of_a_visit_that_was_not_walked_is_named(tmp_path: Path):
     paths = files(tmp_path, [("untouched", "displaced")], ["untouched"])
-    with pytest.raises(ValueError, match="no walk of the visit displaced; make the stage walks again"):
+    with pytest.raises(maps.MapsError, match="no walk of the visit displaced; make the stage walks again"):
         run(paths)
 
 
