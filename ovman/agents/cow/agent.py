@@ -53,6 +53,7 @@ class Cow:
         self.pose = Pose()
         self.mode = Mode.SPIN
         self.map = VoxelMap(self._constants)
+        self._proxies: dict[Cell, Cell] = {}
         self._queue: list[Action] = []
         self._spun = 0
         self._depth: np.ndarray | None = None
@@ -107,6 +108,7 @@ class Cow:
         """No way leads anywhere: forgets the map but for what is in view, and looks around again."""
         self.map = VoxelMap(self._constants)
         self.map.update(seen, self.cell)
+        self._proxies = {}
         self.mode, self._spun = Mode.SPIN, 1
         return Action.ROTATE_LEFT
 
@@ -155,13 +157,23 @@ class Cow:
         return next((cell for cell in way if self._away(cell) > self._constants.waypoint_voxels), None)
 
     def _proxy(self, region: Cell) -> Cell | None:
-        """The first known cell that is not occupied on the line from a region to the agent: where to go to be near it."""
+        """The first known cell that is not occupied on the line from a region to the agent: where to go to be near it.
+
+        It stays the same until it turns out to be occupied.
+        """
+        kept = self._proxies.get(region)
+        if kept is not None and self.map.at(kept) is not State.OCCUPIED:
+            return kept
+        self._proxies.pop(region, None)
         start, end = np.array(region, dtype=float), np.array(self.cell, dtype=float)
         count = max(int(math.dist(region, self.cell) / self._constants.ray_step_voxels), 1)
         cells = np.rint(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - start)).astype(int)
         states = self.map.states(cells)
         there = np.flatnonzero((states != State.UNKNOWN) & (states != State.OCCUPIED))
-        return None if not len(there) else (int(cells[there[0], 0]), int(cells[there[0], 1]))
+        if not len(there):
+            return None
+        self._proxies[region] = int(cells[there[0], 0]), int(cells[there[0], 1])
+        return self._proxies[region]
 
 
 def agent(given: Given) -> Cow:
