@@ -117,7 +117,8 @@ def test_finished_is_finished(world):
 @pytest.mark.parametrize("name", [names[0] for names in kinds()])
 def test_a_constant_reruns_its_owners_and_what_follows(world, name):
     # A dry run is slow and a stage's parameter is compared for every constant elsewhere: one constant for each set of stages.
-    assert set(world.planned(overlay({name: other(name)}))) == and_what_follows(owners(name))
+    # The Unity build is looked for before anything: a job that the embedded engine needs not.
+    assert set(world.planned(overlay({name: other(name)}))) - {"simulator"} == and_what_follows(owners(name))
 
 
 @pytest.mark.soak
