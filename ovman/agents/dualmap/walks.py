@@ -24,11 +24,11 @@ from ovman.agents.dualmap.shot import Shot, without_ceiling
 from ovman.journal import digest
 from ovman.perception import networks
 from ovman.perception.records import RecordError, read_arrays, write_arrays
-from ovman.sim import visit, walk
+from ovman.sim import walk
 from ovman.sim.change import Alteration, World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.mover import Gait
-from ovman.sim.session import Session
+from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.task.record import read_records
@@ -73,7 +73,7 @@ def frames(session: Session, of: Assigned, constants: Any) -> Iterable[Frame]:
     alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
     rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
     world = World(session, alterations, Gait.of(constants), rng)
-    views = [visit.AgentPose(**view["pose"]) for view in of.recorded.views]
+    views = [AgentPose(**view["pose"]) for view in of.recorded.views]
     lens = constants.camera.field_of_view_deg
     yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)
     walk.check(session, world, of.recorded)
