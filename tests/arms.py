@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ovman.agents.arms import Need, table
+import yaml
+
+from ovman.agents.arms import Arm, Need, table
 from ovman.config import load
 
 ROOT = Path(__file__).parents[1]
@@ -13,3 +15,11 @@ ARMS = table(CONFIG.arms)
 BY_NAME = {arm.name: arm for arm in ARMS}
 REFERENCE = tuple(arm for arm in ARMS if set(arm.needs) <= {Need.MAPS})
 """Those that answer from the reference agent's maps or from what is handed to them."""
+
+
+def with_overlay(name: str) -> dict[str, Arm]:
+    """The arms by their names where an overlay of the repository is put on top of config.yaml."""
+    config = yaml.safe_load((ROOT / "config.yaml").read_text())
+    overlay = yaml.safe_load((ROOT / "overlays" / f"{name}.yaml").read_text())
+    config["arms"] |= {arm: config["arms"].get(arm, {}) | entry for arm, entry in overlay["arms"].items()}
+    return {arm.name: arm for arm in table(load(config).arms)}

@@ -8,18 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from ovman.agents.agent import Action, Visit
-from ovman.agents.arms import Arm, table
 from ovman.agents.embodied import Assignment, execute
 from ovman.analysis.runs import cut, judge
-from ovman.config import canonical, load
+from ovman.config import canonical
 from ovman.constants import StageConstants, task_constants
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recorded import any_instance
 from ovman.sim.session import Session
-from tests.arms import CONFIG
+from tests.arms import CONFIG, with_overlay
 
 ROOT = Path(__file__).parents[3]
 DATA = ROOT / "data" / "ovman-embedded-v1"
@@ -116,21 +114,14 @@ def test_standing_still_ends_no_run(session):
     assert run["path_at_m"] == {"40": 0.0, "85": 0.0}
 
 
-def with_the_overlay() -> dict[str, Arm]:
-    config = yaml.safe_load((ROOT / "config.yaml").read_text())
-    overlay = yaml.safe_load((ROOT / "overlays" / "cow_500.yaml").read_text())
-    config["arms"] |= {name: config["arms"].get(name, {}) | entry for name, entry in overlay["arms"].items()}
-    return {arm.name: arm for arm in table(load(config).arms)}
-
-
 def test_the_overlay_cuts_the_headline_from_the_longer_runs():
-    arms = with_the_overlay()
+    arms = with_overlay("cow_500")
     assert arms["cow"].cut_from == "cow_500" and arms["cow_500"].budget is None
     assert (arms["cow"].agent, arms["cow"].embodiment) == (arms["cow_500"].agent, arms["cow_500"].embodiment)
 
 
 def test_the_smaller_budget_is_the_same_run_cut(session):
-    arm, record = with_the_overlay()["cow"], {"schema": "ovman-run/1", "episode": SOME, "arm": "cow_500", "seed": 0}
+    arm, record = with_overlay("cow_500")["cow"], {"schema": "ovman-run/1", "episode": SOME, "arm": "cow_500", "seed": 0}
     late = record | executed(session, SOME, Scripted(*[Action.ROTATE_LEFT] * 260, looks=False), marks=(arm.budget,))
     early = record | executed(session, SOME, Scripted(Action.ROTATE_LEFT), marks=(arm.budget,))
     assert cut(late, arm)["outcome"] == "budget" and cut(late, arm)["actions"] == arm.budget == 250
