@@ -11,6 +11,7 @@ from ovman.analysis.comparisons import PAIRINGS, PAIRS, RUNGS, among
 from ovman.analysis.significance import Method, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 from tests.analysis.fabricated import embodied, static
+from tests.arms import with_overlay
 
 PROPERTY = settings(max_examples=12, derandomize=True, deadline=None)
 SUCCESSES = st.lists(st.tuples(st.booleans(), st.booleans()), min_size=1, max_size=24)
