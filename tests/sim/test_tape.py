@@ -185,6 +185,7 @@ def test_what_unity_does_otherwise_is_within_the_table(tmp_path, monkeypatch):
         gzip.compress(b'{"schema":"other"}\n'),
         gzip.compress(b'{"schema":"ovman-session/1"}\n'),
     ],
+    ids=["empty", "not gzip", "no line", "another schema", "no scene"],
 )
 def test_what_is_no_recording_is_told_in_a_line(tmp_path, capsys, content):
     (tmp_path / "file").write_bytes(content)
