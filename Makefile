@@ -51,7 +51,7 @@ release: tables
 	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v1
 
 test: $(READY)
-	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadgroup --no-loadscope-reorder
+	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 soak: $(READY)
 	@.venv/bin/python -m pytest -q -m soak

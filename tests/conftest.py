@@ -6,7 +6,7 @@ waited for by two. That is the longest share, so it comes first.
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 import pytest
 
@@ -14,10 +14,28 @@ WORKFLOW = Path(__file__).parent / "workflow"
 TOGETHER = frozenset({"test_job.py"})
 
 
+def in_one_process(path: PurePosixPath) -> bool:
+    """Whether a file of tests belongs to the share that runs Snakemake."""
+    return WORKFLOW.name in path.parts or path.name in TOGETHER
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Name each test's share, and sort the longest to the beginning."""
-    for item in items:
-        together = WORKFLOW in item.path.parents or item.path.name in TOGETHER
-        item.add_marker(pytest.mark.xdist_group("workflow" if together else f"{item.path.parent.name}-{item.path.stem}"))
-    items.sort(key=lambda item: (WORKFLOW not in item.path.parents, item.path.name not in TOGETHER))
+    """The longest share to the beginning."""
+    items.sort(key=lambda item: (WORKFLOW not in item.path.parents, not in_one_process(item.path)))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """xdist's shares by file, with those that run Snakemake as one.
+
+    Not by its marks for groups: xdist 3.8 writes them into what pytest 9.2 no longer reads, and shares out test by test.
+    """
+    from xdist.scheduler import LoadFileScheduling
+
+    class Shares(LoadFileScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            file = super()._split_scope(nodeid)
+            return WORKFLOW.name if in_one_process(PurePosixPath(file)) else file
+
+    return Shares(config, log)
