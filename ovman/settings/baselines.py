@@ -120,25 +120,26 @@ class Dualmap(Section):
     global_map: DualmapGlobal
 
 
-class ReleasedCow(Section):
-    """CoW's released code, run from the user's clone."""
+class Clone(Section):
+    """Released code, run from the user's clone."""
 
     root: str = Field(description="folder of the clone; empty leaves the system out")
     commit: Commit = Field(description="Git commit that the clone must be at")
     python: str = Field(description="Python interpreter of the clone's own environment")
     device: Literal["cpu", "cuda"] = Field(description="where its networks run")
+
+
+class ReleasedCow(Clone):
+    """CoW's released code."""
+
     threshold: Annotated[float, Field(gt=0, lt=1)] = Field(description="relevance from which it takes a detection, as released")
     budget: Some = Field(description="actions, as released")
     processes: Some = Field(description="runners side by side, each with an agent of its own for a share of the episodes")
 
 
-class ReleasedDualmap(Section):
-    """DualMap's released code, run from the user's clone."""
+class ReleasedDualmap(Clone):
+    """DualMap's released code."""
 
-    root: str = Field(description="folder of the clone; empty leaves the system out")
-    commit: Commit = Field(description="Git commit that the clone must be at")
-    python: str = Field(description="Python interpreter of the clone's own environment")
-    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
     guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
     maintained: Literal["concatenated_local", "concatenated_global", "preloaded_global"] = Field(
         description="the map that is maintained through two visits; the maps of single visits are of its kind"
