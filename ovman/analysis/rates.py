@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import StrEnum
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -86,6 +86,11 @@ def embodied_rates(outcomes: Sequence[EmbodiedOutcome], confidence: float) -> li
 def embodied_rate(arm: str, relation: str, group: Sequence[EmbodiedOutcome], confidence: float) -> Rate:
     """The rate of one arm over a group of episodes under all its seeds; the group is not empty."""
     return _rate(arm, relation, group, None, confidence, math.fsum(outcome.spl for outcome in group) / len(group))
+
+
+def figures(rate: Rate, row: type) -> dict[str, Any]:
+    """What a rate says of the fields of `row`, a dataclass for the rates of other groups: those of the same name."""
+    return {field.name: getattr(rate, field.name) for field in fields(row) if field.name in Rate.__slots__}
 
 
 def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ovman.agents.arms import Kind
 from ovman.analysis.difficulty import natural
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.rates import Interval, Rate, by_arm, embodied_rate, static_rate
+from ovman.analysis.rates import Interval, Rate, by_arm, embodied_rate, figures, static_rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,21 +43,5 @@ def _of_kind(kind: Kind, outcomes: Sequence, rate_of: Callable[..., Rate], confi
     for arm, of_arm in by_arm(outcomes).items():
         for scene in sorted({outcome.scene for outcome in of_arm}, key=natural):
             rate = rate_of(arm, scene, [outcome for outcome in of_arm if outcome.scene == scene], confidence)
-            rows.append(
-                SceneRate(
-                    kind=kind,
-                    arm=arm,
-                    scene=scene,
-                    n=rate.n,
-                    seeds=rate.seeds,
-                    successes=rate.successes,
-                    rate=rate.rate,
-                    low=rate.low,
-                    high=rate.high,
-                    interval=rate.interval,
-                    confidence=confidence,
-                    least=rate.least,
-                    greatest=rate.greatest,
-                )
-            )
+            rows.append(SceneRate(kind=kind, scene=scene, **figures(rate, SceneRate)))
     return rows
