@@ -69,7 +69,8 @@ def frames(
             yield from map(seen, spin(before, pose.yaw_deg, turn_deg))
         elif number:
             yield from map(seen, spin(before, first.yaw_deg, turn_deg))
-            if grid is None or world.mover is not None:
+            # What was placed may part the room, and a grid holds only what can be reached from where the body stands.
+            if grid is None or world.mover is not None or grid.cell_at(before.x, before.z) is None:
                 grid = Grid.from_positions(session.reachable(), step_m)
             yield from map(seen, way(grid, before, pose))
             first = pose

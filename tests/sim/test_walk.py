@@ -175,6 +175,16 @@ def test_where_nothing_leads_to_the_next_waypoint_the_walk_goes_on_there(session
     assert [frame.pose for frame in frames] == views
 
 
+def test_beyond_a_barred_way_the_walk_follows_the_ways_that_there_are(session, ground, views, monkeypatch):
+    grid, start = ground
+    parts = iter([frozenset({start}), frozenset(grid.cells)])
+    monkeypatch.setattr(walk.Grid, "from_positions", lambda points, step_m: Grid(grid.step_m, grid.origin, next(parts)))
+    frames = list(walk.frames(session, world(session, []), views, 90.0, STEP_M, LENS_DEG))
+    at = {frame.view: k for k, frame in enumerate(frames) if frame.view is not None}
+    assert at[HEADINGS] == at[HEADINGS - 1] + 1
+    assert at[2 * HEADINGS] > at[2 * HEADINGS - 1] + 1
+
+
 def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, moving, recorded, walked):
     there = world(session, moving)
     for _ in walk.frames(session, there, views[:2], TURN_DEG, STEP_M, LENS_DEG):
