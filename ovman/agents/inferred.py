@@ -8,9 +8,8 @@ from typing import Any
 
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.given import VISITS
-from ovman.agents.grounding import grounded
 from ovman.agents.perceived import Perceived
-from ovman.agents.reasoning import Evidence, ReferenceConstants, two_visits
+from ovman.agents.reasoning import Evidence, ReferenceConstants, two_visits_asked
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.seeds import generator
@@ -71,9 +70,7 @@ def answer(
     without a map or a noun phrase without an embedding.
     """
     maps = [perceived.map(visits[visit]) for visit in VISITS]
-    phrase = perceived.noun(noun_phrase)
-    means = [grounded(found.f, phrase, constants.band) for found in maps]
-    return two_visits(Relation(relation), *maps, *means, constants)
+    return two_visits_asked(Relation(relation), *maps, perceived.noun(noun_phrase), constants)
 
 
 NOT_UNDERSTOOD = Abstention(AbstentionReason.NOT_PARSED)

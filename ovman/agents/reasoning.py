@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.association import Association, associate
@@ -17,6 +18,7 @@ from ovman.agents.decision import (
     decide,
     moving_by_last_sighting,
 )
+from ovman.agents.grounding import grounded
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.single_visit import UniformBox, UniformPick, single_visit
 from ovman.agents.two_visits import AssociationConstants
@@ -89,6 +91,14 @@ def two_visits(
         tracks, last_seen = [map_2.tracks[j] for j in g_2], [map_2.last_seen[j] for j in g_2]
         return moving_by_last_sighting(tracks, last_seen, matched), evidence
     return decide(relation, p_1, p_2, matched, (), constants.decision), evidence
+
+
+def two_visits_asked(
+    relation: Relation, map_1: ObjectMap, map_2: ObjectMap, phrase: np.ndarray, constants: ReferenceConstants
+) -> tuple[Answer | Abstention, Evidence]:
+    """``two_visits``, with what the noun phrase of this unit embedding (K,) means by the features of the maps."""
+    means = [grounded(objects.f, phrase, constants.band) for objects in (map_1, map_2)]
+    return two_visits(relation, map_1, map_2, *means, constants)
 
 
 def one_visit(

@@ -14,7 +14,7 @@ from ovman.agents.grounding import grounded
 from ovman.agents.mapper import Mapper
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.pilot import Pilot
-from ovman.agents.reasoning import Evidence, ReferenceConstants, one_visit, two_visits
+from ovman.agents.reasoning import Evidence, ReferenceConstants, one_visit, two_visits, two_visits_asked
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.language import noun
 from ovman.task import Query
@@ -60,9 +60,7 @@ class ReferenceAgent:
         return self._pilot.act(observation, (self._goal.x, self._goal.z))
 
     def _decided(self, query: Query, phrase: np.ndarray) -> Answer | Abstention:
-        band = self._constants.band
-        means = grounded(self._first.f, phrase, band), grounded(self._second.f, phrase, band)
-        return two_visits(query.relation, self._first, self._second, *means, self._constants)[0]
+        return two_visits_asked(query.relation, self._first, self._second, phrase, self._constants)[0]
 
 
 class SingleVisitAgent(ReferenceAgent):
