@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from ovman.task import Query
 
 
+VISITS = ("first", "second")
+"""What records call the two visits of an episode."""
+
+
 class Action(StrEnum):
     """The primitives of the benchmark; a value that names an AI2-THOR action is that action.
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.agent import CameraPose, Observation, Sighting, Visit
+from ovman.agents.agent import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.arms import Arm, Source
 from ovman.agents.embodied import Assignment, execute, handed
 from ovman.agents.factory import Supervised, failures, function
-from ovman.agents.given import VISITS, Given, Told
+from ovman.agents.given import Given, Told
 from ovman.agents.pilot import Pilot
 from ovman.agents.prediction import outcome_json
 from ovman.agents.predictions import predict

@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
-VISITS = ("first", "second")
 Made = TypeVar("Made")
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ovman.agents.agent import VISITS
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.given import VISITS
 from ovman.agents.perceived import Perceived
 from ovman.agents.reasoning import Evidence, ReferenceConstants, two_visits_asked
 from ovman.language.held_out import HeldOut

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ovman.agents.agent import VISITS
+from ovman.agents.arms import Source
 from ovman.agents.association import Association, associate
 from ovman.agents.decision import (
     Abstention,
@@ -22,7 +24,11 @@ from ovman.agents.grounding import grounded
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.single_visit import UniformBox, UniformPick, single_visit
 from ovman.agents.two_visits import AssociationConstants
-from ovman.task import Relation
+from ovman.language import noun
+from ovman.task import Query, Relation
+
+if TYPE_CHECKING:
+    from ovman.agents.given import Recorded
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +105,19 @@ def two_visits_asked(
     """``two_visits``, with what the noun phrase of this unit embedding (K,) means by the features of the maps."""
     means = [grounded(objects.f, phrase, constants.band) for objects in (map_1, map_2)]
     return two_visits(relation, map_1, map_2, *means, constants)
+
+
+def two_visits_recorded(query: Query, recorded: Recorded, maps: Sequence[ObjectMap]) -> tuple[Answer | Abstention, Evidence]:
+    """``two_visits`` on maps of the first and the second visit, with what the query's noun means in them (``means_of``)."""
+    means = [means_of(query, recorded, which, objects) for which, objects in zip(VISITS, maps, strict=True)]
+    return two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
+
+
+def means_of(query: Query, recorded: Recorded, which: str, objects: ObjectMap) -> tuple[int, ...]:
+    """Which objects of a map of the visit `which` the query's noun means: by their features, or as it is handed over."""
+    if recorded.grounding is Source.HANDED:
+        return recorded.true_objects(which, objects.p)
+    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)
 
 
 def one_visit(

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ovman.agents.agent import Action, Observation, Visit
-from ovman.agents.arms import Source
+from ovman.agents.agent import VISITS, Action, Observation, Visit
 from ovman.agents.decision import Abstention, Answer
 from ovman.agents.grounding import grounded
 from ovman.agents.mapper import Mapper
 from ovman.agents.object_map import ObjectMap
 from ovman.agents.pilot import Pilot
-from ovman.agents.reasoning import Evidence, ReferenceConstants, one_visit, two_visits, two_visits_asked
+from ovman.agents.reasoning import Evidence, ReferenceConstants, means_of, one_visit, two_visits_asked, two_visits_recorded
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.language import noun
 from ovman.task import Query
@@ -106,19 +105,10 @@ def single_visit_agent(given: Given) -> SingleVisitAgent:
 
 def predict_two_visits(query: Query, recorded: Recorded) -> tuple[Answer | Abstention, Evidence]:
     """The static arms two_visits and grounding_two_visits."""
-    visits = ("first", "second")
-    maps, means = [recorded.map(which) for which in visits], [means_of(query, recorded, which) for which in visits]
-    return two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
+    return two_visits_recorded(query, recorded, [recorded.map(which) for which in VISITS])
 
 
 def predict_single_visit(query: Query, recorded: Recorded) -> tuple[UniformPick | UniformBox | Abstention, Evidence]:
     """The static arms single_visit and grounding_single_visit."""
-    return one_visit(query.relation, recorded.map("second"), means_of(query, recorded, "second"), recorded.reachable)
-
-
-def means_of(query: Query, recorded: Recorded, which: str) -> tuple[int, ...]:
-    """Which objects of a visit's map the query's noun means: by their features, or as it is handed over."""
-    objects = recorded.map(which)
-    if recorded.grounding is Source.HANDED:
-        return recorded.true_objects(which, objects.p)
-    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)
+    objects = recorded.map("second")
+    return one_visit(query.relation, objects, means_of(query, recorded, "second", objects), recorded.reachable)

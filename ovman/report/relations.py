@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ovman.agents.agent import VISITS
 from ovman.sim.visit import Visit
 from ovman.task import Relation
 from ovman.task.record import read_records
@@ -128,7 +129,7 @@ def run(episodes_file: Path, visits_dir: Path, constants: Any, output: Path) -> 
         ranked = []
         for episode in (e for e in episodes if e["relation"] == relation.value):
             directory = Path(visits_dir) / episode["scene"]
-            first, second = (Visit.load(directory / episode["visits"][v]) for v in ("first", "second"))
+            first, second = (Visit.load(directory / episode["visits"][v]) for v in VISITS)
             _, score = best_view(episode, first, second, constants)
             ranked.append((episode["scene"] in scenes, -score, episode["id"], episode, first, second, directory))
         if ranked:

@@ -16,20 +16,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ovman.agents.agent import VISITS
 from ovman.agents.arms import Need, Source
 from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.dualmap.mapped import RunMaps, read
-from ovman.agents.grounding import grounded, similarities
+from ovman.agents.grounding import similarities
 from ovman.agents.object_map import ObjectMap
-from ovman.agents.reasoning import ReferenceConstants, two_visits
+from ovman.agents.reasoning import two_visits_recorded
 from ovman.agents.single_visit import UniformPick
 from ovman.language import noun
 from ovman.task import Query
 
 if TYPE_CHECKING:
     from ovman.agents.given import Recorded
-
-VISITS = ("first", "second")
 
 
 def predict_maintained(query: Query, recorded: Recorded) -> tuple[Answer | UniformPick | Abstention, None]:
@@ -53,9 +52,7 @@ def predict_two_visits(query: Query, recorded: Recorded) -> tuple[Answer | Abste
     """
     visits = _maps(recorded).visits
     maps = [visits[recorded.visits[which]].object_map() for which in VISITS]
-    means = [_means(query, recorded, which, found) for which, found in zip(VISITS, maps, strict=True)]
-    outcome, _ = two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
-    return outcome, None
+    return two_visits_recorded(query, recorded, maps)[0], None
 
 
 def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
@@ -75,9 +72,3 @@ def any_of(found: ObjectMap, meant: set[int]) -> UniformPick | Abstention:
 
 def _maps(recorded: Recorded) -> RunMaps:
     return recorded.made(Need.DUALMAP, read)[recorded.run]
-
-
-def _means(query: Query, recorded: Recorded, which: str, found: ObjectMap) -> tuple[int, ...]:
-    if recorded.grounding is Source.HANDED:
-        return recorded.true_objects(which, found.p)
-    return grounded(found.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)

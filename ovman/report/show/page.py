@@ -7,9 +7,10 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from ovman.agents.agent import VISITS
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
-from ovman.report.show.reasoning import VISITS, Reasoning, reasonings
+from ovman.report.show.reasoning import Reasoning, reasonings
 from ovman.report.show.results import MAKE, Results
 from ovman.report.show.room import Room
 from ovman.report.show.verdicts import embodied_rows, static_rows

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
+from ovman.agents.agent import VISITS
 from ovman.agents.decision import Answer
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.report.show import svg
@@ -34,7 +35,7 @@ SIGNS = {FOUND: " ✓", MISSED: " ✗"}
 def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
     """The map of one visit (0 or 1) as SVG: all objects of each arm's map, those that it grounded in bold, the truth on top."""
     frame = frame_of(room, reasonings, *VISIT_SIZE)
-    name = ("first", "second")[visit]
+    name = VISITS[visit]
     drawing = svg.drawing(frame.width, frame.height, "plan", f"map of the {name} visit, seen from above")
     draw_room(drawing, frame, room, visit)
     kept = Labels(frame.width, frame.height)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ovman.agents.agent import VISITS
 from ovman.agents.arms import Arm, Source, named
 from ovman.agents.association import associate, cost_matrix, distances
 from ovman.agents.grounding import similarities
@@ -20,7 +21,6 @@ from ovman.perception.clusters import Cluster
 from ovman.report.show.results import MAKE, Results, ShowError
 from ovman.sim.recorded import world_state
 
-VISITS = ("first", "second")
 Point = tuple[float, float]
 
 
