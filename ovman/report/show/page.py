@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -51,8 +52,10 @@ def page(results: Results, episode_id: str, settings: Any) -> str:
             plans=[visit_plan(room, found, visit) for visit in (0, 1)],
             beyond=[max((beyond(room, reasoning, visit) for reasoning in found), default=0) for visit in (0, 1)],
             overlay=overlay_plan(room, found, static, embodied, settings.success.radius_m),
-            static=static,
+            static=[list(rows) for _, rows in groupby(static, key=lambda row: row.arm.name)],
+            several=any(row.run is not None for row in static),
             embodied=embodied,
+            own_task=any(stop.own_task for row in embodied for stop in row.stops),
             tours=tours,
             rows=_rows(tours),
             absent=_absent(results, episode, found),

@@ -17,6 +17,7 @@ FURNITURE_M = 0.3
 FLAT_M = 0.05
 """What is lower lies flat and is left out."""
 SURROUNDINGS_M = 1.0
+"""At least so much is drawn about the answer, and half of it about everything else."""
 FARTHEST_M = 2.0
 """How far beyond the reachable cells an arm's object still widens the plan."""
 STEM = 30.0
@@ -58,7 +59,10 @@ def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest:
     ]
     instances = [(k["x"], k["z"]) for visit in (0, 1) for k in room.world(visit)]
     about = [(x + dx, z + dz) for x, z in cells for dx in (-0.6, 0.6) for dz in (-0.6, 0.6)]
-    return Frame.around([*about, *instances, *objects, room.answer, *sum(room.paths, [])], width, highest, SURROUNDINGS_M / 2)
+    x, z = room.answer
+    half = SURROUNDINGS_M / 2
+    near = [(x + dx, z + dz) for dx in (-half, half) for dz in (-half, half)]
+    return Frame.around([*about, *instances, *objects, *near, *sum(room.paths, [])], width, highest, half)
 
 
 def draw_room(parent: Element, frame: Frame, room: Room, visit: int) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ovman.agents.arms import Arm, Kind, of_kind
-from ovman.agents.decision import Abstention, Answer
+from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.prediction import Outcome
 from ovman.agents.single_visit import UniformBox, UniformPick
 from ovman.report.show.results import MAKE, Results
@@ -19,8 +19,6 @@ FOUND, MISSED, CHANCE, ABSTAINED, UNKNOWN = "found", "missed", "chance", "abstai
 """What became of an answer; CHANCE where the arm is a stochastic pick, UNKNOWN where the metrics say nothing."""
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 REASONS: Mapping[str, str] = {
-    "no_candidate": "nothing is left unmatched, or nothing is matched, for the rule to choose from",
-    "displacement_below_tau": "everything is matched, and no pair moved far enough",
     "displacement_above_tau": "even the steadiest pair moved",
     "no_motion": "no track spreads far enough to be motion",
     "nothing_grounded": "no object of its maps is what the noun means",
@@ -48,13 +46,16 @@ class StaticRow:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked."""
+    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked; own_task: whether it was judged on a
+    task of its own as well.
+    """
 
     seed: int
     at: Point | None
     yaw_deg: float
     verdict: str
     words: str
+    own_task: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +67,7 @@ class EmbodiedRow:
 
 def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]:
     """The static arms in the order of the tables, those with several runs once a run."""
-    predictions = results.predictions(episode["id"])
+    predictions, relation = results.predictions(episode["id"]), Relation(episode["relation"])
     rows = []
     for letter, arm in zip(LETTERS, of_kind(results.arms, Kind.STATIC), strict=False):
         runs = predictions.get(arm.name, {})
@@ -77,7 +78,7 @@ def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]
             outcome = prediction.outcome
             name, number = (f"{letter}{run}", run) if len(runs) > 1 else (letter, None)
             beside = _beside(outcome, episode)
-            rows.append(StaticRow(name, arm, outcome, answer_words(outcome), verdict, words, distance, beside, number))
+            rows.append(StaticRow(name, arm, outcome, answer_words(outcome, relation), verdict, words, distance, beside, number))
     return rows
 
 
@@ -94,18 +95,31 @@ def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[Embodied
     return rows
 
 
-def answer_words(outcome: Outcome) -> str:
-    """What an arm answered, in words."""
+def answer_words(outcome: Outcome, relation: Relation) -> str:
+    """What an arm answered, in words; an abstention with what its rule for the relation found wanting."""
     match outcome:
         case Answer(x, z):
             return f"({x:.2f}, {z:.2f})"
         case Abstention(reason):
-            return f"abstains: {REASONS.get(str(reason), str(reason).replace('_', ' '))}"
+            return f"abstains: {_why(str(reason), relation)}"
         case UniformPick(candidates):
-            return f"one of {len(candidates)} candidates" if candidates else "none: no candidate"
+            count = len(candidates)
+            return f"one of {count} candidates" if count > 1 else "its only candidate" if count else "none: no candidate"
         case UniformBox(x_min, z_min, x_max, z_max):
             return f"anywhere in {x_max - x_min:.2f} × {z_max - z_min:.2f} m"
     raise TypeError(f"not an outcome of a prediction: {outcome!r}")
+
+
+def _why(reason: str, relation: Relation) -> str:
+    visit = "first" if relation.past else "second"
+    unmatched = f"no object of the {visit} visit is left unmatched"
+    if reason == AbstentionReason.DISPLACEMENT_BELOW_TAU:
+        return f"{unmatched}, and no pair moved far enough"
+    if reason == AbstentionReason.NO_CANDIDATE:
+        if relation is Relation.STABLE:
+            return "nothing is matched"
+        return f"{unmatched}, and nothing is matched" if relation in (Relation.MOVED, Relation.FORMER) else unmatched
+    return REASONS.get(reason, reason.replace("_", " "))
 
 
 def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
@@ -132,7 +146,7 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> S
     away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m away · "
     own = {"1": " · any instance: found", "0": " · any instance: missed"}.get(row.get("own_success", ""), "")
     words = f"{ended}{away}{float(row['path_length_m']):.2f} m, {row['actions']} actions · SPL {float(row['spl']):.2f}{own}"
-    return Stop(seed, at, yaw, FOUND if success else MISSED, words)
+    return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
 
 
 def _beside(outcome: Outcome, episode: Mapping[str, Any]) -> str:

@@ -64,7 +64,11 @@ def test_every_run_has_a_row_and_a_mark_of_its_own(results, settings):
     rows = read.all("tr", data_arm=MAP.name)
     assert [row.classes for row in rows] == [["missed"], ["found"], ["abstained"]]
     assert [row.attributes["data-run"] for row in rows] == ["0", "1", "2"]
-    assert all(f"run {run}" in row.text and "a map" in row.text for run, row in enumerate(rows))
+    cells = [[cell for cell in read.all("td") if cell.parent is row] for row in rows]
+    assert [row[0].text for row in cells] == ["A0", "A1", "A2"] and [row[-4].text for row in cells] == ["0", "1", "2"]
+    # What they have in common is said once, beside all of them.
+    assert [len(row) for row in cells] == [6, 5, 5]
+    assert "a map" in cells[0][1].text and cells[0][1].attributes["rowspan"] == "3"
     marks = " ".join(text for e in read.of_class("pill-text") for text in e.words)
     # A1 stands where other arms are right, too; an abstention stands nowhere.
     assert "A0 ✗" in marks and "A1" in marks.split() and "A2" not in marks
@@ -77,7 +81,9 @@ def test_an_agents_own_task_is_told_beside_its_stop(results, settings):
         return row.text
 
     assert "any instance: found" in words(NAME) and "any instance: missed" in words(f"{SCENE}/removed/0000")
-    (other,) = Page(page(results, NAME, settings)).all("tr", data_arm="oracle_check", data_seed="0")
+    read = Page(page(results, NAME, settings))
+    assert any("arm’s own task" in note.text for note in read.of_class("note"))
+    (other,) = read.all("tr", data_arm="oracle_check", data_seed="0")
     assert "any instance" not in other.text
 
 
