@@ -46,8 +46,8 @@ class StaticRow:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked; own_task: whether it was judged on a
-    task of its own as well.
+    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked; own_task: whether it was judged on
+    a task of its own as well.
     """
 
     seed: int
