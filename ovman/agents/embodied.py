@@ -3,57 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting, Visit
+from ovman.agents.assignment import Assignment
 from ovman.journal import digest
-from ovman.sim import measurement
-from ovman.sim.change import Alteration, World, position
+from ovman.sim.change import position
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import Ground
-from ovman.sim.mover import Gait
 from ovman.sim.recorded import MEASURED
-from ovman.sim.session import AgentPose, Session
-from ovman.task import Query, Relation
-
-
-@dataclass(frozen=True)
-class Assignment:
-    """What the evaluator knows of an episode when it runs an agent: the truth, which the agent does not see.
-
-    answer: floor-plane point in metres, for MOVING where the mover is when the run begins; mover: its "along_m" and "direction"
-    at that moment, None where nothing moves; navigable: nu(a), the cell nearest to the answer that the benchmark's own body can
-    reach.
-    """
-
-    relation: Relation
-    category: str
-    target: str
-    second: tuple[Alteration, ...]
-    spawn: AgentPose
-    answer: tuple[float, float]
-    navigable: tuple[float, float]
-    mover: Mapping[str, Any] | None
-
-    @staticmethod
-    def of(trial: Mapping[str, Any]) -> Assignment:
-        """The assignment of a measured trial."""
-        candidate, measured = trial["candidate"], trial["measured"]
-        return Assignment(
-            Relation(candidate["relation"]),
-            candidate["category"],
-            candidate["target"],
-            tuple(Alteration.from_json(a) for a in candidate["second"]),
-            AgentPose(**candidate["spawn"]),
-            (measured["answer"]["x"], measured["answer"]["z"]),
-            (measured["nearest_navigable"]["x"], measured["nearest_navigable"]["z"]),
-            measured["mover"],
-        )
+from ovman.sim.session import Session
+from ovman.task import Query
 
 
 @cache
@@ -88,9 +52,7 @@ def execute(
     An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
     simulator. SimulatorError if it refuses.
     """
-    world = World(session, assignment.second, Gait.of(constants), rng)
-    if assignment.mover is not None:
-        world.send_mover_to(assignment.mover["along_m"], assignment.mover["direction"])
+    world = assignment.begun(session, constants, rng)
     if noise is not None:
         session.step("SetRandomSeed", seed=noise)
     session.teleport(assignment.spawn)
@@ -102,7 +64,7 @@ def execute(
     agent.ask(Query(assignment.category, assignment.relation))
 
     looks = name_of is None and getattr(agent, "looks", True)
-    gone = {a.instance for a in assignment.second if a.kind == "disable"}
+    gone = assignment.gone
     session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     mover_in: tuple[int, int] | None = None
@@ -132,22 +94,7 @@ def execute(
             break
     measured: dict[str, Any] = {"outcome": outcome, **dict.fromkeys(MEASURED)}
     if outcome == "stopped":
-        answer, navigable = assignment.answer, assignment.navigable
-        if world.mover is not None:
-            answer = world.mover.position
-            ground = Ground.around(session, session.pose, constants.primitives.step_m)
-        if ground is not None:
-            navigable = ground.navigable(*answer)
-        there = [k for k, o in session.objects.items() if o["objectType"] == assignment.category and k not in gone]
-        measured |= measurement.at_stop(
-            session,
-            assignment.relation.past,
-            assignment.target,
-            answer,
-            navigable,
-            tuple(constants.success.sweep_deg),
-            there if any_instance else (),
-        )
+        measured |= assignment.at_stop(session, world, constants, ground, any_instance)
     measured |= {"path_length_m": round(travelled, 4), "actions": actions}
     return measured | {"path_at_m": path_at_m} if marks else measured
 
@@ -164,7 +111,7 @@ def cells(ground: Ground) -> np.ndarray:
 def _observation(
     session: Session,
     looks: bool,
-    gone: set[str],
+    gone: Collection[str],
     name_of: Callable[[str], str] | None,
     succeeded: bool,
     reachable: np.ndarray | None,

@@ -12,7 +12,8 @@ import numpy as np
 from ovman import seeds
 from ovman.agents.agent import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.arms import Arm, Source
-from ovman.agents.embodied import Assignment, execute, handed
+from ovman.agents.assignment import Assignment
+from ovman.agents.embodied import execute, handed
 from ovman.agents.factory import Supervised, failures, function
 from ovman.agents.given import Given, Told
 from ovman.agents.pilot import Pilot

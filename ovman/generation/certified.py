@@ -11,7 +11,8 @@ import numpy as np
 
 from ovman import seeds
 from ovman.agents.agent import Visit
-from ovman.agents.embodied import Assignment, execute, handed
+from ovman.agents.assignment import Assignment
+from ovman.agents.embodied import execute, handed
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
 from ovman.journal import Journal, digest

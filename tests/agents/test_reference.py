@@ -11,7 +11,8 @@ import pytest
 
 from ovman.agents import executions
 from ovman.agents.agent import Action, Agent, Visit
-from ovman.agents.embodied import Assignment, execute
+from ovman.agents.assignment import Assignment
+from ovman.agents.embodied import execute
 from ovman.agents.handover import recorded_positions
 from ovman.agents.mapper import KeptMaps
 from ovman.agents.perceived import Perceived

@@ -19,8 +19,6 @@ from ovman import seeds
 from ovman.agents.released.cow_episodes import Hidden
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.measurement import Ground, at_stop
-from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session, SimulatorError
 
 ARM = "cow_released"
@@ -94,9 +92,7 @@ class EpisodeController:
         session = self._session
         session.scene = episode.scene
         rng = seeds.generator(self._constants.benchmark.seed, "mover", ARM, episode.episode, self._seed)
-        self._world = World(session, episode.second, Gait.of(self._constants), rng)
-        if episode.mover is not None:
-            self._world.send_mover_to(episode.mover["along_m"], episode.mover["direction"])
+        self._world = episode.begun(session, self._constants, rng)
         self._running, self._stopped = episode, False
         self._event = session.step("Pass", image=True)
         return self._event
@@ -140,20 +136,10 @@ class EpisodeController:
         if self._running is None:
             return
         episode, self._running = self._running, None
-        measured = {"stopped": self._stopped} | (self._at_stop(episode) if self._stopped else {})
+        measured: dict[str, Any] = {"stopped": self._stopped}
+        if self._stopped and self._world is not None:
+            measured |= episode.at_stop(self._session, self._world, self._constants, any_instance=True)
         self._judged(episode.name, measured)
-
-    def _at_stop(self, episode: Hidden) -> dict[str, Any]:
-        """The terms of Eq. 4, and the same of every instance of the category that is there."""
-        session, constants = self._session, self._constants
-        gone = {a.instance for a in episode.second if a.kind == "disable"}
-        there = [k for k, o in session.objects.items() if o["objectType"] == episode.category and k not in gone]
-        answer, navigable = episode.answer, episode.navigable
-        if self._world is not None and self._world.mover is not None:
-            answer = self._world.mover.position
-            navigable = Ground.around(session, session.pose, constants.primitives.step_m).navigable(*answer)
-        sweep = tuple(constants.success.sweep_deg)
-        return at_stop(session, episode.relation.past, episode.target, answer, navigable, sweep, there)
 
 
 def _asked(request: Mapping[str, Any]) -> AgentPose:

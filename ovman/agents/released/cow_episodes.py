@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ovman.agents.assignment import Assignment
 from ovman.language.noun import noun
 from ovman.sim.change import Alteration
 from ovman.sim.session import AgentPose
@@ -18,43 +19,22 @@ FEET_M = 0.9
 
 
 @dataclass(frozen=True)
-class Hidden:
+class Hidden(Assignment):
     """What the evaluator knows of an episode while the released runner is in it.
 
-    episode: its id; answer, navigable: floor-plane points in metres, for MOVING the former is where the mover is when the run
-    begins and the latter is found anew at the stop; shortest_m: L* of Eq. 5; mover: "along_m" and "direction" when the run
-    begins, None where nothing moves.
+    episode: its id; shortest_m: L* of Eq. 5.
     """
 
     episode: str
     scene: str
-    relation: Relation
-    category: str
-    target: str
-    second: tuple[Alteration, ...]
-    spawn: AgentPose
-    answer: tuple[float, float]
-    navigable: tuple[float, float]
     shortest_m: float
-    mover: Mapping[str, Any] | None
 
     @staticmethod
     def of(trial: Mapping[str, Any]) -> Hidden:
         """From a measured trial."""
-        candidate, measured = trial["candidate"], trial["measured"]
-        return Hidden(
-            candidate["id"],
-            candidate["scene"],
-            Relation(candidate["relation"]),
-            candidate["category"],
-            candidate["target"],
-            tuple(Alteration.from_json(a) for a in candidate["second"]),
-            AgentPose(**candidate["spawn"]),
-            (measured["answer"]["x"], measured["answer"]["z"]),
-            (measured["nearest_navigable"]["x"], measured["nearest_navigable"]["z"]),
-            measured["shortest_path_m"],
-            measured["mover"],
-        )
+        candidate = trial["candidate"]
+        shortest_m = trial["measured"]["shortest_path_m"]
+        return Hidden(**vars(Assignment.of(trial)), episode=candidate["id"], scene=candidate["scene"], shortest_m=shortest_m)
 
     @staticmethod
     def from_json(record: Mapping[str, Any]) -> Hidden:

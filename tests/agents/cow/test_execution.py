@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from ovman.agents.agent import Action, Visit
-from ovman.agents.embodied import Assignment, execute
+from ovman.agents.assignment import Assignment
+from ovman.agents.embodied import execute
 from ovman.analysis.runs import cut, judge
 from ovman.config import canonical
 from ovman.constants import StageConstants, task_constants

@@ -17,7 +17,7 @@ from ovman.task import RecordError, Relation
 
 SPAWN = AgentPose(0.0, 0.0, 0.0)
 HIDDEN = Hidden(
-    "FloorPlan1/removed/0003", "FloorPlan1", Relation.REMOVED, "Mug", "Mug|1", (), SPAWN, (1.0, 0.0), (1.0, 0.0), 1.0, None
+    Relation.REMOVED, "Mug", "Mug|1", (), SPAWN, (1.0, 0.0), (1.0, 0.0), None, "FloorPlan1/removed/0003", "FloorPlan1", 1.0
 )
 EPISODE = {"relation": "removed", "shortest_path_m": 1.0}
 COORDINATE = st.floats(-9, 9, allow_nan=False).map(lambda x: round(x, 3))
