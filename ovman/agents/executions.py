@@ -13,7 +13,7 @@ from ovman import seeds
 from ovman.agents.agent import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.arms import Arm, Source
 from ovman.agents.assignment import Assignment
-from ovman.agents.embodied import execute, handed
+from ovman.agents.embodied import Terms, execute, handed
 from ovman.agents.factory import Supervised, failures, function
 from ovman.agents.given import Given, Told
 from ovman.agents.pilot import Pilot
@@ -87,9 +87,7 @@ def execution(session: Session, arm: Arm, seed: int, trial: Mapping[str, Any], c
         name_of,
         draws("mover"),
         constants,
-        arm.budget,
-        arm.marks,
-        arm.any_instance,
+        Terms(arm.budget, arm.marks, arm.any_instance),
         seeds.integer(constants.benchmark.seed, "actuation", arm.name, name, seed) if session.embodiment.noisy else None,
     )
     return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run

@@ -11,7 +11,7 @@ import pytest
 
 from ovman.agents.agent import Action, Visit
 from ovman.agents.assignment import Assignment
-from ovman.agents.embodied import execute
+from ovman.agents.embodied import Terms, execute
 from ovman.analysis.runs import cut, judge
 from ovman.config import canonical
 from ovman.constants import StageConstants, task_constants
@@ -61,7 +61,7 @@ def session():
         yield made
 
 
-def executed(session, name, agent, noise=1, **options):
+def executed(session, name, agent, noise=1, marks=()):
     nowhere = Visit((), np.empty((0, 2)))
     return execute(
         session,
@@ -72,9 +72,8 @@ def executed(session, name, agent, noise=1, **options):
         None,
         np.random.default_rng(0),
         CONSTANTS,
-        any_instance=True,
-        noise=noise,
-        **options,
+        Terms(marks=marks, any_instance=True),
+        noise,
     )
 
 
