@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from ovman.report.table import Column, Text, Words
 from ovman.task import Relation
@@ -13,6 +13,14 @@ Record = Mapping[str, str]
 RELATIONS = tuple(relation.value for relation in Relation)
 MARK = "†"
 """Stands beside an expectation over a stochastic pick."""
+
+
+def grouped(rows: Iterable[Record], *columns: str) -> dict[tuple[str, ...], list[Record]]:
+    """Rows by their values in these columns, groups and rows in the order in which they come."""
+    groups: dict[tuple[str, ...], list[Record]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[column] for column in columns), []).append(row)
+    return groups
 
 
 def number(text: str) -> str:

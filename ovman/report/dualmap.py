@@ -6,15 +6,13 @@ import math
 from collections.abc import Sequence
 
 from ovman.analysis.rates import ALL
-from ovman.report.cells import Record
+from ovman.report.cells import Record, grouped
 from ovman.report.table import Column, Row, Table
 
 
 def dualmap_table(objects: Sequence[Record]) -> Table:
     """One row a scene and kind of map, over all runs. objects: rows of "dualmap.csv"."""
-    groups: dict[tuple[str, str], list[Record]] = {}
-    for row in objects:
-        groups.setdefault((row["memory"], row["scene"]), []).append(row)
+    groups = grouped(objects, "memory", "scene")
     return Table(
         name="dualmap",
         caption=(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, named
 from ovman.analysis.rates import ALL
-from ovman.report.cells import MARK, Record, number
+from ovman.report.cells import MARK, Record, grouped, number
 from ovman.report.table import DATA, PAGE, Column, Row, Table
 
 SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
@@ -15,10 +15,7 @@ SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
 
 def navigation_table(navigations: Sequence[Record], arms: Sequence[Arm]) -> Table:
     """One row an embodied arm, over all episodes: means and extremes over the seeds. navigations: rows of "navigation.csv"."""
-    of_arm: dict[str, list[Record]] = {}
-    for row in navigations:
-        if row["relation"] == ALL:
-            of_arm.setdefault(row["arm"], []).append(row)
+    of_arm = grouped((row for row in navigations if row["relation"] == ALL), "arm")
     return Table(
         name="navigation",
         caption=(
@@ -47,7 +44,7 @@ def navigation_table(navigations: Sequence[Record], arms: Sequence[Arm]) -> Tabl
             Column("n", "n", numeric=True),
             Column("seeds", "seeds"),
         ),
-        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for (arm,), rows in of_arm.items()),
         wide=True,
     )
 

@@ -7,15 +7,13 @@ from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, named
 from ovman.analysis.statistics import wilson_interval
-from ovman.report.cells import Record, number, p_value, percent, signed, small_capitals, span
+from ovman.report.cells import Record, grouped, number, p_value, percent, signed, small_capitals, span
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
 def own_task_table(rows: Sequence[Record], radius_m: float, confidence: float, arms: Sequence[Arm]) -> Table:
     """One row an arm and relation, means over the seeds. rows: of "own_task.csv"; radius_m: R; confidence: of the intervals."""
-    groups: dict[tuple[str, str], list[Record]] = {}
-    for row in rows:
-        groups.setdefault((row["arm"], row["relation"]), []).append(row)
+    groups = grouped(rows, "arm", "relation")
     return Table(
         name="own_task",
         caption=(

@@ -6,16 +6,14 @@ import math
 from collections.abc import Sequence
 
 from ovman.analysis.significance import Method
-from ovman.report.cells import MARK, Record, count, p_value, signed, small_capitals
+from ovman.report.cells import MARK, Record, count, grouped, p_value, signed, small_capitals
 from ovman.report.significance import TESTS
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
 def pairings_table(pairings: Sequence[Record]) -> Table:
     """One row a pair of arms and relation: mean, worst and best over the pairings. pairings: rows of "pairings.csv"."""
-    groups: dict[tuple[str, str], list[Record]] = {}
-    for row in pairings:
-        groups.setdefault((row["title"], row["relation"]), []).append(row)
+    groups = grouped(pairings, "title", "relation")
     return Table(
         name="pairings",
         caption=_caption(pairings),

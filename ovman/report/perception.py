@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SCENE, SIZE
 from ovman.perception.overlap import LEAST_IOU
+from ovman.report.cells import Record, grouped
 from ovman.report.table import CSV_AND_MARKDOWN, Column, Row, Table
-
-Record = Mapping[str, str]
-"""A row of a file of metrics, as the csv reader gives it."""
 
 RATES = ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5")
 _SECTIONS = {ALL: "all scenes", CATEGORIES: "all scenes", SIZE: "by size of the mask", SCENE: "by scene"}
@@ -103,9 +101,7 @@ def backprojection_table(rows: Sequence[Record], minimum_px: int) -> Table:
     table = []
     for kind in dict.fromkeys(row["mask"] for row in rows):
         of_kind = [row for row in rows if row["mask"] == kind]
-        objects: dict[tuple[str, str], list[Record]] = {}
-        for row in of_kind:
-            objects.setdefault((row["scene"], row["object"]), []).append(row)
+        objects = grouped(of_kind, "scene", "object")
         for key, name in (("median", "component-wise median"), ("ray", "single ray at median depth")):
             columns = (f"{key}_box_m", f"{key}_centre_m")
             of_masks = [[float(row[column]) for column in columns] for row in of_kind]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, Kind, named
-from ovman.report.cells import Record, number
+from ovman.report.cells import Record, grouped, number
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, Column, Row, Table
 
 SECTIONS = {Kind.STATIC: "static gate", Kind.EMBODIED: "embodied"}
@@ -13,9 +13,6 @@ SECTIONS = {Kind.STATIC: "static gate", Kind.EMBODIED: "embodied"}
 
 def scenes_table(rates: Sequence[Record], arms: Sequence[Arm]) -> Table:
     """One row an arm: its worst and its best scene; the csv has every scene. rates: rows of "scenes.csv"."""
-    of_arm: dict[str, list[Record]] = {}
-    for row in rates:
-        of_arm.setdefault(row["arm"], []).append(row)
     names = list(dict.fromkeys(row["scene"] for row in rates))
     sizes = [int(row["n"]) for row in rates]
     return Table(
@@ -45,7 +42,7 @@ def scenes_table(rates: Sequence[Record], arms: Sequence[Arm]) -> Table:
             Column("scenes", "scenes", numeric=True),
             *(Column(name, name, numeric=True, formats=DATA) for name in names),
         ),
-        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for (arm,), rows in grouped(rates, "arm").items()),
         wide=True,
     )
 

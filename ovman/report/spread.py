@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, Kind, named
 from ovman.analysis.rates import ALL
-from ovman.report.cells import RELATIONS, Record, number, small_capitals
+from ovman.report.cells import RELATIONS, Record, grouped, number, small_capitals
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 SECTIONS = {Kind.STATIC: "static gate, by run", Kind.EMBODIED: "embodied, by seed"}
@@ -15,9 +15,6 @@ SECTIONS = {Kind.STATIC: "static gate, by run", Kind.EMBODIED: "embodied, by see
 
 def seeds_table(passes: Sequence[Record], arms: Sequence[Arm]) -> Table:
     """One row an arm. passes: rows of "seeds.csv"."""
-    of_arm: dict[str, list[Record]] = {}
-    for row in passes:
-        of_arm.setdefault(row["arm"], []).append(row)
     return Table(
         name="seeds",
         caption=(
@@ -38,7 +35,7 @@ def seeds_table(passes: Sequence[Record], arms: Sequence[Arm]) -> Table:
             Column("spread", "spread", numeric=True),
             Column("n", "n", numeric=True),
         ),
-        rows=tuple(_row(named(arms, arm), rows) for arm, rows in of_arm.items()),
+        rows=tuple(_row(named(arms, arm), rows) for (arm,), rows in grouped(passes, "arm").items()),
         wide=True,
     )
 

@@ -11,6 +11,7 @@ from typing import Any
 from ovman.agents import arms
 from ovman.agents.released.status import note
 from ovman.report.budget import budget_table
+from ovman.report.cells import Record
 from ovman.report.constants import constants_table
 from ovman.report.difficulty import difficulty_table
 from ovman.report.dualmap import dualmap_table
@@ -29,11 +30,8 @@ from ovman.report.spread import seeds_table
 from ovman.report.table import Table, Text, csv_text
 from ovman.report.taxonomy import taxonomy_table
 
-# What the csv reader gives.
-Rows = Sequence[Mapping[str, str]]
-
 # From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
-TABLES: Mapping[str, Callable[[Rows, Any], Table]] = {
+TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
     "static_rates": lambda rows, constants: static_table(
         rows, constants.success.radius_m, constants.evaluation.confidence, arms.table(constants.arms)
     ),

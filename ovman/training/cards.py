@@ -19,8 +19,9 @@ from typing import Any
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE
 from ovman.config import load
 from ovman.perception.overlap import LEAST_IOU
+from ovman.report.cells import Record
 from ovman.report.markdown import EMPTY, pipe_table
-from ovman.report.perception import SYNONYMS_BELOW, Record, bars, by_category
+from ovman.report.perception import SYNONYMS_BELOW, bars, by_category
 from ovman.sections import Config
 from ovman.training import captions, crops, detector, outlines, pictures
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-Record = Mapping[str, str]
+from ovman.report.cells import Record
 
 # A value of theirs says nothing without the name of its column.
 _BARE = frozenset({"seed", "instances"})
