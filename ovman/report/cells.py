@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 
-from ovman.report.table import Column, Text, Words
+from ovman.report.table import DATA, PAGE, Column, Text, Words
 from ovman.task import Relation
 
 # A row of a file of metrics, as the csv reader gives it.
@@ -67,3 +68,19 @@ def small_capitals(relation: str) -> Text:
 def relation_columns() -> tuple[Column, ...]:
     """A numeric column for each relation and one for all."""
     return tuple(Column(relation, small_capitals(relation), numeric=True) for relation in (*RELATIONS, "all"))
+
+
+def spread_columns(key: str, title: str) -> tuple[Column, ...]:
+    """A figure's mean over the seeds, least and greatest; pages have them in one column."""
+    return (
+        Column(key, title, numeric=True, formats=DATA),
+        Column(f"{key}_min", f"{title} least", numeric=True, formats=DATA),
+        Column(f"{key}_max", f"{title} greatest", numeric=True, formats=DATA),
+        Column(f"{key}_page", title, formats=PAGE),
+    )
+
+
+def spread_cells(key: str, values: Sequence[float]) -> dict[str, str]:
+    """The cells of ``spread_columns``; values: one a seed, at least one."""
+    mean, least, greatest = (number(str(v)) for v in (math.fsum(values) / len(values), min(values), max(values)))
+    return {key: mean, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": f"{mean} ({least}–{greatest})"}

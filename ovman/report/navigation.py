@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, named
 from ovman.analysis.rates import ALL
-from ovman.report.cells import MARK, Record, grouped, number
+from ovman.report.cells import MARK, Record, grouped, spread_cells, spread_columns
 from ovman.report.table import DATA, PAGE, Column, Row, Table
 
 SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
@@ -29,16 +28,7 @@ def navigation_table(navigations: Sequence[Record], arms: Sequence[Arm]) -> Tabl
             Column("agent", "agent"),
             Column("static", "static", numeric=True, formats=DATA),
             Column("static_page", "static", numeric=True, formats=PAGE),
-            *(
-                column
-                for key, title in SCORES.items()
-                for column in (
-                    Column(key, title, numeric=True, formats=DATA),
-                    Column(f"{key}_min", f"{title} least", numeric=True, formats=DATA),
-                    Column(f"{key}_max", f"{title} greatest", numeric=True, formats=DATA),
-                    Column(f"{key}_page", title, formats=PAGE),
-                )
-            ),
+            *(column for key, title in SCORES.items() for column in spread_columns(key, title)),
             Column("lost", "lost"),
             Column("gained", "gained"),
             Column("n", "n", numeric=True),
@@ -64,6 +54,5 @@ def _row(arm: Arm, rows: Sequence[Record]) -> Row:
     for key in SCORES:
         values = [float(row[key]) for row in rows if row[key]]
         if values:
-            mean, least, greatest = (number(str(v)) for v in (math.fsum(values) / len(values), min(values), max(values)))
-            cells |= {key: mean, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": f"{mean} ({least}–{greatest})"}
+            cells |= spread_cells(key, values)
     return Row(cells)

@@ -7,7 +7,18 @@ from collections.abc import Sequence
 
 from ovman.agents.arms import Arm, named
 from ovman.analysis.statistics import wilson_interval
-from ovman.report.cells import Record, grouped, number, p_value, percent, signed, small_capitals, span
+from ovman.report.cells import (
+    Record,
+    grouped,
+    number,
+    p_value,
+    percent,
+    signed,
+    small_capitals,
+    span,
+    spread_cells,
+    spread_columns,
+)
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
@@ -26,11 +37,11 @@ def own_task_table(rows: Sequence[Record], radius_m: float, confidence: float, a
         columns=(
             Column("agent", "agent", formats=CSV_AND_MARKDOWN),
             Column("relation", "relation"),
-            *_columns("own", "own task"),
+            *spread_columns("own", "own task"),
             Column("own_low", "own low", numeric=True, formats=DATA),
             Column("own_high", "own high", numeric=True, formats=DATA),
             Column("range", percent(confidence), formats=PAGE),
-            *_columns("rate", "this task"),
+            *spread_columns("rate", "this task"),
             Column("gap", "gap", numeric=True),
             Column("only_own", "only own"),
             Column("only_here", "only this"),
@@ -41,15 +52,6 @@ def own_task_table(rows: Sequence[Record], radius_m: float, confidence: float, a
         ),
         rows=tuple(_row(named(arms, arm), relation, of_group, confidence) for (arm, relation), of_group in groups.items()),
         wide=True,
-    )
-
-
-def _columns(key: str, title: str) -> tuple[Column, ...]:
-    return (
-        Column(key, title, numeric=True, formats=DATA),
-        Column(f"{key}_min", f"{title} least", numeric=True, formats=DATA),
-        Column(f"{key}_max", f"{title} greatest", numeric=True, formats=DATA),
-        Column(f"{key}_page", title, formats=PAGE),
     )
 
 
@@ -74,7 +76,6 @@ def _row(arm: Arm, relation: str, rows: Sequence[Record], confidence: float) -> 
     }
     for key, column in (("own", "own_rate"), ("rate", "rate")):
         values = [float(row[column]) for row in rows]
-        middle, least, greatest = (number(str(value)) for value in (mean(column), min(values), max(values)))
-        brackets = f" ({least}–{greatest})" if len(values) > 1 else ""
-        cells |= {key: middle, f"{key}_min": least, f"{key}_max": greatest, f"{key}_page": middle + brackets}
+        spread = spread_cells(key, values)
+        cells |= spread if len(values) > 1 else spread | {f"{key}_page": spread[key]}
     return Row(cells, section=arm.system)
