@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ovman.report.findings.memory import ALPHA, NEGLIGIBLE, ONE, OVERALL, TWO, TWO_EMBODIED
+from ovman.report.findings.memory import ALPHA, NEGLIGIBLE, ONE, OVERALL, TWO, TWO_EMBODIED, ahead_embodied
 from ovman.report.findings.sources import (
     ALL,
     CURRENT,
     PAST,
     Read,
-    compared,
     embodied,
-    largest_p,
     least_p_ahead,
     less,
     mean,
@@ -46,18 +44,15 @@ def _gains_where_an_object_is_left(q: Mapping[str, float]) -> bool:
 
 
 STATEMENTS: tuple[Statement, ...] = (
-    Statement(
-        key="two_visits_beat_cow",
-        claim="The agent with two visits beats CoW, which sees one.",
-        quantities=(
+    ahead_embodied(
+        "two_visits_beat_cow",
+        "The agent with two visits beats CoW, which sees one.",
+        COW,
+        ("cow_wins", "cow_losses", "cow_p"),
+        (
             Quantity("two", "two visits", embodied(TWO_EMBODIED), f"embodied.{TWO_EMBODIED}.all", decides=False),
             Quantity("cow", "CoW", embodied(COW), f"embodied.{COW}.all", decides=False),
-            Quantity("wins", "wins", compared(TWO_EMBODIED, COW, "wins"), "cow_wins", Form.COUNT),
-            Quantity("losses", "losses", compared(TWO_EMBODIED, COW, "losses"), "cow_losses", Form.COUNT),
-            Quantity("p", "largest p of the seeds", largest_p(TWO_EMBODIED, COW), "cow_p", Form.P),
         ),
-        rule=f"more wins than losses (first seed), and an exact p below {OVERALL} under every seed",
-        holds=lambda q: q["wins"] > q["losses"] and q["p"] < OVERALL,
     ),
     Statement(
         key="vacated_places_are_out_of_reach",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ovman.report.findings.sources import (
     ALL,
@@ -48,6 +48,26 @@ def _ahead(relation: str) -> Statement:
         ),
         rule=f"the rate with two visits is higher and the corrected p is below {ALPHA}",
         holds=lambda q: q["two"] > q["one"] and q["p"] < ALPHA,
+    )
+
+
+def ahead_embodied(key: str, claim: str, baseline: str, papers: Sequence[str], shown: Sequence[Quantity] = ()) -> Statement:
+    """That the agent with two visits beats another embodied arm.
+
+    papers: keys of the paper's wins, losses and p; shown: figures that stand before these.
+    """
+    wins, losses, p = papers
+    return Statement(
+        key=key,
+        claim=claim,
+        quantities=(
+            *shown,
+            Quantity("wins", "wins", compared(TWO_EMBODIED, baseline, "wins"), wins, Form.COUNT),
+            Quantity("losses", "losses", compared(TWO_EMBODIED, baseline, "losses"), losses, Form.COUNT),
+            Quantity("p", "largest p of the seeds", largest_p(TWO_EMBODIED, baseline), p, Form.P),
+        ),
+        rule=f"more wins than losses (first seed), and an exact p below {OVERALL} under every seed",
+        holds=lambda q: q["wins"] > q["losses"] and q["p"] < OVERALL,
     )
 
 
@@ -141,16 +161,11 @@ STATEMENTS: tuple[Statement, ...] = (
         rule=f"two visits are ahead over all episodes, and by at most {NEGLIGIBLE} on FORMER and on REMOVED",
         holds=lambda q: q["two_all"] > q["one_all"] and all(q[f"two_{r}"] - q[f"one_{r}"] <= NEGLIGIBLE for r in PAST),
     ),
-    Statement(
-        key="two_beat_one_embodied",
-        claim="When both navigate, two visits beat one.",
-        quantities=(
-            Quantity("wins", "wins", compared(TWO_EMBODIED, ONE_EMBODIED, "wins"), "embodied_wins", Form.COUNT),
-            Quantity("losses", "losses", compared(TWO_EMBODIED, ONE_EMBODIED, "losses"), "embodied_losses", Form.COUNT),
-            Quantity("p", "largest p of the seeds", largest_p(TWO_EMBODIED, ONE_EMBODIED), "embodied_p_all", Form.P),
-        ),
-        rule=f"more wins than losses (first seed), and an exact p below {OVERALL} under every seed",
-        holds=lambda q: q["wins"] > q["losses"] and q["p"] < OVERALL,
+    ahead_embodied(
+        "two_beat_one_embodied",
+        "When both navigate, two visits beat one.",
+        ONE_EMBODIED,
+        ("embodied_wins", "embodied_losses", "embodied_p_all"),
     ),
     Statement(
         key="only_removed_survives_embodied",

@@ -45,12 +45,7 @@ def navigated(arm: str, column: str, index: int) -> Read:
 
 def over_seeds(arm: str, column: str) -> Read:
     """The mean of a column of navigation.csv over the seeds of an embodied arm, all episodes."""
-
-    def read(metrics: Metrics) -> Cell:
-        values = metrics.numbers("navigation.csv", column, arm=arm, relation=ALL)
-        return Cell(_mean(values), f"navigation.csv ({arm}, all, mean over seeds): {column}")
-
-    return read
+    return _mean_over_seeds("navigation.csv", arm, column)
 
 
 def compared(arm: str, baseline: str, column: str, relation: str = ALL) -> Read:
@@ -61,12 +56,8 @@ def compared(arm: str, baseline: str, column: str, relation: str = ALL) -> Read:
 
 def largest_p(arm: str, baseline: str) -> Read:
     """The largest p over all episodes among the seeds that two arms share."""
-
-    def read(metrics: Metrics) -> Cell:
-        values = metrics.numbers("significance.csv", "p", arm=arm, baseline=baseline, relation=ALL)
-        return Cell(max(values), f"significance.csv ({arm}, {baseline}, all, largest of the seeds): p")
-
-    return read
+    source = f"significance.csv ({arm}, {baseline}, all, largest of the seeds): p"
+    return lambda metrics: Cell(max(metrics.numbers("significance.csv", "p", arm=arm, baseline=baseline, relation=ALL)), source)
 
 
 def of_seeds(arm: str, choose: Callable[[Sequence[float]], float], relation: str = ALL) -> Read:
@@ -90,12 +81,7 @@ def mean_of_seeds(arm: str, relation: str = ALL) -> Read:
 
 def own_task(arm: str, column: str) -> Read:
     """The mean over the seeds of a column of own_task.csv, all episodes."""
-
-    def read(metrics: Metrics) -> Cell:
-        values = metrics.numbers("own_task.csv", column, arm=arm, relation=ALL)
-        return Cell(_mean(values), f"own_task.csv ({arm}, all, mean over seeds): {column}")
-
-    return read
+    return _mean_over_seeds("own_task.csv", arm, column)
 
 
 def own_task_p(arm: str) -> Read:
@@ -270,6 +256,11 @@ def lowest(figures: Sequence[Read]) -> Read:
 def highest(figures: Sequence[Read]) -> Read:
     """The highest of several figures."""
     return lambda metrics: max((figure(metrics) for figure in figures), key=lambda cell: cell.value)
+
+
+def _mean_over_seeds(file: str, arm: str, column: str) -> Read:
+    source = f"{file} ({arm}, all, mean over seeds): {column}"
+    return lambda metrics: Cell(_mean(metrics.numbers(file, column, arm=arm, relation=ALL)), source)
 
 
 def _seed(metrics: Metrics, file: str, index: int, **where: str) -> str:
