@@ -22,6 +22,16 @@ _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 )
+_DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "minimum_mask_px"))
+_PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m")
+_METRICS = (
+    "arms",
+    "benchmark.seed",
+    "success.radius_m",
+    "single_visit.samples",
+    "evaluation.confidence",
+    "evaluation.near_miss_m",
+)
 STAGES: Mapping[str, tuple[str, ...]] = {
     "simulator": ("benchmark.backend",),
     "scenes": (*_SIMULATOR, "tour.waypoints"),
@@ -65,16 +75,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "detector": (
         "training.seed",
         "training.detector.*",
-        "perception.detector.architecture",
-        "perception.detector.side_px",
-        "perception.detector.confidence",
-        "perception.detector.minimum_mask_px",
+        *_DETECTING,
     ),
     "detected": (
-        "perception.detector.architecture",
-        "perception.detector.side_px",
-        "perception.detector.confidence",
-        "perception.detector.minimum_mask_px",
+        *_DETECTING,
         "perception.encoder.crop_padding",
         "training.encoder.crop_px",
         "training.encoder.detected_one_in",
@@ -96,7 +100,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
-    "predictions": ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m"),
+    "predictions": _PREDICTING,
     "executions": (*_RUNNING, "admissibility.minimum_mask_px"),
     "released_cow": (*_RUNNING, "released.cow.*"),
     "released_dualmap_setup": tuple(f"released.dualmap.{name}" for name in ("root", "commit", "python", "device")),
@@ -108,29 +112,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "dualmap.walk.turn_deg",
         "released.dualmap.*",
     ),
-    "released_dualmap_predictions": (
-        "benchmark.seed",
-        "camera.field_of_view_deg",
-        "admissibility.minimum_mask_px",
-        "success.radius_m",
-    ),
+    "released_dualmap_predictions": _PREDICTING,
     "runs": ("success.*",),
-    "metrics": (
-        "arms",
-        "benchmark.seed",
-        "success.radius_m",
-        "single_visit.samples",
-        "evaluation.confidence",
-        "evaluation.near_miss_m",
-    ),
-    "static": (
-        "arms",
-        "benchmark.seed",
-        "success.radius_m",
-        "single_visit.samples",
-        "evaluation.confidence",
-        "evaluation.near_miss_m",
-    ),
+    "metrics": _METRICS,
+    "static": _METRICS,
     "language": (
         "benchmark.seed",
         "grounding.*",
