@@ -11,9 +11,16 @@ from ovman.settings.baselines import Cow, Dualmap, Locobot, Released
 from ovman.settings.networks import Perception, Training
 from ovman.settings.values import Count, Listed, Metres, Probability, Section, Some, Whole
 
-__all__ = ["FLOOR_PLANS", "ArmEntry", "Config"]
+__all__ = ["FLOOR_PLANS", "ArmEntry", "Config", "floor_plan"]
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
+
+
+def floor_plan(name: str) -> str:
+    """The name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
+    if name not in FLOOR_PLANS:
+        raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+    return name
 
 
 class PerRelation(Section):
@@ -39,9 +46,7 @@ class Benchmark(Section):
     @classmethod
     def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
         for scene in scenes:
-            if scene not in FLOOR_PLANS:
-                raise ValueError(f"{scene} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
-            if scenes.count(scene) > 1:
+            if scenes.count(floor_plan(scene)) > 1:
                 raise ValueError(f"{scene} is there twice")
         return scenes
 

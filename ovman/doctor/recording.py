@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ovman.config import constants, load
 from ovman.doctor import rehearsal
-from ovman.sections import FLOOR_PLANS
+from ovman.sections import floor_plan
 from ovman.sim.tape.file import read
 
 EMBEDDED, THOR = "embedded", "thor"
@@ -14,8 +14,7 @@ EMBEDDED, THOR = "embedded", "thor"
 
 def record(scene: str, output: Path, thor: bool, config: Path) -> str:
     """Records the work on a scene; what was recorded, in a line. ValueError, in one line, for what cannot be recorded."""
-    if scene not in FLOOR_PLANS:
-        raise ValueError(f"{scene} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+    floor_plan(scene)
     settings = load(config)
     benchmark = settings.benchmark.model_copy(update={"backend": THOR if thor else EMBEDDED})
     chosen = settings.model_copy(update={"benchmark": benchmark})
