@@ -75,11 +75,6 @@ class Arm:
         known = {field.name for field in fields(Arm)}
         return Arm(**{k: converted.get(k, lambda value: value)(v) for k, v in entry.items() if k in known})
 
-    @property
-    def of_maps(self) -> bool:
-        """Whether maps of the reference agent's perception are made before the arm is asked."""
-        return Need.MAPS in self.needs
-
 
 def _needs(values: Iterable[str]) -> tuple[Need, ...]:
     return tuple(Need(value) for value in values)
