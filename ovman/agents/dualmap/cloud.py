@@ -32,11 +32,6 @@ class Cloud:
     def __len__(self) -> int:
         return self.columns.shape[1]
 
-    @property
-    def points(self) -> np.ndarray:
-        """(N, 3), metres."""
-        return self.columns.T
-
     @cached_property
     def box(self) -> np.ndarray:
         """(6,): least x, y, z and greatest x, y, z."""

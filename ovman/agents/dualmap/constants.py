@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, TypeVar
+
+Read = TypeVar("Read", "LifeConstants", "LocalConstants", "GlobalConstants")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,16 +80,12 @@ class MapConstants:
         """Read from the section ``dualmap`` of a stage's view of config.yaml."""
         m, g = dualmap.local_map, dualmap.global_map
         return MapConstants(
-            LocalConstants(
-                near_m=m.near_m,
-                least_iou=m.least_iou,
-                match=m.match,
-                voxel_m=m.voxel_m,
-                thin_every=m.thin_every,
-                split_frames=m.split_frames,
-                split_window=m.split_window,
-                life=LifeConstants(**{name: getattr(m.life, name) for name in LifeConstants.__slots__}),
-            ),
-            GlobalConstants(**{name: getattr(g, name) for name in GlobalConstants.__slots__}),
+            _read(LocalConstants, m, life=_read(LifeConstants, m.life)),
+            _read(GlobalConstants, g),
             unknown,
         )
+
+
+def _read(kind: type[Read], section: Any, **made: Any) -> Read:
+    """The constants of a kind from the settings of the same names, but for those that are made."""
+    return kind(**made, **{field.name: getattr(section, field.name) for field in fields(kind) if field.name not in made})

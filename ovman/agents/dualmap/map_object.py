@@ -93,11 +93,6 @@ class MapObject:
         return self.parts[0].columns if len(self.parts) == 1 else np.concatenate([part.columns for part in self.parts], axis=1)
 
     @property
-    def points(self) -> np.ndarray:
-        """(N, 3), metres."""
-        return self.columns.T
-
-    @property
     def feature(self) -> np.ndarray:
         """(K,) mean of the observations' features, of unit length."""
         length = np.linalg.norm(self.total)

@@ -72,18 +72,18 @@ def test_a_map_is_the_same_under_the_same_run_and_another_under_another():
     once, again, other = mapped(frames), mapped(frames), mapped(frames, run=1)
     assert [thing.uid for thing in once.objects] == [thing.uid for thing in again.objects]
     for a, b in zip(once.objects, again.objects, strict=True):
-        assert a.points.tobytes() == b.points.tobytes() and a.feature.tobytes() == b.feature.tobytes()
+        assert a.columns.T.tobytes() == b.columns.T.tobytes() and a.feature.tobytes() == b.feature.tobytes()
     assert {tuple(a.position) for a in once.objects}.isdisjoint(tuple(b.position) for b in other.objects)
 
 
 def test_a_copy_grows_by_itself():
     local = mapped(walk(TEN, DENSE), flush=False)
-    before = [thing.points.tobytes() for thing in local.objects]
+    before = [thing.columns.T.tobytes() for thing in local.objects]
     copy = local.copy(np.random.default_rng(5))
     for observations in walk([TEN[0].moved(1.0, 1.8), *TEN[1:]], DENSE, seed=1):
         copy.observe([Seen.of(one, 0) for one in observations])
     assert len(copy.objects) == 11 and copy.frame == local.frame + len(DENSE)
-    assert [thing.points.tobytes() for thing in local.objects] == before
+    assert [thing.columns.T.tobytes() for thing in local.objects] == before
 
 
 @settings(max_examples=3, derandomize=True, deadline=None)
@@ -149,7 +149,7 @@ def test_looking_at_the_likeliest_first_finds_what_comparing_with_all_does(seed:
     for one, found in zip(fresh, matches(fresh, objects, LOCAL), strict=True):
         overlap = box_iou(one.cloud.box[None], np.stack([thing.box for thing in objects]))[0] >= LOCAL.least_iou
         near = [
-            (np.linalg.norm(one.cloud.points[:, None] - thing.points[None], axis=2).min(axis=1) <= LOCAL.near_m).mean()
+            (np.linalg.norm(one.cloud.columns.T[:, None] - thing.columns.T[None], axis=2).min(axis=1) <= LOCAL.near_m).mean()
             for thing in objects
         ]
         similarity = [
@@ -192,10 +192,10 @@ def test_what_is_near_a_cloud_is_what_is_near_one_of_its_points(seed: int, count
 def test_a_cloud_is_appended_and_thinned_at_every_third_observation():
     points = sheet(200, np.random.default_rng(0))
     thing = thing_of(seen(points, feature(0)))
-    sizes = [len(thing.points)]
+    sizes = [thing.columns.shape[1]]
     for frame in range(1, 6):
         thing.add(seen(points, feature(0)), frame, LOCAL)
-        sizes.append(len(thing.points))
+        sizes.append(thing.columns.shape[1])
     assert sizes == [200, 400, 200, 400, 600, 200]
 
 
