@@ -1,4 +1,4 @@
-"""From maps and what is grounded in them to an answer: the reference agent without its eyes and wheels."""
+"""From maps of two visits and what a noun means in them to an answer: the reference agent without its eyes and wheels."""
 
 from __future__ import annotations
 
