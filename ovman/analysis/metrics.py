@@ -17,7 +17,7 @@ from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
-from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
@@ -123,13 +123,11 @@ def _may_lack(arms: Sequence[Arm]) -> set[str]:
 
 
 def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:
-    runs: dict[str, set[int]] = {}
-    for outcome in outcomes:
-        runs.setdefault(outcome.arm, set()).add(outcome.seed)
+    runs = {name: len(by_seed(of_arm)) for name, of_arm in by_arm(outcomes).items()}
     for arm in arms:
-        if arm.name in runs and len(runs[arm.name]) != arm.runs:
+        if arm.name in runs and runs[arm.name] != arm.runs:
             raise ValueError(
-                f"{arm.name}: predictions of {len(runs[arm.name])} runs, but its entry in section arms says {arm.runs}; "
+                f"{arm.name}: predictions of {runs[arm.name]} runs, but its entry in section arms says {arm.runs}; "
                 "make its predictions again"
             )
 
