@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ovman.agents.arms import Arm
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation
 from ovman.analysis.statistics import mcnemar_exact
 
@@ -68,7 +68,7 @@ def _row(
 ) -> Navigation:
     successful = [run.spl for run in runs if run.success]
     answered = [executed[run.episode] for run in runs] if executed else []
-    realised = bool(answered) and all(outcome.outcome != "expected" for outcome in answered)
+    realised = bool(answered) and not any(map(is_expectation, answered))
     lost = gained = p = None
     if realised:
         lost = sum(bool(answer.success) and not run.success for answer, run in zip(answered, runs, strict=True))

@@ -18,6 +18,7 @@ RUN_SCHEMA = "ovman-run/1"
 RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
 OWN_SUCCESS = "own_success"
 """Key of a run record: the verdict on the agent's own task, of arms that have one."""
+EXPECTED = "expected"
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +100,11 @@ class EmbodiedOutcome:
     own_success: bool | None = None
 
 
+def is_expectation(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
+    """Whether its success is the expectation over a stochastic pick, which no run is."""
+    return outcome.outcome == EXPECTED
+
+
 def static_outcomes(
     cases: Sequence[Case], predictions: Iterable[Prediction], *, radius_m: float, samples: int, seed: int
 ) -> list[StaticOutcome]:
@@ -124,7 +130,7 @@ def static_outcomes(
                 outcome, reason, success = "abstained", str(why), 0.0
             case pick:
                 draws = generator(seed, "single_visit", case.id)
-                outcome = "expected"
+                outcome = EXPECTED
                 success = success_probability(pick, case.answer, radius_m, samples=samples, generator=draws)
         outcomes.append(
             StaticOutcome(

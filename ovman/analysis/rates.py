@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.statistics import poisson_binomial, wilson_interval
 from ovman.task import Relation
 
@@ -69,7 +69,7 @@ def static_rates(outcomes: Sequence[StaticOutcome], confidence: float) -> list[R
 
 def static_rate(arm: str, relation: str, group: Sequence[StaticOutcome], confidence: float) -> Rate:
     """The rate of one arm over a group of episodes, which is not empty."""
-    expected = any(outcome.outcome == "expected" for outcome in group)
+    expected = any(map(is_expectation, group))
     interval = expected_range([[o.success for o in run] for run in by_seed(group).values()], confidence) if expected else None
     return _rate(arm, relation, group, interval, confidence)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from ovman.analysis.comparisons import Pair, among
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation, by_seed
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
 
@@ -82,13 +82,13 @@ def family(pair: Pair, seed: int, arm: Sequence, baseline: Sequence) -> list[Com
 
 
 def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequence) -> Comparison:
-    if any(_expected(outcome) for outcome in arm):
+    if any(map(is_expectation, arm)):
         raise ValueError(f"{pair.arm} is a stochastic pick, which no exact test sets against {pair.baseline}")
     ours = [bool(outcome.success) for outcome in arm]
     theirs = [float(outcome.success) for outcome in baseline]
     wins = math.fsum(1.0 - p for hit, p in zip(ours, theirs, strict=True) if hit)
     losses = math.fsum(p for hit, p in zip(ours, theirs, strict=True) if not hit)
-    if any(_expected(outcome) for outcome in baseline):
+    if any(map(is_expectation, baseline)):
         test, p = Method.POISSON_BINOMIAL, poisson_binomial_tail(theirs, sum(ours))
     else:
         test, p = Method.MCNEMAR, mcnemar_exact(int(wins), int(losses))
@@ -107,7 +107,3 @@ def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequ
         p=p,
         p_holm=None,
     )
-
-
-def _expected(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
-    return outcome.outcome == "expected"

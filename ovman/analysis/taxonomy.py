@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from ovman.analysis.navigation import Navigation
-from ovman.analysis.outcomes import StaticOutcome
+from ovman.analysis.outcomes import StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation, by_seed
 
 
@@ -49,7 +49,7 @@ class TaxonomyCount:
 
 def verdict(outcome: StaticOutcome, radius_m: float, near_miss_m: float) -> Verdict:
     """The verdict on one prediction; radius_m is R. Raises ValueError for a stochastic pick, which has no point to look at."""
-    if outcome.outcome == "expected":
+    if is_expectation(outcome):
         raise ValueError(f"{outcome.arm} is a stochastic pick: {outcome.episode} has a probability, no verdict")
     if outcome.success:
         return Verdict.SUCCESS
@@ -70,7 +70,7 @@ def taxonomy(
     lost = [row for row in navigations if row.lost is not None]
     rows = []
     for arm, of_arm in by_arm(outcomes).items():
-        if any(outcome.outcome == "expected" for outcome in of_arm):
+        if any(map(is_expectation, of_arm)):
             continue
         runs = by_seed(of_arm)
         for seed, run in runs.items():
