@@ -90,7 +90,8 @@ def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[Embodied
     ):
         verdicts = results.embodied_verdicts(arm.name, episode["id"])
         runs = results.runs(arm.name, episode)
-        stops = tuple(_stop(seed, run, verdicts.get(seed)) for seed, run in runs.items())
+        past = Relation(episode["relation"]).past
+        stops = tuple(_stop(seed, run, verdicts.get(seed), past) for seed, run in runs.items())
         rows.append(EmbodiedRow(letter, arm, stops))
     return rows
 
@@ -134,7 +135,7 @@ def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
     return (FOUND, "found", distance) if success == 1.0 else (MISSED, "missed", distance)
 
 
-def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> Stop:
+def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None, past: bool) -> Stop:
     at = None if run["stop"] is None else (run["stop"]["x"], run["stop"]["z"])
     yaw = 0.0 if run["stop"] is None else run["stop"]["yaw_deg"]
     if row is None:
@@ -144,8 +145,11 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None) -> S
     success = row["success"] == "1"
     ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
     away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m away · "
+    pixels = None if past else run.get("visible_px")
+    seen = "" if not pixels else f"sees {max(pixels.values())} px · "
     own = {"1": " · any instance: found", "0": " · any instance: missed"}.get(row.get("own_success", ""), "")
-    words = f"{ended}{away}{float(row['path_length_m']):.2f} m, {row['actions']} actions · SPL {float(row['spl']):.2f}{own}"
+    weight = f" · SPL {float(row['spl']):.2f}" if success else ""
+    words = f"{ended}{away}{seen}{float(row['path_length_m']):.2f} m, {row['actions']} actions{weight}{own}"
     return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
 
 

@@ -47,6 +47,7 @@ def results(tmp_path_factory, made, settings):
         "spl": 0.0,
         "stop": {"x": 1.0, "z": 1.0, "yaw_deg": 0.0},
         "answer_distance_m": 2.0,
+        "visible_px": {"0": 40, "30": 7},
         "path_length_m": 4.0,
         "actions": 9,
     }
@@ -82,6 +83,7 @@ def test_an_agents_own_task_is_told_beside_its_stop(results, settings):
 
     assert "any instance: found" in words(NAME) and "any instance: missed" in words(f"{SCENE}/removed/0000")
     read = Page(page(results, NAME, settings))
+    assert "sees 40 px" in words(NAME) and "sees" not in words(f"{SCENE}/removed/0000")
     assert any("arm’s own task" in note.text for note in read.of_class("note"))
     (other,) = read.all("tr", data_arm="oracle_check", data_seed="0")
     assert "any instance" not in other.text
