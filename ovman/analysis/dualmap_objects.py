@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import fmean
 
 from ovman.agents.dualmap.mapped import Mapped, RunMaps, read
-from ovman.analysis.metrics import csv_text
+from ovman.analysis.rows import csv_of
 
 VISIT, MAINTAINED, ALL = "two visits", "maintained map", "all"
 
@@ -53,7 +53,7 @@ def counted(scenes: Iterable[tuple[str, Sequence[RunMaps]]]) -> list[Objects]:
 def run(files: Sequence[Path], output: Path) -> None:
     """Write the rows of `counted`. files: of the stage "dualmap", named after the scenes."""
     rows = counted((path.stem, read(path)) for path in files)
-    output.write_text(csv_text([field.name for field in fields(Objects)], map(asdict, rows)), encoding="utf-8")
+    output.write_text(csv_of(Objects, rows), encoding="utf-8")
     for row in (row for row in rows if row.scene == ALL):
         counts = f"{row.objects_min} to {row.objects_max} objects, {row.objects_mean:.1f} on average"
         print(f"{row.memory}: {row.maps} maps of {counts}", flush=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Any
@@ -13,9 +13,10 @@ from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.agents.perceived import Perceived, read_perceived
 from ovman.agents.prediction import Prediction
 from ovman.agents.reasoning import ReferenceConstants
-from ovman.analysis.metrics import csv_text, read_cases, record
+from ovman.analysis.metrics import read_cases
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
+from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.language import noun
 from ovman.language.held_out import read_held_out
@@ -105,8 +106,7 @@ def run(
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
     prediction.write(output_dir / RELATION_INFERRED, relation_inferred)
     prediction.write(output_dir / INFERRED, both_inferred)
-    header = [field.name for field in fields(LanguageRate)]
-    (output_dir / METRICS).write_text(csv_text(header, map(record, rates)), encoding="utf-8")
+    (output_dir / METRICS).write_text(csv_of(LanguageRate, rates), encoding="utf-8")
     right = sum(one.object_right and one.relation_right for one in asked)
     print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
 

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, fields
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +15,7 @@ from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodi
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
+from ovman.analysis.rows import csv_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
@@ -29,9 +27,6 @@ STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
 TAXONOMY, SIGNIFICANCE, NAVIGATION = "taxonomy.csv", "significance.csv", "navigation.csv"
 DIFFICULTY, BUDGET = "difficulty.csv", "budget.csv"
 PAIRINGS, OWN_TASK, SEEDS, SCENES = "pairings.csv", "own_task.csv", "seeds.csv", "scenes.csv"
-
-# Six decimals would make nothing of them.
-P_VALUES = frozenset({"p", "p_holm"})
 
 
 def run(
@@ -98,14 +93,7 @@ def run(
         (SEEDS, Pass, passes(static, embodied)),
         (SCENES, SceneRate, scenes(static, embodied, confidence)),
     ):
-        header = [field.name for field in fields(kind)]
-        (output_dir / name).write_text(csv_text(header, map(record, rows)), encoding="utf-8")
-
-
-def record(row: Any) -> dict[str, Any]:
-    """The cells of a row, a dataclass: its p-values as text with six digits, however small."""
-    cells = asdict(row)
-    return cells | {key: f"{cells[key]:.6g}" for key in P_VALUES & cells.keys() if cells[key] is not None}
+        (output_dir / name).write_text(csv_of(kind, rows), encoding="utf-8")
 
 
 def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms: Sequence[Arm]) -> None:
@@ -159,22 +147,3 @@ def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list
     if cases and not answered:
         raise ValueError(f"{path}: no predictions for {len(cases)} episodes; make the file again")
     return answered
-
-
-def csv_text(header: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
-    """RFC 4180 with a line feed at each end of line: six decimals for floats, 1 and 0 for truth values, nothing for None."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    for row in rows:
-        writer.writerow([_cell(row[key]) for key in header])
-    return text.getvalue()
-
-
-def _cell(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(int(value))
-    # Adding zero drops the sign that rounding may leave on a zero.
-    return f"{round(value, 6) + 0.0:.6f}" if isinstance(value, float) else str(value)

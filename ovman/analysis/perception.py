@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.localisation import box_distance_m
-from ovman.analysis.metrics import csv_text
+from ovman.analysis.rows import csv_of
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
@@ -41,7 +40,7 @@ def run(scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, vi
         if tours:
             seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.minimum_mask_px))
     rows = scores(seen)
-    output.write_text(csv_text([field.name for field in fields(Score)], map(asdict, rows)), encoding="utf-8")
+    output.write_text(csv_of(Score, rows), encoding="utf-8")
     whole = rows[0]
     print(f"{sum(one.tours for one in seen)} tours: {whole.true} true masks, {whole.found} detected ones", flush=True)
 

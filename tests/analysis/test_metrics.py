@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from ovman.analysis import metrics
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, embodied_rates, poisson_binomial_range, static_rates
+from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
 from ovman.task import Relation
 from tests.arms import BY_NAME
@@ -181,7 +182,7 @@ def test_small_p_values_are_written_with_their_digits_and_pairs_without_an_arm_a
     with (tmp_path / "metrics" / metrics.SIGNIFICANCE).open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["relation"], row["p_holm"] == "") for row in rows] == [("moved", False), ("former", False), ("all", True)]
-    assert metrics.csv_text(["p"], [metrics.record(Row(1.5e-23))]) == "p\n1.5e-23\n"
+    assert csv_of(Row, [Row(1.5e-23)]) == "p\n1.5e-23\n"
 
 
 @dataclass

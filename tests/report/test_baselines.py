@@ -8,11 +8,11 @@ import io
 import pytest
 
 from ovman.agents.arms import Arm, Kind, Source
-from ovman.analysis import metrics
 from ovman.analysis.dualmap_objects import ALL, Objects
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.rows import csv_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
 from ovman.report.dualmap import dualmap_table
@@ -54,7 +54,7 @@ EMBODIED = [
 
 
 def rows(kind, made):
-    text = metrics.csv_text(list(kind.__dataclass_fields__), map(metrics.record, made))
+    text = csv_of(kind, made)
     return list(csv.DictReader(io.StringIO(text)))
 
 

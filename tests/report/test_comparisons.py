@@ -8,11 +8,11 @@ import io
 import pytest
 from scipy.stats import binom
 
-from ovman.analysis import metrics
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.rates import static_rates
+from ovman.analysis.rows import csv_of
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.report.budget import budget_table
@@ -47,7 +47,7 @@ EMBODIED = [
 
 
 def rows(kind, made):
-    text = metrics.csv_text(list(kind.__dataclass_fields__), map(metrics.record, made))
+    text = csv_of(kind, made)
     return list(csv.DictReader(io.StringIO(text)))
 
 

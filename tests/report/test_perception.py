@@ -7,7 +7,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from ovman.analysis.localisation import Localised
-from ovman.analysis.metrics import csv_text
+from ovman.analysis.rows import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, SCENE, SIZE, Score
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown

@@ -9,9 +9,10 @@ from types import SimpleNamespace
 import pytest
 import yaml
 
-from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES, csv_text
+from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.rows import csv_text
 from ovman.config import load
 from ovman.report import tables
 from ovman.report.constants import KEYS, constants_table, value_text

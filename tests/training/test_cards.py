@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from ovman.analysis.metrics import csv_text
+from ovman.analysis.rows import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
 from ovman.config import canonical, load
 from ovman.training import cards
