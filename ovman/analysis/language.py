@@ -13,8 +13,7 @@ from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.agents.perceived import Perceived, read_perceived
 from ovman.agents.prediction import Prediction
 from ovman.agents.reasoning import ReferenceConstants
-from ovman.analysis.metrics import read_cases
-from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
+from ovman.analysis.outcomes import Case, StaticOutcome, read_cases, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval

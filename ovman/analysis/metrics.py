@@ -11,7 +11,7 @@ from ovman.agents.arms import Arm, Kind, table
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
-from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
+from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, read_cases, static_outcomes
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
@@ -118,25 +118,6 @@ def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:
                 f"{arm.name}: predictions of {runs[arm.name]} runs, but its entry in section arms says {arm.runs}; "
                 "make its predictions again"
             )
-
-
-def read_cases(episodes_file: Path) -> list[Case]:
-    """The episodes of a file of JSON lines, in its order.
-
-    Raises ValueError that names file and line, or the id that is there twice.
-    """
-    cases = []
-    for place, record in records(episodes_file):
-        try:
-            cases.append(Case.of(record))
-        except (ValueError, TypeError) as error:
-            raise ValueError(f"{place}: {error}") from None
-    seen: set[str] = set()
-    for case in cases:
-        if case.id in seen:
-            raise ValueError(f"{episodes_file}: {case.id} is there twice; an episode's id is unique")
-        seen.add(case.id)
-    return cases
 
 
 def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list[prediction.Prediction]:

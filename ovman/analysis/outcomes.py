@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from ovman.agents.decision import Abstention, Answer
@@ -13,6 +14,7 @@ from ovman.agents.prediction import Prediction
 from ovman.agents.single_visit import success_probability
 from ovman.seeds import generator
 from ovman.task import Relation
+from ovman.task.record import records
 
 RUN_SCHEMA = "ovman-run/1"
 RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
@@ -98,6 +100,25 @@ class EmbodiedOutcome:
     path_length_m: float
     actions: int
     own_success: bool | None = None
+
+
+def read_cases(episodes_file: Path) -> list[Case]:
+    """The episodes of a file of JSON lines, in its order.
+
+    Raises ValueError that names file and line, or the id that is there twice.
+    """
+    cases = []
+    for place, record in records(episodes_file):
+        try:
+            cases.append(Case.of(record))
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"{place}: {error}") from None
+    seen: set[str] = set()
+    for case in cases:
+        if case.id in seen:
+            raise ValueError(f"{episodes_file}: {case.id} is there twice; an episode's id is unique")
+        seen.add(case.id)
+    return cases
 
 
 def is_expectation(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
