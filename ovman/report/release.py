@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import math
 import shutil
 import sys
 from collections import Counter
@@ -19,6 +20,8 @@ from ovman.task.record import read_records
 FILES = ("episodes/main.jsonl",)
 TREES = ("scenes", "trials", "certified", "predictions", "runs", "metrics", "tables")
 HIDDEN = "."
+NEAR_M = 1.0
+"""From a vacated place to another instance of the category that the card counts as beside it."""
 
 
 def release(results: Path, output: Path, card: str) -> list[Path]:
@@ -83,6 +86,7 @@ def card(results: Path) -> str:
     relations = [r.value for r in Relation]
     instances = Counter(min(e.instances_in_category, 4) for e in episodes)
     shortest = sorted(e.shortest_path_m for e in episodes)
+    vacated = [e for e in episodes if e.relation.past]
     return (
         (Path(__file__).parent / "card.md")
         .read_text(encoding="utf-8")
@@ -96,9 +100,17 @@ def card(results: Path) -> str:
             by_category=_table(["category", *relations, "all"], _counts(episodes, lambda e: e.category)),
             rejections=_table(["stage", "reason", *relations, "all"], _rejections(rejected), 2),
             instances=", ".join(f"{count} with {'four or more' if n == 4 else n}" for n, count in sorted(instances.items())),
+            vacated=len(vacated),
+            beside=sum(_beside(e) for e in vacated),
+            near=f"{NEAR_M:g}",
             shortest=f"{shortest[0]:.2f}, {shortest[len(shortest) // 2]:.2f} and {shortest[-1]:.2f}",
         )
     )
+
+
+def _beside(episode: Episode) -> bool:
+    """Whether an instance of the category is near the answer in the second visit."""
+    return any(math.dist(k.position, episode.answer) <= NEAR_M for k in episode.states[1].category(episode.category))
 
 
 def run(results: Path, output: Path) -> None:
