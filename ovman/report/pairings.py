@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ovman.analysis.significance import Method
 from ovman.report.cells import MARK, Record, count, grouped, p_value, signed, small_capitals
-from ovman.report.significance import TESTS
+from ovman.report.significance import OF_A_PICK, TESTS
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
 
@@ -86,9 +86,7 @@ def _caption(pairings: Sequence[Record]) -> str:
         "greatest. Wins, losses: of the worst pairing. p: of the pairing to its left, not corrected; McNemar: exact, two-sided."
     )
     if any(row["test"] == Method.POISSON_BINOMIAL for row in pairings):
-        caption += (
-            f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. Poisson-binomial: exact, one-sided, "
-            "the probability that the pick succeeds at least as often as the first arm did"
-            + ("; 0: more often than the pick can." if any(float(row["p"]) == 0.0 for row in pairings) else ".")
+        caption += f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. {OF_A_PICK}" + (
+            "; 0: more often than the pick can." if any(float(row["p"]) == 0.0 for row in pairings) else "."
         )
     return caption

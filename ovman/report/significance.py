@@ -9,6 +9,8 @@ from ovman.analysis.significance import Method
 from ovman.report.cells import MARK, Record, count, p_value, small_capitals
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 
+OF_A_PICK = "Poisson-binomial: exact, one-sided, the probability that the pick succeeds at least as often as the first arm did"
+"""What captions say of the test against a stochastic pick."""
 TESTS = {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{MARK}"}
 
 
@@ -82,10 +84,7 @@ def _caption(shown: Sequence[Record], others: Sequence[Record]) -> str:
     )
     stochastic = [row for row in shown if row["test"] == Method.POISSON_BINOMIAL]
     if stochastic:
-        caption += (
-            f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. Poisson-binomial: "
-            "exact, one-sided, the probability that the pick succeeds at least as often as the first arm did."
-        )
+        caption += f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. {OF_A_PICK}."
     if any(float(row["p"]) == 0.0 for row in stochastic):
         caption += " 0: more successes than the pick can come to."
     for title in dict.fromkeys(row["title"] for row in others):
