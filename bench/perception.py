@@ -84,7 +84,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
             for part in frames.split(networks.detector.TOGETHER):
                 detector.network(part)
             for part in squares.split(networks.encoder.TOGETHER):
-                encoder.network.encode_image(part)
+                encoder.look(part)
 
     return {
         "the networks alone": bare,

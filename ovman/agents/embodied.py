@@ -76,7 +76,7 @@ def execute(
     looks = name_of is None and getattr(agent, "looks", True)
     session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     observe = partial(_observation, session, looks, assignment.gone, name_of)
-    driven = _driven(session, world, agent, observe, own_body, constants, terms)
+    driven = _driven(session, world, agent, observe, own_body, looks, constants, terms)
     measured: dict[str, Any] = {"outcome": driven.outcome, **dict.fromkeys(MEASURED)}
     if driven.outcome == "stopped":
         measured |= assignment.at_stop(session, world, constants, ground, terms.any_instance)
@@ -100,10 +100,14 @@ def _driven(
     agent: Agent,
     observe: Callable[[bool, np.ndarray | None], Observation],
     own_body: bool,
+    looks: bool,
     constants: Any,
     terms: Terms,
 ) -> _Driven:
-    """observe: what the agent sees, given whether its last action succeeded, and what can be reached now (None: as before)."""
+    """observe: what the agent sees, given whether its last action succeeded, and what can be reached now (None: as before).
+
+    Where nothing else moves after an action, its own image is what the agent sees next.
+    """
     step_m = constants.primitives.step_m
     budget = constants.primitives.action_budget if terms.budget is None else terms.budget
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
@@ -121,7 +125,8 @@ def _driven(
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
         before = session.pose
-        succeeded = bool(session.step(action.value, allowed=True).metadata["lastActionSuccess"])
+        done = session.step(action.value, image=looks and world.mover is None, allowed=True)
+        succeeded = bool(done.metadata["lastActionSuccess"])
         after = session.pose
         moved = math.hypot(after.x - before.x, after.z - before.z)
         travelled, actions = travelled + moved, actions + 1
@@ -156,7 +161,8 @@ def _observation(
     camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
     field_of_view_deg = session.embodiment.field_of_view_deg
     if looks:
-        session.step("Pass", image=True)
+        if session.rgb is None:
+            session.step("Pass", image=True)
         return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)
     if name_of is None:
         return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)

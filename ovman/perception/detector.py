@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ovman.perception.graph import Graph
 from ovman.perception.weights import WeightsError, fitting, state
 
 KEY = "perception.detector"
@@ -56,9 +57,9 @@ class Detector:
         self._predict.setup_model(network, verbose=False)
 
     @property
-    def network(self) -> Any:
-        """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs: batch normalisation folded in."""
-        return self._predict.model
+    def network(self) -> Callable[[Any], Any]:
+        """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs."""
+        return self._predict.inference
 
     def at(self, side_px: int) -> Detector:
         """The same network for pictures that are scaled to another side, a multiple of 32."""
@@ -99,14 +100,37 @@ def network_of(weights: Path, architecture: str, trust_pickles: bool = False) ->
 
 
 def _predictor(options: Mapping[str, Any]) -> Any:
-    """ultralytics' predictor, which looks for the instances of one picture after the other.
+    """ultralytics' predictor, which looks for the instances of one picture after the other, on a processor as a graph.
 
     Given several, its suppression of overlaps stops after two seconds of wall clock and leaves the rest of them without any.
     """
     _keep_to_itself()
+    import torch
     from ultralytics.models.yolo.segment import SegmentationPredictor
 
+    class Boxes(torch.nn.Module):
+        """Of what the network gives, what counts where nothing is learned: boxes with their scores, and prototypes of masks."""
+
+        def __init__(self, network: Any) -> None:
+            super().__init__()
+            self.network = network
+
+        def forward(self, pictures: Any) -> Any:
+            given = self.network(pictures)
+            return given[0] if isinstance(given[0], tuple) else given[:2]
+
     class Unhurried(SegmentationPredictor):
+        graphs: dict[tuple[int, ...], Graph]
+
+        def inference(self, im: Any, *args: Any, **kwargs: Any) -> Any:
+            if im.device.type != "cpu":
+                return super().inference(im, *args, **kwargs)
+            shape = (1, *im.shape[1:])
+            if shape not in self.graphs:
+                self.graphs[shape] = Graph(Boxes(self.model.backend.model).eval(), shape)
+            found = [self.graphs[shape](picture[None]) for picture in im]
+            return (tuple(torch.cat(parts) for parts in zip(*found, strict=True)),)
+
         def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
             boxes, prototypes = preds[0] if isinstance(preds[0], tuple) else preds[:2]
             return [
@@ -117,7 +141,9 @@ def _predictor(options: Mapping[str, Any]) -> Any:
                 )
             ]
 
-    return Unhurried(overrides=dict(options))
+    predictor = Unhurried(overrides=dict(options))
+    predictor.graphs = {}
+    return predictor
 
 
 def _keep_to_itself() -> None:

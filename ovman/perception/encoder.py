@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from ovman.perception.graph import Graph
 from ovman.perception.weights import WeightsError, fitting, located, state
 
 KEY = "perception.encoder"
@@ -81,7 +83,6 @@ class Encoder:
         from open_clip.tokenizer import SimpleTokenizer
 
         self.network = network.to(device).float().eval()
-        self.network.visual.to(memory_format=torch.channels_last)
         self._device = device
         self._tokens = SimpleTokenizer(context_length=of.towers["text_cfg"].get("context_length", 77))
         self._mean, self._deviation = (torch.tensor(v, device=device).view(1, 3, 1, 1) for v in (of.mean, of.deviation))
@@ -89,16 +90,24 @@ class Encoder:
         self.side_px = int(side if isinstance(side, int) else side[0])
         self.size = int(of.towers["embed_dim"])
 
+    @cached_property
+    def look(self) -> Callable[[Any], Any]:
+        """What crops (N, 3, side_px, side_px) go through: the image tower, on a processor as a graph."""
+        if self._device != "cpu":
+            return self.network.encode_image
+        graph = Graph(self.network.visual, (0, 3, self.side_px, self.side_px))
+        return lambda crops: graph(crops)[0]
+
     def images(self, crops: np.ndarray) -> np.ndarray:
         """Unit embeddings (N, K) float32 of crops (N, side_px, side_px, 3) uint8 RGB."""
         import torch
 
         def prepared(part: np.ndarray) -> Any:
             tensor = torch.from_numpy(part).to(self._device).permute(0, 3, 1, 2).float().div_(255)
-            return tensor.sub_(self._mean).div_(self._deviation).contiguous(memory_format=torch.channels_last)
+            return tensor.sub_(self._mean).div_(self._deviation)
 
         parts = [crops[start : start + TOGETHER] for start in range(0, len(crops), TOGETHER)]
-        return self._embedded(self.network.encode_image, map(prepared, parts))
+        return self._embedded(self.look, map(prepared, parts))
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
         """Unit embeddings (N, K) float32 of noun phrases."""

@@ -11,7 +11,16 @@ from ovman.perception.detector import Detector
 from ovman.perception.encoder import Encoder
 from ovman.perception.weights import WeightsError, detector_file, encoder_file, located, sha256
 
-LIBRARIES = ("torch", "torchvision", "ultralytics", "open_clip_torch", "numpy", "opencv-python", "opencv-python-headless")
+LIBRARIES = (
+    "torch",
+    "torchvision",
+    "onnxruntime",
+    "ultralytics",
+    "open_clip_torch",
+    "numpy",
+    "opencv-python",
+    "opencv-python-headless",
+)
 """By their distributions: what the numbers that a network gives may depend on beside its weights."""
 
 

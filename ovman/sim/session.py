@@ -134,13 +134,13 @@ class Session:
         return self._event.metadata["cameraPosition"]
 
     @property
-    def rgb(self) -> np.ndarray:
-        """(H, W, 3) uint8 of the last image."""
+    def rgb(self) -> np.ndarray | None:
+        """(H, W, 3) uint8 of the last step's image, None if it had none."""
         return self._event.frame
 
     @property
     def depth(self) -> np.ndarray:
-        """(H, W) float32 of the last image, metres along the optical axis."""
+        """(H, W) float32 of the last step's image, metres along the optical axis."""
         return self._event.depth_frame
 
     @property
