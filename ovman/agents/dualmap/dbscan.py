@@ -6,6 +6,8 @@ import numpy as np
 from numba import njit
 
 _NONE = -1
+_SLACK = 1.0 + 1e-9
+"""Cells are larger than the radius by this, so that no rounding puts neighbours two cells apart."""
 
 
 def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
@@ -17,71 +19,78 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
     if len(points) < least:
         return np.zeros(0, np.int64)
     points = np.ascontiguousarray(points, np.float64)
-    axis = int(np.argmax(np.ptp(points, axis=0)))
-    order = np.argsort(points[:, axis], kind="stable")
-    labels = _labels(points[order], order, axis, radius_m, least)
+    low = points.min(axis=0)
+    widest = np.argsort(low - points.max(axis=0), kind="stable")[:2]
+    cells = ((points[:, widest] - low[widest]) / (radius_m * _SLACK)).astype(np.int64)
+    labels = _labels(points, cells, radius_m, least)
     if labels.max() == _NONE:
         return np.zeros(0, np.int64)
     return np.flatnonzero(labels == np.argmax(np.bincount(labels[labels >= 0])))
 
 
 @njit(cache=True)
-def _labels(points, order, axis, radius_m, least):
-    """Cluster of each point by its index before sorting, _NONE for noise; `points` are sorted along `axis` by `order`."""
+def _labels(points, cells, radius_m, least):
+    """Cluster of each of `points` (N, 3), _NONE for noise; cells (N, 2): its column of space, as wide as the radius."""
     count, reach = len(points), radius_m * radius_m
+    wide, high = cells[:, 0].max() + 1, cells[:, 1].max() + 1
+    starts = np.zeros(wide * high + 1, np.int64)
+    for i in range(count):
+        starts[cells[i, 0] * high + cells[i, 1] + 1] += 1
+    for cell in range(wide * high):
+        starts[cell + 1] += starts[cell]
+    # Of each cell, its points: those without a cluster first, up to the cell's end.
+    ends = starts[:-1].copy()
+    inside, place = np.empty(count, np.int64), np.empty(count, np.int64)
+    for i in range(count):
+        cell = cells[i, 0] * high + cells[i, 1]
+        inside[ends[cell]], place[i] = i, ends[cell]
+        ends[cell] += 1
     core = np.zeros(count, np.bool_)
-    first, last = np.empty(count, np.int64), np.empty(count, np.int64)
-    low = high = 0
     for i in range(count):
-        while points[i, axis] - points[low, axis] > radius_m:
-            low += 1
-        while high < count and points[high, axis] - points[i, axis] <= radius_m:
-            high += 1
-        first[i], last[i] = low, high
         near = 0
-        for j in range(low, high):
-            if _square(points, i, j) <= reach:
-                near += 1
-                if near == least:
-                    core[i] = True
-                    break
-    place = np.empty(count, np.int64)
-    for i in range(count):
-        place[order[i]] = i
+        for across in range(max(cells[i, 0] - 1, 0), min(cells[i, 0] + 2, wide)):
+            for cell in range(across * high + max(cells[i, 1] - 1, 0), across * high + min(cells[i, 1] + 2, high)):
+                k = starts[cell]
+                while near < least and k < starts[cell + 1]:
+                    near += _square(points, i, inside[k]) <= reach
+                    k += 1
+        core[i] = near == least
     labels = np.full(count, _NONE, np.int64)
     stack = np.empty(count, np.int64)
-    # The next point along the axis that has no cluster yet, itself if it has none: who has one is passed over at once.
-    free = np.arange(count + 1)
     clusters = 0
-    for index in range(count):
-        start = place[index]
-        if not core[start] or labels[index] != _NONE:
+    for first in range(count):
+        if not core[first] or labels[first] != _NONE:
             continue
-        labels[index] = clusters
-        free[start] = start + 1
-        stack[0], waiting = start, 1
+        labels[first] = clusters
+        _take(inside, place, ends, cells[first, 0] * high + cells[first, 1], first)
+        stack[0], waiting = first, 1
         while waiting:
             waiting -= 1
             i = stack[waiting]
-            j = _next(free, first[i])
-            while j < last[i]:
-                if _square(points, i, j) <= reach:
-                    labels[order[j]] = clusters
-                    free[j] = j + 1
-                    if core[j]:
-                        stack[waiting] = j
-                        waiting += 1
-                j = _next(free, j + 1)
+            for across in range(max(cells[i, 0] - 1, 0), min(cells[i, 0] + 2, wide)):
+                for cell in range(across * high + max(cells[i, 1] - 1, 0), across * high + min(cells[i, 1] + 2, high)):
+                    k = starts[cell]
+                    while k < ends[cell]:
+                        j = inside[k]
+                        if _square(points, i, j) > reach:
+                            k += 1
+                            continue
+                        labels[j] = clusters
+                        _take(inside, place, ends, cell, j)
+                        if core[j]:
+                            stack[waiting] = j
+                            waiting += 1
         clusters += 1
     return labels
 
 
-@njit(cache=True)
-def _next(free, j):
-    while free[j] != j:
-        free[j] = free[free[j]]
-        j = free[j]
-    return j
+@njit(cache=True, inline="always")
+def _take(inside, place, ends, cell, i):
+    """Takes a point out of those of its cell that have no cluster."""
+    ends[cell] -= 1
+    last = inside[ends[cell]]
+    inside[place[i]], place[last] = last, place[i]
+    inside[ends[cell]], place[i] = i, ends[cell]
 
 
 @njit(cache=True, inline="always")
