@@ -114,10 +114,19 @@ def read_nouns(path: Path) -> dict[str, np.ndarray]:
 
 
 def write_arrays(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed: bool = False) -> None:
-    """Writes arrays without pickles under the name of what they are (`schema`)."""
+    """Writes arrays without pickles under the name of what they are (`schema`), as numpy.savez does.
+
+    Compressed is at the fastest level, which numpy does not offer: in less than half of its time to 105 % of its size.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("wb") as file:  # a file, since NumPy would add a suffix to a name
-        (np.savez_compressed if compressed else np.savez)(file, allow_pickle=False, schema=np.array(schema), **arrays)
+    method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
+    with path.open("wb") as file:
+        with zipfile.ZipFile(file, "w", method, compresslevel=1) as archive:
+            for name, array in {"schema": np.array(schema), **arrays}.items():
+                member = zipfile.ZipInfo(f"{name}.npy")
+                member.compress_type = method
+                with archive.open(member, "w", force_zip64=True) as to:
+                    np.lib.format.write_array(to, np.asanyarray(array), allow_pickle=False)
         file.flush()
         os.fsync(file.fileno())
 

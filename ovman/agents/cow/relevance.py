@@ -92,7 +92,7 @@ class OpenVocabularyLocaliser:
         A box is top, left, bottom, right in pixels, the latter two outside.
         """
         (seen,) = self._detector.detect([rgb])
-        masks = seen.masks[seen.masks.sum(axis=(1, 2), dtype=np.int64) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
+        masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):
             return np.zeros((0, 4)), np.zeros((0, len(self._text)), np.float32)
         crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]

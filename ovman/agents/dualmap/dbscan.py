@@ -19,13 +19,26 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
     if len(points) < least:
         return np.zeros(0, np.int64)
     points = np.ascontiguousarray(points, np.float64)
-    low = points.min(axis=0)
-    widest = np.argsort(low - points.max(axis=0), kind="stable")[:2]
-    cells = ((points[:, widest] - low[widest]) / (radius_m * _SLACK)).astype(np.int64)
-    labels = _labels(points, cells, radius_m, least)
+    labels = _labels(points, _columns(points, radius_m * _SLACK), radius_m, least)
     if labels.max() == _NONE:
         return np.zeros(0, np.int64)
     return np.flatnonzero(labels == np.argmax(np.bincount(labels[labels >= 0])))
+
+
+@njit(cache=True)
+def _columns(points, side_m):
+    """(N, 2) number of each point's column of space, side_m wide, along the two axes in which `points` (N, 3) extend most."""
+    low, high = points[0].copy(), points[0].copy()
+    for i in range(len(points)):
+        for k in range(3):
+            low[k], high[k] = min(low[k], points[i, k]), max(high[k], points[i, k])
+    least = np.argmin(high - low)
+    columns = np.empty((len(points), 2), np.int64)
+    for i in range(len(points)):
+        for k in range(2):
+            axis = k if k < least else k + 1
+            columns[i, k] = np.int64((points[i, axis] - low[axis]) / side_m)
+    return columns
 
 
 @njit(cache=True)

@@ -19,8 +19,9 @@ class MaskConstants:
 
 def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
     """Counts of pixels (N, 3) uint8 in `bins` equal bins of each channel, (3 * bins,)."""
-    cells = (rgb.astype(np.int64) * bins) // 256 + np.arange(3) * bins
-    return np.bincount(cells.ravel(), minlength=3 * bins).astype(np.float64)
+    values = np.concatenate([np.bincount(rgb[:, channel], minlength=256) for channel in range(3)])
+    cells = np.arange(256) * bins // 256 + np.arange(3)[:, None] * bins
+    return np.bincount(cells.ravel(), values, minlength=3 * bins)
 
 
 def filtered(
