@@ -2,6 +2,9 @@
 
 All that runs Snakemake or waits for the one lock of the GPU stays in one process: it shares one finished world, and no lock is
 waited for by two. That is the longest share, so it comes first.
+
+Examples are drawn in the same way every time, so that a change fails for what it does. `pytest --hypothesis-profile default` draws
+others.
 """
 
 from __future__ import annotations
@@ -9,6 +12,10 @@ from __future__ import annotations
 from pathlib import Path, PurePosixPath
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 WORKFLOW = Path(__file__).parent / "workflow"
 TOGETHER = frozenset({"test_job.py"})

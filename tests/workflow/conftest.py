@@ -64,7 +64,7 @@ class World:
     def results(self) -> dict[str, bytes]:
         """The bytes of everything that a reader of the results sees."""
         kept = (
-            *("trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz"),
+            *("visits", "trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz", "walks", "dualmap"),
             *("predictions", "executions", "runs", "language", "metrics", "tables"),
         )
         roots = [self.directory / "results" / name for name in kept]
