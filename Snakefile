@@ -41,6 +41,10 @@ include: "workflow/rules/findings.smk"
 include: "workflow/rules/models.smk"
 
 
+onstart:
+    lift_rate_limit(workflow)
+
+
 localrules:
     all,
 

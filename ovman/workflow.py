@@ -1,4 +1,5 @@
-"""What the Snakefile asks of Snakemake beyond its rules: no stale lock, one GPU job at a time, no job without its Snakemake.
+"""What the Snakefile asks of Snakemake beyond its rules: no stale lock, one GPU job at a time, no job without its Snakemake, no
+looking for work in vain.
 
 Imports nothing heavy: the Snakefile imports it.
 """
@@ -46,6 +47,16 @@ def limit_gpu(workflow: Any) -> None:
     from snakemake.resources import Resource
 
     workflow.global_resources["gpu"] = Resource("gpu", 1)
+
+
+def lift_rate_limit(workflow: Any) -> None:
+    """As many jobs a second as there are cores for, where jobs are processes of this machine; when the jobs start.
+
+    For the sake of its limit Snakemake looks for work again a second after it has, whatever made it look. While jobs wait for a
+    core, every job that ends adds one look a second, and some hundred of them take half a core.
+    """
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
 
 
 def release_stale_locks(directory: Path) -> None:

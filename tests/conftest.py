@@ -3,8 +3,8 @@
 All that runs Snakemake or waits for the one lock of the GPU stays in one process: it shares one finished world, and no lock is
 waited for by two. That is the longest share, so it comes first.
 
-Examples are drawn in the same way every time, so that a change fails for what it does. `pytest --hypothesis-profile default` draws
-others.
+Examples are drawn in the same way every time, so that a change fails for what it does; `pytest --hypothesis-profile default`
+draws others.
 """
 
 from __future__ import annotations

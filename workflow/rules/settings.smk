@@ -8,7 +8,7 @@ sys.path.insert(0, str(workflow.basedir))
 from ovman.agents.arms import Kind, Need, named, of_kind, table
 from ovman.config import ConfigError, canonical, load
 from ovman.perception.weights import located
-from ovman.workflow import check_agents, prepare
+from ovman.workflow import check_agents, lift_rate_limit, prepare
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
