@@ -79,12 +79,12 @@ def walk(session: Session, eyes: Any, settings: Any, budget: int, rng: np.random
         return result
 
     steps, action = 0, None
+    took(FRAME, lambda: session.step("Pass", image=True))
     while steps < budget and action is not Action.STOP:
-        took(FRAME, lambda: session.step("Pass", image=True))
         seen = Observation(session.rgb, session.depth, NOWHERE, session.embodiment.field_of_view_deg)
         action, steps = took(OWN, lambda seen=seen: agent.act(seen)), steps + 1
         if action is not Action.STOP:
-            took(FRAME, lambda action=action: session.step(action.value, allowed=True))
+            took(FRAME, lambda action=action: session.step(action.value, image=True, allowed=True))
     spent[LOOK], spent[OWN] = timed.seconds, spent[OWN] - timed.seconds
     return steps, spent
 
