@@ -9,7 +9,7 @@ draws others.
 
 from __future__ import annotations
 
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 
 import pytest
 from hypothesis import settings
@@ -17,19 +17,20 @@ from hypothesis import settings
 settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
-WORKFLOW = Path(__file__).parent / "workflow"
+WORKFLOW = "workflow"
 TOGETHER = frozenset({"test_job.py"})
 
 
-def in_one_process(path: PurePosixPath) -> bool:
-    """Whether a file of tests belongs to the share that runs Snakemake."""
-    return WORKFLOW.name in path.parts or path.name in TOGETHER
+def share(nodeid: str) -> str:
+    """What one process runs of the tests, by a test's name: its file, or all that runs Snakemake."""
+    file = PurePosixPath(nodeid.partition("::")[0])
+    return WORKFLOW if WORKFLOW in file.parts or file.name in TOGETHER else str(file)
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """The longest share to the beginning."""
-    items.sort(key=lambda item: (WORKFLOW not in item.path.parents, not in_one_process(item.path)))
+    items.sort(key=lambda item: share(item.nodeid) != WORKFLOW)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -38,11 +39,10 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
 
     Not by its marks for groups: xdist 3.8 writes them into what pytest 9.2 no longer reads, and shares out test by test.
     """
-    from xdist.scheduler import LoadFileScheduling
+    from xdist.scheduler import LoadScopeScheduling
 
-    class Shares(LoadFileScheduling):
+    class Shares(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            file = super()._split_scope(nodeid)
-            return WORKFLOW.name if in_one_process(PurePosixPath(file)) else file
+            return share(nodeid)
 
     return Shares(config, log)
