@@ -234,3 +234,26 @@ def test_points_of_the_picture_are_told(engine):
     assert np.allclose([low[k] for k in "xyz"], corners.min(axis=0)) and np.allclose(
         [high[k] for k in "xyz"], corners.max(axis=0)
     )
+
+
+def test_a_filter_changes_nothing_that_is_told_of_what_it_leaves_in(engine):
+    """Looks are then taken only towards what is told of. Things stand anywhere, turned in any way, near and far."""
+    rng = np.random.default_rng(0)
+    told = visible = 0
+    for name, visibility_m, scheme in zip(SCENES, (1.0, 1.5, 3.0), ("Collider", "Distance", "Collider"), strict=True):
+        scene = engine(name, fastActionEmit=False, visibilityDistance=visibility_m, visibilityScheme=scheme)
+        scene.do("PausePhysicsAutoSim")
+        movable = sorted(o["objectId"] for o in scene.agent["objects"] if o["moveable"] or o["pickupable"])
+        for pose in poses(scene, 25):
+            rotation = {"x": float(rng.uniform(-90, 90)), "y": float(rng.uniform(0, 360)), "z": 0}
+            put = {"position": pose["position"], "rotation": rotation, "forceAction": True, "forceKinematic": True}
+            scene.do("TeleportObject", objectId=movable[rng.integers(len(movable))], **put)
+            whole = {o["objectId"]: dict(o) for o in scene.do("TeleportFull", **next(poses(scene, 1, seed=told)))["objects"]}
+            near = sorted(k for k, o in whole.items() if o["visible"])
+            kind = rng.choice(sorted({o["objectType"] for o in whole.values()}))
+            chosen = {k for k, o in whole.items() if o["objectType"] == kind} | set(near[: rng.integers(3)])
+            some = {o["objectId"]: dict(o) for o in scene.do("SetObjectFilter", objectIds=sorted(chosen))["objects"]}
+            assert some == {k: whole[k] for k in chosen}
+            assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
+            told, visible = told + len(some), visible + len(seen({"objects": some.values()}))
+    assert told > 150 and visible > 40

@@ -82,6 +82,16 @@ class Setting:
         return dict(zip(solids, np.split(allowed, ends[:-1]) if solids else (), strict=True))
 
     @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the untouched scene, metres."""
+        boxes = [o.box.bounds() for o in self.plan.objects]
+        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+        high = np.maximum(high, [high[0], self.room.ceiling_y, high[2]])
+        for corner in (low, high):
+            corner.setflags(write=False)
+        return low, high
+
+    @cached_property
     def pieces(self) -> Mapping[str, tuple]:
         """Convex pieces of every object, in the frames of their boxes."""
         return {o.object_id: _pieces(o, self.plan) for o in self.plan.objects}

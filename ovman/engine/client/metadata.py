@@ -11,7 +11,7 @@ from ovman.engine.bodies.surfaces import VESSELS
 from ovman.engine.client.settings import Settings
 from ovman.engine.plan.floorplan import Box, euler_degrees
 from ovman.engine.plan.vector import vector
-from ovman.engine.sight.visibility import Eye, Sight
+from ovman.engine.sight.visibility import Eye, Sight, Spheres
 from ovman.engine.world.world import Body, World
 
 ABOVE_M, BELOW_M = 0.05, 0.02
@@ -66,7 +66,7 @@ class SceneMetadata:
             self._version = version
             self._seen_from = None
         view = (settings.field_of_view_deg, settings.visibility_m, settings.visibility_scheme, aspect)
-        seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment, *view)
+        seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment, *view, settings.shown)
         # Who is visible from where takes longer than all else that is told; nobody is told of nobody.
         if self._seen_from != seen_from and settings.shown != frozenset():
             self._look(Eye.of(agent, settings.field_of_view_deg, aspect), settings)
@@ -104,7 +104,13 @@ class SceneMetadata:
                 kept.pop(name, None)
 
     def _look(self, eye: Eye, settings: Settings) -> None:
-        visible, interactable = self.sight.visible(eye, settings.visibility_m, settings.visibility_scheme)
+        towards = (
+            None if settings.shown is None else Spheres.around(self._world, settings.shown).within(eye, settings.visibility_m)
+        )
+        visible: set[str] = set()
+        interactable: set[str] = set()
+        if towards is None or len(towards.radii):
+            visible, interactable = self.sight.visible(eye, settings.visibility_m, settings.visibility_scheme, towards)
         distances = np.linalg.norm(self._positions - self._world.agent.position, axis=1).tolist()
         for record, distance in zip(self._list, distances, strict=True):
             record["distance"] = distance

@@ -81,6 +81,12 @@ class _Local:
     slots: tuple[str, ...]
     """Slots of the palette that `materials` are"""
 
+    @property
+    def radius_m(self) -> float:
+        """Of the sphere around the centre of the instance's box that its vertices and the boxes of its parts lie in."""
+        parts = np.linalg.norm(self.frames[:, :, 3], axis=1) + np.linalg.norm(self.extents, axis=1)
+        return float(max(np.linalg.norm(self.vertices, axis=1).max(), parts.max()))
+
 
 def _local(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material]) -> _Local | None:
     parts = [part for part in parts if part.drawn]
@@ -198,6 +204,7 @@ class PlanMeshes:
             self._offsets[instance] = len(materials)
             materials.extend(made.materials)
         self._locals = locals_
+        self._radius_m: dict[str, float] = {}
         self.materials = tuple(materials)
         boxes = [o.box for o in plan.objects]
         self.untouched = self._join((i, boxes[i] if i < len(boxes) else _WORLD_BOX) for i in locals_)
@@ -212,6 +219,14 @@ class PlanMeshes:
     def index(self, object_id: str) -> int:
         """Index of an instance in `names`. KeyError if there is none."""
         return self._index[object_id]
+
+    def radius_m(self, object_id: str) -> float:
+        """How far from the centre of its box an object of the plan and the boxes of its parts reach, metres, whichever way it is
+        turned; 0 for one of which nothing is drawn. KeyError if there is none."""
+        if object_id not in self._radius_m:
+            local = self._locals.get(self._index[object_id])
+            self._radius_m[object_id] = 0.0 if local is None else local.radius_m
+        return self._radius_m[object_id]
 
     def posed(self, placements: Sequence[Placement]) -> SceneMesh:
         """Mesh of some objects, each at its placement. Objects that the plan does not name (copies) come last."""

@@ -9,12 +9,14 @@ is turned, so that visibility is a property of a pose, however it was come to. C
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 
 import numpy as np
 
 from ovman.engine.bodies.body import Agent
+from ovman.engine.picture import scene_mesh
 from ovman.engine.sight.sightlines import TRANSPARENT, Sightlines
 
 COLLIDER, DISTANCE = "Collider", "Distance"
@@ -24,6 +26,10 @@ SPACING = 64
 """Directions along the edge of each of six faces of a cube: 1.4 degrees apart, not four pixels of AI2-THOR's pictures."""
 ABYSS_M = 100.0
 """By the scheme "Distance" an object may be this far below the agent."""
+ROUNDING_M, ROUNDING = 1e-3, 1e-5
+"""More than the single precision of distances, and of cosines, can be off."""
+POSES_KEPT = 64
+"""Ways that a camera looks for which its directions are remembered."""
 NEAR_M = 0.1
 """Looks begin this far from the camera, as pictures do."""
 
@@ -84,6 +90,14 @@ def directions() -> np.ndarray:
     return found
 
 
+@lru_cache(maxsize=POSES_KEPT)
+def _framed(yaw_deg: float, horizon_deg: float, field_of_view_deg: float, aspect: float) -> np.ndarray:
+    """Those of the `directions` that lead into the picture of a camera, (K, 3)."""
+    found = directions()[in_picture(directions(), axes(yaw_deg, horizon_deg), field_of_view_deg, aspect)]
+    found.setflags(write=False)
+    return found
+
+
 def toward(points: np.ndarray, camera: np.ndarray) -> np.ndarray:
     """Unit vectors (K, 3) float32 from a camera (3,) to points (K, 3)."""
     to = points - camera.astype(np.float32)
@@ -115,6 +129,41 @@ def _tall(axis: tuple[float, float], distance_m: float, scheme: str) -> tuple[fl
     return (axis[0] if scheme == COLLIDER else axis[0] - ABYSS_M), axis[1] + distance_m
 
 
+@dataclass(frozen=True)
+class Spheres:
+    """Spheres that N bodies lie in, with the boxes of their parts. Nothing is needed for them that a movement makes stale."""
+
+    centres: np.ndarray
+    """(N, 3) metres"""
+    radii: np.ndarray
+    """(N,) metres"""
+
+    @staticmethod
+    def around(world, names: Collection[str]) -> Spheres:
+        """Those of the bodies of these names that there are."""
+        meshes = scene_mesh.of_plan(world.plan, world.room)
+        bodies = [world.bodies[name] for name in sorted(names) if name in world.bodies]
+        radii = np.array([meshes.radius_m(body.obj.object_id) + ROUNDING_M for body in bodies])
+        return Spheres(np.array([body.box.centre for body in bodies]).reshape(-1, 3), radii)
+
+    def within(self, eye: Eye, distance_m: float) -> Spheres:
+        """Without those that are too far away in plan for their bodies to be visible (`Sight.near`)."""
+        away_m = np.hypot(*(self.centres - eye.position)[:, [0, 2]].T)
+        near = away_m <= distance_m + self.radii
+        return Spheres(self.centres[near], self.radii[near])
+
+    def met(self, eye: Eye, ways: np.ndarray) -> np.ndarray:
+        """Which looks along unit vectors (K, 3) may meet one of them: (K,) bool."""
+        to = self.centres - eye.position
+        away_m = np.linalg.norm(to, axis=1)
+        met = np.zeros(len(ways), bool)
+        for way, far_m, radius_m in zip(to, away_m, self.radii, strict=True):
+            if far_m <= radius_m:
+                return np.ones(len(ways), bool)
+            met |= ways @ (way / far_m).astype(ways.dtype) >= math.sqrt(1.0 - (radius_m / far_m) ** 2) - ROUNDING
+        return met
+
+
 class Sight:
     """Who is visible in a world as it is at one moment."""
 
@@ -125,12 +174,18 @@ class Sight:
         self._transparent = np.array([kinds.get(name) in TRANSPARENT for name in self.lines.names])
         self._opaque = np.zeros_like(self._transparent)
 
-    def visible(self, eye: Eye, distance_m: float, scheme: str = COLLIDER) -> tuple[set[str], set[str]]:
-        """Names of the instances that are visible, and of those of them that are interactable."""
+    def visible(
+        self, eye: Eye, distance_m: float, scheme: str = COLLIDER, towards: Spheres | None = None
+    ) -> tuple[set[str], set[str]]:
+        """Names of the instances that are visible, and of those of them that are interactable; of all, or at least of those whose
+        spheres are given."""
         near = self.near(eye, distance_m, scheme)
         targets = self.lines.points[near].reshape(-1, 3)
-        ways = np.concatenate([directions(), toward(targets[np.isfinite(targets[:, 0])], eye.position)])
-        looks = self.look(eye.position, ways[eye.frames(ways)])
+        ways = toward(targets[np.isfinite(targets[:, 0])], eye.position)
+        ways = np.concatenate([_framed(eye.yaw_deg, eye.horizon_deg, eye.field_of_view_deg, eye.aspect), ways[eye.frames(ways)]])
+        if towards is not None:
+            ways = ways[towards.met(eye, ways)]
+        looks = self.look(eye.position, ways)
         seen = []
         for k, owner in enumerate((looks.first, looks.behind)):
             hit = looks.within(k, eye.position[1] - eye.agent_y, distance_m) if scheme == DISTANCE else owner >= 0

@@ -77,9 +77,7 @@ class World:
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the untouched scene, metres."""
-        boxes = [o.box.bounds() for o in self.plan.objects]
-        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
-        return low, np.maximum(high, [high[0], self.room.ceiling_y, high[2]])
+        return self._setting.bounds
 
     # The agent's way
 
