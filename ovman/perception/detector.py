@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ovman.perception.graph import Graph
+from ovman.perception import predictor
+from ovman.perception.kept import Kept
 from ovman.perception.weights import WeightsError, fitting, state
 
 KEY = "perception.detector"
@@ -34,15 +35,17 @@ class Detections:
 class Detector:
     """A segmentation network of ultralytics and what is asked of it.
 
-    side_px: pictures are scaled to this side; confidence: what is less sure is no instance. The classes of a network that has
-    several are not told apart: where boxes overlap, the surest of all classes stays.
+    load: gives the network, where that is needed: on a processor only to make a graph of it that is not kept yet. side_px:
+    pictures are scaled to this side; confidence: what is less sure is no instance. The classes of a network that has several
+    are not told apart: where boxes overlap, the surest of all classes stays. options: as ultralytics' predictor has them.
     """
 
-    def __init__(self, network: Any, side_px: int, confidence: float, device: str = "cpu") -> None:
-        network = network.to(device).float().eval()
-        network.pt_path = None
-        self._of, self._at = (network, confidence, device), {side_px: self}
-        options = {
+    def __init__(
+        self, load: Callable[[], Any], side_px: int, confidence: float, device: str = "cpu", kept: Kept | None = None
+    ) -> None:
+        self._load, self._confidence, self._device, self._kept = cache(load), confidence, device, kept or Kept(None)
+        self._at = {side_px: self}
+        self.options = {
             "imgsz": side_px,
             "conf": confidence,
             "max_det": AT_MOST,
@@ -53,8 +56,10 @@ class Detector:
             "save": False,
             "mode": "predict",
         }
-        self._predict = _predictor(options)
-        self._predict.setup_model(network, verbose=False)
+        if device == "cpu":
+            self._predict = predictor.with_graphs(self.options, self._load, self._kept)
+        else:
+            self._predict = predictor.with_network(self.options, self._load())
 
     @property
     def network(self) -> Callable[[Any], Any]:
@@ -63,9 +68,8 @@ class Detector:
 
     def at(self, side_px: int) -> Detector:
         """The same network for pictures that are scaled to another side, a multiple of 32."""
-        network, confidence, device = self._of
         if side_px not in self._at:
-            self._at[side_px] = Detector(network, side_px, confidence, device)
+            self._at[side_px] = Detector(self._load, side_px, self._confidence, self._device, self._kept)
         return self._at[side_px]
 
     def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
@@ -83,7 +87,6 @@ class Detector:
 
 def empty_network(architecture: str, classes: int = 1) -> Any:
     """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for one that it has not."""
-    _keep_to_itself()
     from ultralytics.nn.tasks import SegmentationModel
 
     try:
@@ -97,56 +100,3 @@ def network_of(weights: Path, architecture: str, trust_pickles: bool = False) ->
     tensors = state(weights, trust_pickles, KEY)
     scores = [value for name, value in tensors.items() if _SCORES.fullmatch(name)]
     return fitting(empty_network(architecture, len(scores[0]) if scores else 1), tensors, weights.name, KEY)
-
-
-def _predictor(options: Mapping[str, Any]) -> Any:
-    """ultralytics' predictor, which looks for the instances of one picture after the other, on a processor as a graph.
-
-    Given several, its suppression of overlaps stops after two seconds of wall clock and leaves the rest of them without any.
-    """
-    _keep_to_itself()
-    import torch
-    from ultralytics.models.yolo.segment import SegmentationPredictor
-
-    class Boxes(torch.nn.Module):
-        """Of what the network gives, what counts where nothing is learned: boxes with their scores, and prototypes of masks."""
-
-        def __init__(self, network: Any) -> None:
-            super().__init__()
-            self.network = network
-
-        def forward(self, pictures: Any) -> Any:
-            given = self.network(pictures)
-            return given[0] if isinstance(given[0], tuple) else given[:2]
-
-    class Unhurried(SegmentationPredictor):
-        graphs: dict[tuple[int, ...], Graph]
-
-        def inference(self, im: Any, *args: Any, **kwargs: Any) -> Any:
-            if im.device.type != "cpu":
-                return super().inference(im, *args, **kwargs)
-            shape = (1, *im.shape[1:])
-            if shape not in self.graphs:
-                self.graphs[shape] = Graph(Boxes(self.model.backend.model).eval(), shape)
-            found = [self.graphs[shape](picture[None]) for picture in im]
-            return (tuple(torch.cat(parts) for parts in zip(*found, strict=True)),)
-
-        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
-            boxes, prototypes = preds[0] if isinstance(preds[0], tuple) else preds[:2]
-            return [
-                result
-                for n in range(len(orig_imgs))
-                for result in super(Unhurried, self).postprocess(
-                    ((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1]
-                )
-            ]
-
-    predictor = Unhurried(overrides=dict(options))
-    predictor.graphs = {}
-    return predictor
-
-
-def _keep_to_itself() -> None:
-    """Before ultralytics is imported: it installs nothing, and neither asks nor tells anybody anything on the network."""
-    for name, value in (("YOLO_AUTOINSTALL", "false"), ("YOLO_OFFLINE", "true")):
-        os.environ.setdefault(name, value)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ovman.perception.graph import Graph
+from ovman.perception.graph import Graph, exported
+from ovman.perception.kept import Kept
 from ovman.perception.weights import WeightsError, fitting, located, state
 
 KEY = "perception.encoder"
@@ -72,30 +74,59 @@ def network_of(weights: Path, of: Architecture, trust_pickles: bool = False) -> 
     return fitting(empty_network(of), tensors, weights.name, KEY)
 
 
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What has to be known of the towers to prepare crops for them and to read what they give.
+
+    side_px: of the crops; size: of the embeddings; mean and deviation (3,): of the pictures.
+    """
+
+    side_px: int
+    size: int
+    mean: tuple[float, ...]
+    deviation: tuple[float, ...]
+
+    @staticmethod
+    def of(network: Any, of: Architecture) -> Facts:
+        side = network.visual.image_size
+        return Facts(int(side if isinstance(side, int) else side[0]), int(of.towers["embed_dim"]), of.mean, of.deviation)
+
+
 class Encoder:
     """The towers, and what crops and phrases become before they enter them.
 
-    side_px: of the crops that the image tower takes; size: K, of the embeddings; network: the towers.
+    load: gives the towers and their architecture, where they are needed: on a processor only for what is not kept yet, a graph of
+    the image tower and embeddings of phrases. side_px: of the crops that the image tower takes; size: K, of the embeddings.
     """
 
-    def __init__(self, network: Any, of: Architecture, device: str = "cpu") -> None:
+    def __init__(self, load: Callable[[], tuple[Any, Architecture]], device: str = "cpu", kept: Kept | None = None) -> None:
         import torch
+
+        self._load, self._device, self._kept = load, device, kept or Kept(None)
+        facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(*self._towers))).encode()))
+        self.side_px, self.size = facts["side_px"], facts["size"]
+        self._mean, self._deviation = (
+            torch.tensor(facts[name], device=device).view(1, 3, 1, 1) for name in ("mean", "deviation")
+        )
+
+    @cached_property
+    def _towers(self) -> tuple[Any, Architecture]:
+        network, of = self._load()
+        return network.to(self._device).float().eval(), of
+
+    @cached_property
+    def _tokens(self) -> Callable[[list[str]], Any]:
         from open_clip.tokenizer import SimpleTokenizer
 
-        self.network = network.to(device).float().eval()
-        self._device = device
-        self._tokens = SimpleTokenizer(context_length=of.towers["text_cfg"].get("context_length", 77))
-        self._mean, self._deviation = (torch.tensor(v, device=device).view(1, 3, 1, 1) for v in (of.mean, of.deviation))
-        side = network.visual.image_size
-        self.side_px = int(side if isinstance(side, int) else side[0])
-        self.size = int(of.towers["embed_dim"])
+        return SimpleTokenizer(context_length=self._towers[1].towers["text_cfg"].get("context_length", 77))
 
     @cached_property
     def look(self) -> Callable[[Any], Any]:
         """What crops (N, 3, side_px, side_px) go through: the image tower, on a processor as a graph."""
         if self._device != "cpu":
-            return self.network.encode_image
-        graph = Graph(self.network.visual, (0, 3, self.side_px, self.side_px))
+            return self._towers[0].encode_image
+        shape = (0, 3, self.side_px, self.side_px)
+        graph = Graph(self._kept.content("images.onnx", lambda: exported(self._towers[0].visual, shape)))
         return lambda crops: graph(crops)[0]
 
     def images(self, crops: np.ndarray) -> np.ndarray:
@@ -107,18 +138,24 @@ class Encoder:
             return tensor.sub_(self._mean).div_(self._deviation)
 
         parts = [crops[start : start + TOGETHER] for start in range(0, len(crops), TOGETHER)]
-        return self._embedded(self.look, map(prepared, parts))
+        return self._embedded(lambda part: self.look(prepared(part)), parts)
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
         """Unit embeddings (N, K) float32 of noun phrases."""
-        parts = [list(phrases[start : start + TOGETHER]) for start in range(0, len(phrases), TOGETHER)]
-        return self._embedded(self.network.encode_text, (self._tokens(part).to(self._device) for part in parts))
+        asked = hashlib.sha256(json.dumps(list(phrases)).encode()).hexdigest()
+        found = self._kept.content(f"{asked}.phrases", lambda: self._read(phrases).tobytes())
+        return np.frombuffer(found, np.float32).reshape(len(phrases), self.size).copy()
 
-    def _embedded(self, tower: Any, inputs: Any) -> np.ndarray:
+    def _read(self, phrases: Sequence[str]) -> np.ndarray:
+        read = self._towers[0].encode_text
+        parts = [list(phrases[start : start + TOGETHER]) for start in range(0, len(phrases), TOGETHER)]
+        return self._embedded(lambda part: read(self._tokens(part).to(self._device)), parts)
+
+    def _embedded(self, tower: Callable[[Any], Any], parts: Sequence[Any]) -> np.ndarray:
         import torch
 
         with torch.inference_mode():
-            found = [torch.nn.functional.normalize(tower(part).float(), dim=-1).cpu().numpy() for part in inputs]
+            found = [torch.nn.functional.normalize(tower(part).float(), dim=-1).cpu().numpy() for part in parts]
         return np.concatenate([np.zeros((0, self.size), np.float32), *found])
 
 

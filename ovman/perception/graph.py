@@ -12,37 +12,44 @@ NUMBER = "number"
 """The name of an axis that is as long as it needs to be."""
 
 
-class Graph:
-    """What `network`, a module of torch on the processor and in evaluation, does with pictures of one shape.
+def exported(network: Any, shape: Sequence[int]) -> bytes:
+    """What `network`, a module of torch on the processor and in evaluation, does with pictures of one shape, as an ONNX file.
 
-    shape: (N, C, H, W) of the pictures; N of 0 is any number of them. On one thread, so that it gives the same numbers whatever
-    else the processor does. They are those of torch up to rounding.
+    shape: (N, C, H, W) of the pictures; N of 0 is any number of them.
+    """
+    import torch
+
+    number, *picture = shape
+    file = io.BytesIO()
+    fast = torch.backends.mha.get_fastpath_enabled()
+    torch.backends.mha.set_fastpath_enabled(False)  # one operation of torch's own, which no graph has
+    try:
+        with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
+            torch.onnx.export(
+                network,
+                (torch.zeros(number or 2, *picture),),
+                file,
+                dynamo=False,
+                opset_version=OPSET,
+                input_names=["pictures"],
+                dynamic_axes=None if number else {"pictures": {0: NUMBER}},
+            )
+    finally:
+        torch.backends.mha.set_fastpath_enabled(fast)
+    return file.getvalue()
+
+
+class Graph:
+    """What the file of `exported` says, on one thread, so that it gives the same numbers whatever else the processor does. They
+    are those of torch up to rounding.
     """
 
-    def __init__(self, network: Any, shape: Sequence[int]) -> None:
-        import torch
+    def __init__(self, file: bytes) -> None:
         from onnxruntime import InferenceSession, SessionOptions
 
-        number, *picture = shape
-        file = io.BytesIO()
-        fast = torch.backends.mha.get_fastpath_enabled()
-        torch.backends.mha.set_fastpath_enabled(False)  # one operation of torch's own, which no graph has
-        try:
-            with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
-                torch.onnx.export(
-                    network,
-                    (torch.zeros(number or 2, *picture),),
-                    file,
-                    dynamo=False,
-                    opset_version=OPSET,
-                    input_names=["pictures"],
-                    dynamic_axes=None if number else {"pictures": {0: NUMBER}},
-                )
-        finally:
-            torch.backends.mha.set_fastpath_enabled(fast)
         options = SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
-        self._session = InferenceSession(file.getvalue(), options, providers=["CPUExecutionProvider"])
+        self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
 
     def __call__(self, pictures: Any) -> tuple[Any, ...]:
         """The tensors that the network gives for pictures, a tensor of the shape that the graph is for."""

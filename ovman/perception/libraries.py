@@ -9,13 +9,17 @@ import os
 from pathlib import Path
 
 
+def cache() -> Path:
+    """The folder of ovman in the user's cache."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ovman"
+
+
 def keep_to_themselves() -> None:
     """Set what ultralytics and the hub's client read. What the user has set stays, but for the first two."""
     # At its import ultralytics looks up two hosts and writes its settings; when a network is run it reports how it is used.
     os.environ["YOLO_OFFLINE"] = "true"
     # It would install packages that it misses with pip, into an environment that is locked.
     os.environ["YOLO_AUTOINSTALL"] = "false"
-    cache = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    os.environ.setdefault("YOLO_CONFIG_DIR", str(Path(cache) / "ovman"))
+    os.environ.setdefault("YOLO_CONFIG_DIR", str(cache()))
     os.environ.setdefault("YOLO_VERBOSE", "false")
     os.environ.setdefault("HF_HUB_DISABLE_TELEMETRY", "1")

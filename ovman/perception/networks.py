@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
-from ovman.perception import detector, encoder
+from ovman.perception import detector, encoder, graph, predictor, weights
 from ovman.perception.detector import Detector
 from ovman.perception.encoder import Encoder
+from ovman.perception.kept import Kept
 from ovman.perception.weights import WeightsError, detector_file, encoder_file, located, sha256
 
 LIBRARIES = (
     "torch",
     "torchvision",
+    "onnx",
     "onnxruntime",
     "ultralytics",
     "open_clip_torch",
@@ -42,9 +48,13 @@ def detector_of(perception: Any, confidence: float | None = None) -> Detector:
     settings = perception.detector
     _prepare(perception.device)
     path = detector_weights(perception)
-    network = detector.network_of(path, settings.architecture, perception.trust_pickles)
-    sure = settings.confidence if confidence is None else confidence
-    return Detector(network, settings.side_px, sure, perception.device)
+    return Detector(
+        lambda: detector.network_of(path, settings.architecture, perception.trust_pickles),
+        settings.side_px,
+        settings.confidence if confidence is None else confidence,
+        perception.device,
+        _kept(perception.device, (detector, predictor), sha256(path), settings.architecture),
+    )
 
 
 def encoder_of(perception: Any) -> Encoder:
@@ -52,8 +62,14 @@ def encoder_of(perception: Any) -> Encoder:
     settings = perception.encoder
     _prepare(perception.device)
     path = encoder_weights(perception)
-    towers = encoder.architecture(settings.model, settings.weights)
-    return Encoder(encoder.network_of(path, towers, perception.trust_pickles), towers, perception.device)
+
+    def load() -> tuple[Any, encoder.Architecture]:
+        towers = encoder.architecture(settings.model, settings.weights)
+        return encoder.network_of(path, towers, perception.trust_pickles), towers
+
+    file = located(settings.model)
+    described = [settings.model, settings.weights] if file is None or not file.is_file() else sha256(file)
+    return Encoder(load, perception.device, _kept(perception.device, (encoder,), sha256(path), described))
 
 
 def looked_at_by(perception: Any) -> dict[str, Any]:
@@ -69,7 +85,7 @@ def looked_at_by(perception: Any) -> dict[str, Any]:
         "detector": [finds.architecture, finds.side_px, finds.confidence, finds.minimum_mask_px],
         "encoder": [names.model if towers is None else sha256(towers), names.crop_padding],
         "device": perception.device,
-        "libraries": {name: found for name in LIBRARIES if (found := _version(name)) is not None},
+        "libraries": _libraries(),
     }
 
 
@@ -83,6 +99,22 @@ def _prepare(device: str) -> None:
     cv2.setNumThreads(1)
     if device == "cuda" and not torch.cuda.is_available():
         raise WeightsError("perception.device is cuda, and there is no GPU that torch can use; set it to cpu")
+
+
+def _kept(device: str, makers: Sequence[ModuleType], *of: Any) -> Kept:
+    """Where what is made of a network is kept: by its weights and form, by the code and the libraries that make it, and by the
+    instructions of the processor, which round differently. On a GPU nothing is made."""
+    import torch
+
+    if device != "cpu":
+        return Kept(None)
+    code = [sha256(Path(str(module.__file__))) for module in (*makers, graph, weights)]
+    hangs_on = [of, code, _libraries(), torch.backends.cpu.get_cpu_capability()]
+    return Kept(hashlib.sha256(json.dumps(hangs_on).encode()).hexdigest())
+
+
+def _libraries() -> dict[str, str]:
+    return {name: found for name in LIBRARIES if (found := _version(name)) is not None}
 
 
 def _version(name: str) -> str | None:

@@ -14,6 +14,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ovman.perception.libraries import cache
+
 ROOT = Path(__file__).resolve().parents[2]
 """Names of files in the settings are relative to this folder."""
 FILES = frozenset({".safetensors", ".json"})
@@ -141,7 +143,7 @@ def _asset(name: str, key: str) -> Path:
     os.environ.setdefault("YOLO_AUTOINSTALL", "false")
     from ultralytics.utils.downloads import attempt_download_asset
 
-    kept = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ovman" / ASSETS_RELEASE / name
+    kept = cache() / ASSETS_RELEASE / name
     if not kept.is_file():
         kept.parent.mkdir(parents=True, exist_ok=True)
         reason = "there is no such asset"

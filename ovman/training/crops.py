@@ -75,7 +75,7 @@ def run_detected(folders: Sequence[Path], weights: Path, constants: Any, outputs
     torch.set_num_threads(1)
     settings, padding = constants.perception.detector, constants.perception.encoder.crop_padding
     training = constants.training.encoder
-    detector = Detector(network_of(weights, settings.architecture), settings.side_px, settings.confidence)
+    detector = Detector(lambda: network_of(weights, settings.architecture), settings.side_px, settings.confidence)
     for folder, output in zip(folders, outputs, strict=True):
         made = detected_crops(folder, detector, settings.minimum_mask_px, padding, training.crop_px, training.detected_one_in)
         made.write(output)

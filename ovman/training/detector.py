@@ -136,7 +136,7 @@ class _Watch:
         state = {name: value.half().contiguous() for name, value in trainer.ema.ema.state_dict().items()}
         save_file(state, self._weights)
         perception = self._constants.perception.detector
-        detector = Detector(deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
+        detector = Detector(lambda: deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
         total = judged(detector, self._held_out, perception.minimum_mask_px, 1 if last else settings.look_at_one_in)
         losses = {} if trainer.tloss is None else {name: round(float(value), 4) for name, value in trainer.tloss.items()}
         record = {

@@ -32,7 +32,7 @@ import ovman.perception.detector
 import numpy as np
 
 network = ovman.perception.detector.empty_network("yolov8n-seg")
-(found,) = ovman.perception.detector.Detector(network, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
+(found,) = ovman.perception.detector.Detector(lambda: network, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
 assert found.masks.shape[1:] == (64, 64)
 import open_clip
 

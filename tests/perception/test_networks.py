@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import json
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,7 +16,7 @@ import yaml
 from safetensors.torch import save_file
 
 from ovman.config import load
-from ovman.perception import detector, encoder, networks
+from ovman.perception import detector, encoder, networks, predictor
 from ovman.perception.weights import ROOT, WeightsError
 from tests.workflow.test_reruns import merged
 
@@ -61,6 +63,14 @@ def drawn(model: str, path: Path) -> Path:
     return path
 
 
+@pytest.fixture(autouse=True)
+def kept(tmp_path_factory, monkeypatch) -> Path:
+    """What is made of the networks of a test is kept where nobody's is."""
+    home = tmp_path_factory.mktemp("cache")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(home))
+    return home / "ovman" / "networks"
+
+
 @pytest.fixture(scope="module")
 def small(tmp_path_factory) -> SimpleNamespace:
     directory = tmp_path_factory.mktemp("small")
@@ -85,8 +95,10 @@ def test_a_small_detector_finds_masks_of_the_pictures_size_surest_first_and_the_
 
 
 def test_a_busy_machine_finds_no_less(small, monkeypatch):
-    """Whatever the clock says in between."""
-    detect = networks.detector_of(small).detect
+    """Whatever the clock says in between: where torch runs the network, ultralytics has an eye on it."""
+    looks = networks.detector_of(small)
+    network = detector.network_of(Path(small.detector.weights), small.detector.architecture)
+    looks._predict, detect = predictor.with_network(looks.options, network), looks.detect
     calm = detect(FRAMES)
     hours = itertools.count(0, 3600)
     monkeypatch.setattr("ultralytics.utils.nms.time", SimpleNamespace(time=lambda: next(hours)))
@@ -106,11 +118,10 @@ def test_classes_are_not_told_apart(tmp_path):
     assert network.model[-1].nc == 7
     for box in network.model[-1].cv2:  # all boxes of a scale have one form
         torch.nn.init.zeros_(box[-1].weight)
-    picture = FRAMES[0]
-    agnostic = detector.Detector(network, 64, 0.25)
-    found = agnostic.detect([picture])[0]
-    agnostic._predict.args.agnostic_nms = False
-    assert 0 < len(found.masks) < len(agnostic.detect([picture])[0].masks)
+    found = detector.Detector(lambda: network, 64, 0.25)
+    agnostic = found.detect(FRAMES[:1])[0]
+    found._predict = predictor.with_network(found.options | {"agnostic_nms": False}, network)
+    assert 0 < len(agnostic.masks) < len(found.detect(FRAMES[:1])[0].masks)
 
 
 def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(small):
@@ -125,6 +136,72 @@ def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(sm
     assert towers.images(crops[:1]) == pytest.approx(images[:1], abs=1e-5)
     assert np.array_equal(towers.images(crops), images)
     assert towers.images(crops[:0]).shape == (0, 8) and towers.texts([]).shape == (0, 8)
+
+
+def seen(settings: SimpleNamespace) -> list[bytes]:
+    """All numbers that both networks give for the pictures."""
+    towers = networks.encoder_of(settings)
+    crops = np.stack([frame[:32, :32] for frame in FRAMES])
+    arrays = [towers.images(crops), towers.texts(["chair"]), towers.texts(["sofa", "chair"])]
+    for looks in (networks.detector_of(settings), networks.detector_of(settings).at(96)):
+        arrays += [array for found in looks.detect(FRAMES) for array in (found.masks, found.confidence)]
+    return [array.tobytes() for array in arrays]
+
+
+def test_what_is_kept_gives_the_same_numbers_and_no_network_is_made_for_it(small, monkeypatch, kept):
+    first = seen(small)
+    assert sorted(path.suffix for path in kept.glob("*/*")) == [".json"] * 2 + [".onnx"] * 3 + [".phrases"] * 2
+    for module in (detector, encoder):
+        monkeypatch.setattr(module, "empty_network", lambda *_: pytest.fail("a network was made"))
+    assert seen(small) == first
+
+
+def test_kept_files_that_are_torn_are_made_again(small, kept):
+    first = seen(small)
+    files = {path: path.read_bytes() for path in kept.glob("*/*")}
+    for path, whole in files.items():
+        path.write_bytes(whole[: len(whole) // 2])
+    assert seen(small) == first and {path: path.read_bytes() for path in kept.glob("*/*")} == files
+
+
+@pytest.mark.parametrize("change", ["weights", "libraries", "code"])
+def test_what_was_kept_of_others_is_not_taken(small, tmp_path, monkeypatch, kept, change):
+    looks, settings = networks.detector_of(small), small
+    before = looks.detect(FRAMES)
+    if change == "weights":
+        other = seeing("yolov8n-seg", tmp_path / "d.safetensors", classes=2)
+        settings = perception(other, small.encoder.weights, small.encoder.model)
+    elif change == "libraries":
+        monkeypatch.setattr(networks, "version", lambda _: "0")
+    else:
+        (tmp_path / "graph.py").write_text("another")
+        monkeypatch.setattr(networks.graph, "__file__", str(tmp_path / "graph.py"))
+    after = networks.detector_of(settings).detect(FRAMES)
+    assert len([*kept.iterdir()]) == 2
+    same = [np.array_equal(a.confidence, b.confidence) for a, b in zip(before, after, strict=True)]
+    assert not any(same) if change == "weights" else all(same)
+
+
+PROBE = """
+import sys
+from pathlib import Path
+import numpy as np
+from ovman.config import load
+from ovman.perception.networks import detector_of, encoder_of
+settings = load(Path(sys.argv[1])).perception
+detector_of(settings).detect([np.zeros((300, 300, 3), np.uint8)])
+towers = encoder_of(settings)
+towers.images(np.zeros((1, towers.side_px, towers.side_px, 3), np.uint8)), towers.texts(["chair"])
+print([name for name in ("open_clip", "torchvision", "torch._dynamo", "onnx") if name in sys.modules])
+"""
+
+
+def test_a_job_that_finds_all_kept_imports_no_more_than_it_runs():
+    """The others take four seconds in each of the jobs that look."""
+    for expected in ("open_clip", "[]"):
+        done = subprocess.run([sys.executable, "-c", PROBE, str(ROOT / "config.yaml")], capture_output=True, text=True, cwd=ROOT)
+        assert done.returncode == 0, done.stderr
+        assert expected in done.stdout
 
 
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):

@@ -9,6 +9,7 @@ import numpy as np
 
 from ovman.agents.cow.constants import CowConstants
 from ovman.language import noun
+from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.crop import crop
 
 PROMPT = "a photo of a {}"
@@ -104,6 +105,8 @@ def localiser(constants: Any, detector: Any, encoder: Any) -> OpenVocabularyLoca
 
     An instance is as large a share of the frame as the smallest that the reference agent takes is of its own.
     """
+    for category in SYNONYMS:  # the encoder keeps what it has read: the job that loads its text tower loads it for all
+        encoder.texts([prompt(category)])
     camera, perception = constants.camera, constants.perception
     smallest = perception.detector.minimum_mask_px / (camera.width_px * camera.height_px)
     of_frames = detector.at(constants.locobot.side_px)
