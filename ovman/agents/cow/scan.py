@@ -54,7 +54,7 @@ def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg
     sine, cosine, voxel_m = math.sin(yaw), math.cos(yaw), constants.voxel_m
     x, z = pose.x + cosine * right + sine * ahead, pose.z - sine * right + cosine * ahead
     return Scan(
-        cells=np.rint(np.stack([x, z], axis=1) / voxel_m).astype(np.int32),
+        cells=np.array([np.rint(x / voxel_m), np.rint(z / voxel_m)], np.int32).T,
         floor=np.abs(y + constants.camera_height_m) <= constants.floor_tolerance_m,
         height=y,
         relevance=relevance.ravel()[counts],

@@ -17,7 +17,6 @@ Cell = tuple[int, int]
 
 BLOCK = 64
 """The arrays grow by so many voxels at a time."""
-FOUR = ndimage.generate_binary_structure(2, 1)
 EIGHT = ndimage.generate_binary_structure(2, 2)
 
 
@@ -90,20 +89,19 @@ class VoxelMap:
         """Takes what was seen into the map. Later rules overwrite earlier ones, in the published order."""
         self._cover(seen, agent)
         state = self._state
+        i, j = seen.cells.T
+        # Tens of thousands of points: one index each is faster than two.
+        element = (i - self._origin[0]) * state.shape[1] + (j - self._origin[1])
         state[state == State.FRONTIER] = State.FREE
-        self._put(seen.cells[seen.floor], State.FREE)
+        state.ravel()[element[seen.floor]] = State.FREE
         self._pad(seen)
-        obstacles = seen.cells[~seen.floor] - self._origin
         occupied = np.zeros(state.shape, bool)
-        occupied[obstacles[:, 0], obstacles[:, 1]] = True
+        occupied.ravel()[element[~seen.floor]] = True
         # The body is wider than a voxel: the four neighbours of an obstacle are no place for it.
-        state[ndimage.binary_dilation(occupied, FOUR)] = State.OCCUPIED
-        unknown = state == State.UNKNOWN
-        state[(state == State.FREE) & ndimage.binary_dilation(unknown, FOUR, border_value=1)] = State.FRONTIER
-        self._take_interest(seen, obstacles, occupied, agent)
-
-    def _put(self, cells: np.ndarray, value: State) -> None:
-        self._state[cells[:, 0] - self._origin[0], cells[:, 1] - self._origin[1]] = value
+        state[_with_neighbours(occupied, outside=False)] = State.OCCUPIED
+        beside_unknown = _with_neighbours(state == State.UNKNOWN, outside=True)
+        state[(state == State.FREE) & beside_unknown] = State.FRONTIER
+        self._take_interest(seen, element, occupied, agent)
 
     def _pad(self, seen: Scan) -> None:
         """Free, where nothing is known, on the rays to the nearest points below the camera: the floor that it does not see."""
@@ -114,21 +112,19 @@ class VoxelMap:
         steps = np.arange(0.0, length.max() + self._constants.ray_step_voxels, self._constants.ray_step_voxels)
         share = np.minimum(steps[None, :] / np.maximum(length, 1e-9)[:, None], 1.0)
         cells = np.rint(seen.origin + share[..., None] * along[:, None, :]).astype(np.int32).reshape(-1, 2)
-        self._put(cells[self.states(cells) == State.UNKNOWN], State.FREE)
+        i, j = cells[self.states(cells) == State.UNKNOWN].T - self._origin[:, None]
+        self._state[i, j] = State.FREE
 
-    def _take_interest(self, seen: Scan, obstacles: np.ndarray, occupied: np.ndarray, agent: Cell) -> None:
-        constants = self._constants
-        relevance, height = seen.relevance[~seen.floor], seen.height[~seen.floor]
-        counts = np.flatnonzero(relevance > 0)
+    def _take_interest(self, seen: Scan, element: np.ndarray, occupied: np.ndarray, agent: Cell) -> None:
+        """element: (N,) of the flattened arrays, where each point is."""
+        counts = np.flatnonzero((seen.relevance > 0) & ~seen.floor)
         if len(counts):
-            order = counts[np.argsort(relevance[counts], kind="stable")]
-            i, j = obstacles[order, 0], obstacles[order, 1]
-            higher = relevance[order] > self._relevance[i, j]
-            i, j, order = i[higher], j[higher], order[higher]
-            self._relevance[i, j], self._height[i, j] = relevance[order], height[order]
-            relevant = obstacles[counts[relevance[counts] > constants.relevant]]
-            relevant = np.unique(relevant, axis=0)
-            self._interest[relevant[:, 0], relevant[:, 1]] += 1
+            order = counts[np.argsort(seen.relevance[counts], kind="stable")]
+            order = order[seen.relevance[order] > self._relevance.ravel()[element[order]]]
+            for known, found in ((self._relevance, seen.relevance), (self._height, seen.height)):
+                known.ravel()[element[order]] = found[order]
+            relevant = np.unique(element[counts[seen.relevance[counts] > self._constants.relevant]])
+            self._interest.ravel()[relevant] += 1
         here = np.argwhere(occupied & (self._interest > 0)) + self._origin
         if len(here):
             nearest = here[np.argmin(np.hypot(*(here - np.array(agent)).T))]
@@ -153,3 +149,9 @@ class VoxelMap:
             self._origin = self._origin - np.array([b for b, _ in blocks])
             for name in ("_state", "_relevance", "_height", "_interest", "_visited"):
                 setattr(self, name, np.pad(getattr(self, name), blocks))
+
+
+def _with_neighbours(chosen: np.ndarray, outside: bool) -> np.ndarray:
+    """(A, B) bool: the chosen cells and the four neighbours of each; `outside` says whether what is not in the array is chosen."""
+    padded = np.pad(chosen, 1, constant_values=outside)
+    return chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
