@@ -152,6 +152,6 @@ class VoxelMap:
 
 
 def _with_neighbours(chosen: np.ndarray, outside: bool) -> np.ndarray:
-    """(A, B) bool: the chosen cells and the four neighbours of each; `outside` says whether what is not in the array is chosen."""
+    """(A, B) bool: the chosen cells and the four neighbours of each. outside: whether what is not in the array is chosen."""
     padded = np.pad(chosen, 1, constant_values=outside)
     return chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
