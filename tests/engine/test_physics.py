@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.engine.physics.physics import SLEEP_S, TICK_S, Model, Solid
+from ovman.engine.physics import layout
+from ovman.engine.physics.layout import Layout, Solid
+from ovman.engine.physics.physics import SLEEP_S, TICK_S, Model
 from ovman.engine.plan import floorplan
 from ovman.engine.plan.floorplan import Box, rotation_matrix
 from ovman.engine.world.world import Refused, World
@@ -20,7 +22,7 @@ def alone(piece: tuple, box: Box, others: dict[str, Box] | None = None, mass: fl
     others = others or {}
     solids = [Solid("body", (piece,), mass, True)]
     solids += [Solid(name, (("box", np.zeros(3), b.half, np.eye(3)),), 1.0, False) for name, b in others.items()]
-    return Model(solids, {"body": box, **others}, ["body"], {}, FLOOR_Y, (0.2, 1.8), strangers)
+    return Model(Layout(solids, {"body": box, **others}, frozenset(["body"]), {}, FLOOR_Y, (0.2, 1.8), frozenset(strangers)))
 
 
 def cube(half: float) -> tuple:
@@ -227,3 +229,32 @@ def test_time_is_paid_for_in_ticks_whatever_the_slices() -> None:
 
     assert np.allclose(fallen([0.1]), fallen([0.01] * 10), atol=1e-12)
     assert np.allclose(fallen([0.1]), fallen([0.05, 0.05]), atol=1e-12)
+
+
+def fall(world: World, name: str, at: np.ndarray) -> list[bytes]:
+    """Every pose of a thing that is let fall, to the bit."""
+    world.teleport(name, at, kinematic=False)
+    poses = []
+    for _ in range(12):
+        world.advance(0.05)
+        poses += [world.bodies[name].pose.position.tobytes(), world.bodies[name].pose.rotation.tobytes()]
+    return poses
+
+
+def test_a_kept_scene_moves_like_a_freshly_compiled_one(monkeypatch):
+    """Two things fall in turns, in worlds of one plan: what one does to its scene is none of the other's business."""
+    plan = PLANS["FloorPlan201"]
+    things = [o.object_id for o in plan.objects if o.record["pickupable"]][:2]
+    at = {name: np.array(World(plan).box(name).centre) + [0.02, 0.4, 0.0] for name in things}
+    compiled = []
+    original = Layout._compiled
+    monkeypatch.setattr(Layout, "_compiled", lambda self: compiled.append(1) or original(self))
+    monkeypatch.setattr(layout, "_kept", type(layout._kept)())
+    kept = [fall(World(plan), name, at[name]) for name in things * 2]
+    once = len(compiled)
+    monkeypatch.setattr(layout, "KEPT", 0)
+    monkeypatch.setattr(layout, "_kept", type(layout._kept)())
+    fresh = [fall(World(plan), name, at[name]) for name in things * 2]
+    assert kept == fresh and kept[0] == kept[2] != kept[1]
+    assert len(set(kept[0])) > 4
+    assert 2 * once == len(compiled) - once

@@ -236,7 +236,8 @@ class Dynamics:
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
         """The compiled scene as the bodies are now."""
-        from ovman.engine.physics.physics import Model, Solid
+        from ovman.engine.physics.layout import Layout, Solid
+        from ovman.engine.physics.physics import Model
 
         embodiment = self._agent.embodiment
         known = self._model is not None and self._embodiment == embodiment
@@ -249,7 +250,7 @@ class Dynamics:
             walls = {w.name: w.box for w in self._setting.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
             floor_y = self._setting.plan.floor_y
-            self._model = Model(solids, boxes, free, walls, floor_y, capsule, strangers, self._bounds)
+            self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
             self._written, self._embodiment = {}, embodiment
         model = self._model
         for name in self._pieces:

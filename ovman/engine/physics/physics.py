@@ -6,18 +6,17 @@ body is fixed until something wakes it, and what it overlaps in that moment does
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Sequence
 
 import mujoco
 import numpy as np
 
-from ovman.engine.bodies.forms import AGENT, BOUNDS
+from ovman.engine.bodies.forms import AGENT
 from ovman.engine.physics.contacts import Overlap, overlaps, struck, touching_pairs
-from ovman.engine.physics.geoms import FRICTION, SWAP, Piece, add, matrix, quaternion
+from ovman.engine.physics.geoms import SWAP, matrix, quaternion
+from ovman.engine.physics.layout import AGENT_GROUP, STEP_S, Layout, Solid
 from ovman.engine.plan.floorplan import Box
 
-STEP_S = 0.005
 TICK_STEPS = 4
 TICK_S = STEP_S * TICK_STEPS
 """AI2-THOR's fixed time step: speeds are looked at, and capped, once a tick."""
@@ -28,88 +27,21 @@ DRAG_1_S = 0.05
 """Share of its speed that a body loses to the air in a second."""
 LEAST_KG = 0.01
 
-_ABSENT_GROUP, _AGENT_GROUP = 4, 3
-
-
-@dataclass(frozen=True)
-class Solid:
-    """What MuJoCo has to know of one body."""
-
-    name: str
-    pieces: tuple[Piece, ...]
-    mass: float
-    moving: bool
-    """Whether its pose can change; bodies that cannot move are part of the scene."""
+_ABSENT_GROUP = 4
 
 
 class Model:
     """A compiled scene in which some bodies are free."""
 
-    def __init__(
-        self,
-        solids: Sequence[Solid],
-        boxes: Mapping[str, Box],
-        free: Collection[str],
-        walls: Mapping[str, Box],
-        floor_y: float,
-        capsule: tuple[float, float],
-        strangers: Collection[tuple[str, str]] = (),
-        bounds: tuple[np.ndarray, np.ndarray] | None = None,
-    ) -> None:
-        """`boxes` are the poses of all `solids`, `walls` fixed boxes, `capsule` the agent's radius and height, all in metres.
-
-        The bodies of each pair of `strangers` do not touch; one of them is free. Nothing that moves leaves `bounds`, the lower
-        and upper corner (3,) of what is walled in by invisible walls and a ceiling.
-        """
-        spec = mujoco.MjSpec()
-        spec.option.timestep = STEP_S
-        spec.option.gravity = [0.0, 0.0, -9.81]
-        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-        spec.option.iterations = 50
-        self.free, self.strangers = tuple(sorted(free)), frozenset(strangers)
-        spec.worldbody.add_geom(
-            name="Floor",
-            type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[0, 0, 1],
-            pos=[0, 0, floor_y],
-            contype=1,
-            conaffinity=0,
-            friction=FRICTION,
-            condim=6,
-        )
-        loose = frozenset(free)
-        for solid in solids:
-            box = boxes[solid.name]
-            body = spec.worldbody.add_body(name=solid.name, pos=box.centre[SWAP], quat=quaternion(box.rotation))
-            if solid.name in loose:
-                body.add_freejoint()
-            else:
-                body.mocap = solid.moving
-            for k, piece in enumerate(solid.pieces):
-                add(spec, body, f"{solid.name}#{k}", piece, contype=1, conaffinity=int(solid.name in loose))
-        for name, box in walls.items():
-            body = spec.worldbody.add_body(name=name, pos=box.centre[SWAP], quat=quaternion(box.rotation))
-            add(spec, body, f"{name}#", ("box", np.zeros(3), box.half, np.eye(3)), contype=1, conaffinity=0)
-        radius, height = capsule
-        agent = spec.worldbody.add_body(name=AGENT, mocap=True, pos=[0, 0, -100])
-        agent.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
-            size=[radius, height / 2 - radius, 0],
-            contype=1,
-            conaffinity=0,
-            group=_AGENT_GROUP,
-            condim=3,
-        )
-        if bounds is not None:
-            _enclose(spec, *bounds)
-        for pair in sorted(self.strangers):
-            spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
-        self.model = spec.compile()
+    def __init__(self, layout: Layout) -> None:
+        self.free, self.strangers = tuple(sorted(layout.free)), layout.strangers
+        solids, boxes = layout.solids, layout.boxes
+        self.model = layout.model()
         self.data = mujoco.MjData(self.model)
         self._ids = {s.name: self.model.body(s.name).id for s in solids}
         self._name = [self.model.body(i).name for i in range(self.model.nbody)]
         self._name[0] = "Floor"
-        self._loose = loose
+        self._loose = layout.free
         self._agent = self.model.body(AGENT).mocapid[0]
         self._bits = (self.model.geom_contype.copy(), self.model.geom_conaffinity.copy(), self.model.geom_group.copy())
         self._present = dict.fromkeys(self._ids, True)
@@ -193,7 +125,7 @@ class Model:
     def below(self, point: np.ndarray, length_m: float, but: str) -> tuple[float, str] | None:
         """Height and name of the first surface within `length_m` below `point`, through the agent and the body `but`."""
         groups = np.ones(6, dtype=np.uint8)
-        groups[[_ABSENT_GROUP, _AGENT_GROUP]] = 0
+        groups[[_ABSENT_GROUP, AGENT_GROUP]] = 0
         geom = np.full(1, -1, dtype=np.int32)
         down = np.array([0.0, 0.0, -1.0])
         distance = mujoco.mj_ray(self.model, self.data, point[SWAP], down, groups, 1, self._ids.get(but, -1), geom, None)
@@ -264,24 +196,3 @@ class Model:
     def asleep(self) -> bool:
         """Whether every free body has been still for long enough."""
         return all(self.sleeps(name) for name in self.free)
-
-
-def _enclose(spec: mujoco.MjSpec, low: np.ndarray, high: np.ndarray) -> None:
-    """Invisible planes around the bounds, the floor apart."""
-    around = spec.worldbody.add_body(name=BOUNDS)
-    low, high = low[SWAP], high[SWAP]
-    for axis, corner, inwards in ((0, low, 1), (0, high, -1), (1, low, 1), (1, high, -1), (2, high, -1)):
-        at, normal = np.zeros(3), np.zeros(3)
-        at[axis], normal[axis] = corner[axis], inwards
-        turn = np.empty(4)
-        mujoco.mju_quatZ2Vec(turn, normal)
-        around.add_geom(
-            type=mujoco.mjtGeom.mjGEOM_PLANE,
-            size=[0, 0, 1],
-            pos=at,
-            quat=turn,
-            contype=1,
-            conaffinity=0,
-            group=_AGENT_GROUP,
-            condim=3,
-        )
