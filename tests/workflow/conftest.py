@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,9 +16,12 @@ from typing import Any
 import pytest
 import yaml
 
+from tests.workflow import forked
+
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "overlays" / "tiny.yaml"
 TARGET = "results/tables"
+SNAKEMAKE = (sys.executable, "-m", "snakemake")
 
 
 @dataclass(frozen=True)
@@ -33,27 +37,23 @@ class World:
             path = self.directory / "overlay.yaml"
             path.write_text(yaml.safe_dump(dict(overlay)))
             files.append(str(path))
-        base = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(self.directory)]
+        base = [*SNAKEMAKE, "--snakefile", str(ROOT / "Snakefile"), "--directory", str(self.directory)]
         return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", target]
 
     def snakemake(
         self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET
     ) -> subprocess.CompletedProcess[str]:
         """Run it to its end; standard error is in stdout."""
+        command = self.command(*arguments, overlay=overlay, target=target)
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
-        return subprocess.run(
-            self.command(*arguments, overlay=overlay, target=target),
-            cwd=ROOT,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            check=False,
-        )
+        with tempfile.TemporaryDirectory() as directory:
+            said = Path(directory, "said")
+            status = forked.run(command[len(SNAKEMAKE) :], ROOT, environment, said)
+            return subprocess.CompletedProcess(command, status, said.read_text())
 
-    def planned(self, overlay: Mapping[str, Any] | None = None) -> dict[str, int]:
+    def planned(self, overlay: Mapping[str, Any] | None = None, target: str = TARGET) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
-        said = self.snakemake("--dry-run", overlay=overlay)
+        said = self.snakemake("--dry-run", overlay=overlay, target=target)
         assert said.returncode == 0, said.stdout
         if "Nothing to be done" in said.stdout:
             return {}
