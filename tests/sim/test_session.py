@@ -7,25 +7,24 @@ import random
 import signal
 import threading
 import time
-from pathlib import Path
 
 import pytest
 
-from ovman.config import canonical, load
+from ovman.config import canonical
 from ovman.constants import StageConstants
 from ovman.generation import candidates, scenes, trials
 from ovman.journal import Journal
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
+from tests.workflow.test_reruns import CONFIG
 
-ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan401"
 NOTICED_S = 5.0
 
 
 def constants(stage):
-    return StageConstants(canonical(load(ROOT / "config.yaml", [ROOT / "overlays" / "tiny.yaml"]), stage))
+    return StageConstants(canonical(CONFIG, stage))
 
 
 @pytest.fixture
