@@ -9,6 +9,8 @@ draws others.
 
 from __future__ import annotations
 
+import gc
+from collections.abc import Generator
 from pathlib import PurePosixPath
 
 import pytest
@@ -25,6 +27,16 @@ def share(nodeid: str) -> str:
     """What one process runs of the tests, by a test's name: its file, or all that runs Snakemake."""
     file = PurePosixPath(nodeid.partition("::")[0])
     return WORKFLOW if WORKFLOW in file.parts or file.name in TOGETHER else str(file)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Generator[None, object, object]:
+    """No garbage is collected while tests are: what is imported stays, and was gone through 25 times in each process."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
 
 
 @pytest.hookimpl(tryfirst=True)
