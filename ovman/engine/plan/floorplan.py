@@ -27,6 +27,8 @@ KINDS = {
 """Group in the metadata -> kind of room and number of its first floor plan; each group has 30."""
 LATTICE_M = 0.25
 """Spacing of the lattice that the recorded start positions lie on."""
+HEIGHT_DECIMALS = 9
+"""Of the start's height in metres: the last bits of what LAPACK finds hang on how its arrays happen to lie in memory."""
 
 
 def rotation_matrix(euler_deg: np.ndarray) -> np.ndarray:
@@ -184,7 +186,7 @@ def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
         lengths = np.linalg.norm(away, axis=1)
         start = start - np.linalg.lstsq(away / lengths[:, None], lengths - distances, rcond=None)[0]
     start[[0, 2]] = np.round(start[[0, 2]] / LATTICE_M) * LATTICE_M
-    return start
+    return start.round(HEIGHT_DECIMALS)
 
 
 WINDOW = 1 << 20
