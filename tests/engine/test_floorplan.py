@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -62,3 +65,24 @@ def test_euler_angles_and_matrices_are_inverse(x, y, z):
 def test_an_unknown_scene_is_a_key_error():
     with pytest.raises(KeyError):
         floorplan.load("FloorPlan31")
+
+
+STARTS = """
+from ovman.engine.plan import floorplan
+print([[float(v).hex() for v in floorplan.load(name).start] for name in floorplan.names()])
+"""
+
+
+def test_starts_are_the_same_whatever_the_processor_multiplies_matrices_with():
+    """The kernels of OpenBLAS for two processors differ in the last bits of what they find; other processors take none of them."""
+    found = {
+        subprocess.run(
+            [sys.executable, "-c", STARTS],
+            env={**os.environ, "OPENBLAS_CORETYPE": core},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for core in ("Haswell", "Nehalem")
+    }
+    assert len(found) == 1 and found.pop().count("0x") == 3 * len(floorplan.names())
