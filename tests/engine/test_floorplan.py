@@ -74,7 +74,7 @@ print([[float(v).hex() for v in floorplan.load(name).start] for name in floorpla
 
 
 def test_starts_are_the_same_whatever_the_processor_multiplies_matrices_with():
-    """The kernels of OpenBLAS for two processors differ in the last bits of what they find; other processors take none of them."""
+    """OpenBLAS has kernels for each of two processors, whose last bits differ; other processors take neither."""
     found = {
         subprocess.run(
             [sys.executable, "-c", STARTS],
