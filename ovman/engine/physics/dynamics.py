@@ -102,9 +102,8 @@ class Dynamics:
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        boxes = [o.box.bounds() for o in self._setting.plan.objects]
-        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
-        low[1], high[1] = self._setting.plan.floor_y, max(high[1], self._setting.room.ceiling_y)
+        low, high = self._setting.bounds
+        low = np.array([low[0], self._setting.plan.floor_y, low[2]])
         return low - [MARGIN_M, 0.0, MARGIN_M], high + MARGIN_M
 
     def make_room(self) -> None:
