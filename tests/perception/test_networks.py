@@ -221,9 +221,6 @@ def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
     assert len(found.masks) > 0 and found.masks.shape[1:] == (90, 120)
     towers = networks.encoder_of(large)
     assert (towers.side_px, towers.size) == (224, 512)
-    blocks = towers._towers[0].visual.transformer.resblocks
-    assert len(blocks) == 12
-    del blocks[1:]  # which are equal; a graph of all twelve takes as long as all else here
     assert np.linalg.norm(towers.images(np.zeros((1, 224, 224, 3), np.uint8))) == pytest.approx(1.0, abs=1e-5)
     assert np.linalg.norm(towers.texts(["chair"])) == pytest.approx(1.0, abs=1e-5)
 

@@ -51,9 +51,9 @@ class World:
             status = forked.run(command[len(SNAKEMAKE) :], ROOT, environment, said)
             return subprocess.CompletedProcess(command, status, said.read_text())
 
-    def planned(self, overlay: Mapping[str, Any] | None = None, target: str = TARGET) -> dict[str, int]:
+    def planned(self, overlay: Mapping[str, Any] | None = None) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
-        said = self.snakemake("--dry-run", overlay=overlay, target=target)
+        said = self.snakemake("--dry-run", overlay=overlay)
         assert said.returncode == 0, said.stdout
         if "Nothing to be done" in said.stdout:
             return {}
