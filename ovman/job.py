@@ -7,6 +7,7 @@ place and renamed at the end, a journal belongs to one process at a time, and a 
 from __future__ import annotations
 
 import fcntl
+import gc
 import os
 import select
 import shutil
@@ -22,6 +23,9 @@ from ovman.constants import StageConstants
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
 """Environment variable in which the Snakefile leaves the id of Snakemake's process."""
+COLLECTED = 50_000
+"""New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
+fiftieth of its time."""
 AGENTS = "OVMAN_AGENTS"
 """Environment variable in which it leaves the directories of the overlays: agents may lie there. They are looked through last, so
 that a file there takes no other module's place."""
@@ -104,6 +108,7 @@ def job(snakemake: Any) -> Iterator[Job]:
     A job that asks for a GPU waits until no other job of this user has one, whatever Snakemake was told. An exception whose
     attribute `says_all` is true names in its one line what is missing and the remedy: the log gets that line and no traceback.
     """
+    gc.set_threshold(COLLECTED)
     _end_with(os.environ.get(WORKFLOW_PID))
     sys.path.extend(filter(None, os.environ.get(AGENTS, "").split(os.pathsep)))
     if snakemake.log:

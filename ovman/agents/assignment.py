@@ -55,11 +55,12 @@ class Assignment:
         return frozenset(a.instance for a in self.second if a.kind == "disable")
 
     def begun(self, session: Session, constants: Any, rng: np.random.Generator) -> World:
-        """The world of the second visit, with the mover where the recorded visit left it; `rng` drives it.
+        """The world of the second visit, with the mover where the recorded visit left it; `rng` drives it. Of the objects, the
+        session has the instances of the category.
 
         SimulatorError if the simulator refuses.
         """
-        world = World(session, self.second, Gait.of(constants), rng)
+        world = World(session, self.second, Gait.of(constants), rng, lambda o: o["objectType"] == self.category)
         if self.mover is not None:
             world.send_mover_to(self.mover["along_m"], self.mover["direction"])
         return world

@@ -13,7 +13,7 @@ import numpy as np
 from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting, Visit
 from ovman.agents.assignment import Assignment
 from ovman.journal import digest
-from ovman.sim.change import World, position
+from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import Ground
 from ovman.sim.recorded import MEASURED
@@ -74,7 +74,6 @@ def execute(
     agent.ask(Query(assignment.category, assignment.relation))
 
     looks = name_of is None and getattr(agent, "looks", True)
-    session.attend({k for k, o in session.objects.items() if o["objectType"] == assignment.category})
     observe = partial(_observation, session, looks, assignment.gone, name_of)
     driven = _driven(session, world, agent, observe, own_body, looks, constants, terms)
     measured: dict[str, Any] = {"outcome": driven.outcome, **dict.fromkeys(MEASURED)}
@@ -166,7 +165,7 @@ def _observation(
         return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)
     if name_of is None:
         return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
-    present = {k: o for k, o in session.objects.items() if (o["moveable"] or o["pickupable"]) and k not in gone}
+    present = {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
     at = {k: position(o) for k, o in present.items()}
     positions = tuple(Sighting(name_of(k), present[k]["objectType"], at[k]["x"], at[k]["z"]) for k in sorted(at))
     return Observation(None, None, camera, field_of_view_deg, succeeded, positions, reachable)

@@ -136,16 +136,17 @@ def run(
     senses = Senses(arm, constants, visits / scene, of_scene(scene, files))
     kept = Journal(journal)
     with Session(scene, constants, Embodiment.named(arm.embodiment, constants)) as session:
-        for seed, output in outputs.items():
-            lines = []
-            for name in names:
+        lines: dict[int, list[str]] = {seed: [] for seed in outputs}
+        for name in names:  # all seeds of one: the simulator keeps the last few worlds
+            for seed in outputs:
                 record = kept.unit(
                     unit(arm, seed, trials[name], constants, senses),
                     lambda name=name, seed=seed: session.surviving(
                         lambda: execution(session, arm, seed, trials[name], constants, senses)
                     ),
                 )
-                lines.append(json.dumps(record, separators=(",", ":")) + "\n")
+                lines[seed].append(json.dumps(record, separators=(",", ":")) + "\n")
                 print(f"{name} {arm.name} seed {seed}: {record['outcome']} after {record['actions']} actions", flush=True)
-            output.parent.mkdir(parents=True, exist_ok=True)
-            output.write_text("".join(lines))
+    for seed, output in outputs.items():
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text("".join(lines[seed]))

@@ -8,6 +8,9 @@ DISPLAY = ":0"
 """A display that nobody opens."""
 COMMAND = "OVMAN_ENGINE"
 """Environment variable with the command line of the engine, for processes whose own Python has not what the engine needs."""
+MASKS_ONLY = "renderMasksOnly"
+"""Key that any action may carry: of the images of its event, only the instance masks are wanted. Colours are four fifths of what
+images take. AI2-THOR has no such key."""
 
 
 def executable() -> str:

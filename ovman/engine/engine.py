@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgpack
 
+from ovman.engine import MASKS_ONLY
 from ovman.engine.bodies.embodiment import DEFAULT
 from ovman.engine.client import event
 from ovman.engine.client.event import Outcome, thrown
@@ -214,6 +215,8 @@ class Engine:
         instances, because the client makes its masks of classes from those."""
         if not self._draws or self._world is None or request.get("action") == "Reset" or request.get("renderImage") is False:
             return Images()
+        if request.get(MASKS_ONLY) is True:
+            return Images(instances=True)
         s = self.settings
 
         def asked(*keys: str) -> bool:

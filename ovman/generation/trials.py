@@ -16,7 +16,7 @@ from ovman import seeds
 from ovman.journal import Journal, digest
 from ovman.navigation import geodesic_m
 from ovman.sim import measurement, visit
-from ovman.sim.change import Alteration, World
+from ovman.sim.change import Alteration, World, dynamic
 from ovman.sim.measurement import Ground
 from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session, SimulatorError
@@ -38,7 +38,7 @@ class Trials:
 
     def _world(self, alterations: Sequence[Alteration], candidate: str) -> World:
         rng = seeds.generator(self._constants.benchmark.seed, "mover", candidate, "tour")
-        return World(self._session, alterations, Gait.of(self._constants), rng)
+        return World(self._session, alterations, Gait.of(self._constants), rng, dynamic)
 
     def _visit(self, alterations: Sequence[Alteration], candidate: str) -> Visit:
         moving = any(a.kind == "motion" for a in alterations)

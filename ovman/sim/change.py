@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -62,19 +62,41 @@ def position(metadata: Mapping[str, Any]) -> dict[str, float]:
     return {axis: round(float(centre[axis]), 4) for axis in "xyz"}
 
 
-class World:
-    """A scene in the state of one visit: applies alterations to a freshly reset session and drives the mover, if there is one."""
+def dynamic(metadata: Mapping[str, Any]) -> bool:
+    """Whether an instance can be moved or taken: the others are where the scene has them."""
+    return bool(metadata["moveable"] or metadata["pickupable"])
 
-    def __init__(self, session: Session, alterations: Sequence[Alteration], gait: Gait, rng: np.random.Generator) -> None:
+
+class World:
+    """A scene in the state of one visit: applies alterations to a freshly reset session and drives the mover, if there is one.
+
+    told: of which objects the session goes on being told, by their metadata in the untouched scene; None for all. Metadata are
+    most of what a change costs.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        alterations: Sequence[Alteration],
+        gait: Gait,
+        rng: np.random.Generator,
+        told: Callable[[Mapping[str, Any]], bool] | None = None,
+    ) -> None:
         self._session, self._gait, self._rng = session, gait, rng
         self.placed: dict[str, dict[str, float]] = {}
         self.mover: Mover | None = None
         self.mover_id: str | None = None
         self.path: list[tuple[float, float]] = []
         session.reset()
+        altered = {alteration.instance for alteration in alterations}
+        attended = None if told is None else {k for k, o in session.objects.items() if told(o)}
+        if attended is not None:
+            session.attend(attended | altered)
         for alteration in alterations:
             self._apply(alteration)
         session.settle()
+        if attended is not None and not altered <= attended:
+            session.attend(attended)
 
     def _apply(self, alteration: Alteration) -> None:
         if alteration.kind == "disable":

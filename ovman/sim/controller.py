@@ -70,6 +70,15 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
     raise ValueError(f"benchmark.backend: {backend!r} is not one of {', '.join(BACKENDS)}")
 
 
+def masks_only(backend: str) -> dict[str, Any]:
+    """Arguments of a step of whose image only the instance masks are wanted. Unity draws all or nothing: it is not asked."""
+    if backend != "embedded":
+        return {}
+    from ovman.engine import MASKS_ONLY
+
+    return {MASKS_ONLY: True}
+
+
 def ended(controller: Controller) -> bool:
     """Whether the process of a Controller's simulator has ended. Asked when something went wrong: an end under way is awaited."""
     process = getattr(vars(controller).get("server"), "unity_proc", None)

@@ -8,6 +8,9 @@ from typing import Any
 
 import numpy as np
 
+UNSEEN_M = 0.01
+"""The simulator is told that nothing farther than this counts as visible; it takes no 0."""
+
 
 @dataclass(frozen=True)
 class Embodiment:
@@ -61,6 +64,8 @@ class Embodiment:
             "renderInstanceSegmentation": self.instances,
             # Of the initialisation alone: a world that was just reset is looked at when it is as it should be.
             "renderImage": False,
+            # What is seen is told by masks. To find out who is "visible" may take longer than all else that a step does.
+            "visibilityDistance": UNSEEN_M,
         }
         if self.mode != "default":
             given |= {"agentMode": self.mode, "applyActionNoise": self.noisy}

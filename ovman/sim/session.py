@@ -58,6 +58,8 @@ class Session:
         self.scene = scene
         self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment
         self._start = start
+        # What is recorded is to be asked of any simulator.
+        self._masks_only = controller.masks_only(constants.benchmark.backend) if start is None else {}
         self._constants = constants
         self._controller: Any = None
         self._event: Any = None
@@ -152,7 +154,7 @@ class Session:
         """Only these objects are in `objects` until the next reset: metadata are most of what a step without an image costs."""
         self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
-    def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False) -> Any:
+    def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
         """Put the agent at `pose`; returns the event, which is false if something is in the way (only with `allowed`)."""
         # A body that neither stands nor crouches says so in its metadata, and is not to be told.
         stands = self._event.metadata["agent"]["isStanding"] is not None
@@ -164,6 +166,7 @@ class Session:
             rotation={"x": 0.0, "y": pose.yaw_deg, "z": 0.0},
             horizon=pose.horizon_deg,
             **({"standing": True} if stands else {}),
+            **arguments,
         )
 
     def reachable(self) -> list[tuple[float, float]]:
@@ -183,7 +186,7 @@ class Session:
         """The sweep of several objects in the same images."""
         seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
-            self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True)
+            self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True, **self._masks_only)
             for object_id in object_ids:
                 seen[object_id][int(pitch)] = self.pixels(object_id)
         return seen

@@ -20,11 +20,13 @@ import cv2
 import numpy as np
 
 from ovman import journal
-from ovman.sim.change import Alteration, World, position
+from ovman.sim.change import Alteration, World, dynamic, position
 from ovman.sim.session import AgentPose, Session
 
 SCHEMA = "ovman-visit/1"
 MILLIMETRES = 1000.0
+PNG = (cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP)
+"""Hardly larger than what tries every filter on every row, in half the time."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +85,7 @@ def visit_name(alterations: Sequence[Alteration], seed: int | None) -> str:
 
 
 def _write_png(path: Path, image: np.ndarray) -> None:
-    if not cv2.imwrite(str(path), image, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+    if not cv2.imwrite(str(path), image, PNG):
         raise OSError(f"{path}: could not be written; is the disk full?")
 
 
@@ -133,17 +135,17 @@ def record(
     shutil.rmtree(partial, ignore_errors=True)
     partial.mkdir(parents=True)
 
-    def dynamic() -> dict[str, Mapping[str, Any]]:
-        return {k: o for k, o in session.objects.items() if (o["moveable"] or o["pickupable"]) and k not in gone}
+    def there() -> dict[str, Mapping[str, Any]]:
+        return {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
 
     gone = {a.instance for a in alterations if a.kind == "disable"}
-    present = {k: {"category": o["objectType"], "position": position(o)} for k, o in dynamic().items()}
+    present = {k: {"category": o["objectType"], "position": position(o)} for k, o in there().items()}
     here = {k: v["position"] for k, v in present.items()}
     records = []
     for i, pose in enumerate(views):
         event = look(session, world, pose)
         index, names, sizes = _seen(event, minimum_px)
-        now = {k: position(o) for k, o in dynamic().items()}
+        now = {k: position(o) for k, o in there().items()}
         camera = event.metadata["cameraPosition"]
         records.append(
             {

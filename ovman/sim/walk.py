@@ -48,13 +48,12 @@ class Frame:
 def frames(
     session: Session, world: World, views: Sequence[AgentPose], turn_deg: float, step_m: float, field_of_view_deg: float
 ) -> Iterator[Frame]:
-    """The frames of the walk along the tour `views` in `world`, which was just made on `session`; spins by `turn_deg`, steps of
-    `step_m`, the spacing of the navigation grid.
+    """The frames of the walk along the tour `views` in `world`, which was just made on `session`; nobody need be told of its
+    objects. Spins by `turn_deg`, steps of `step_m`, the spacing of the navigation grid.
 
     Where there is no way from one waypoint to the next, because what was placed or moves bars it, the walk goes on at the next
     one. SimulatorError where the simulator refuses a pose.
     """
-    session.attend(())
     grid: Grid | None = None
 
     def seen(pose: AgentPose, number: int | None = None) -> Frame:

@@ -284,6 +284,20 @@ def test_kinds_asked_for_with_one_action_hold_for_cameras_too(scene):
     assert scene.step("Pass").third_party_instance_masks == []
 
 
+def test_masks_alone_are_those_that_come_with_the_other_images(scene):
+    whole = scene.step("RotateRight")
+    alone = scene.step("Pass", renderMasksOnly=True)
+    assert alone.frame is None and alone.depth_frame is None and len(alone.instance_masks) > 3
+    assert np.array_equal(alone.instance_segmentation_frame, whole.instance_segmentation_frame)
+    assert alone.metadata["colors"] == whole.metadata["colors"]
+    assert np.array_equal(scene.step("Pass").frame, whole.frame)
+    assert scene.step("Pass", renderMasksOnly=True, renderImage=False).instance_segmentation_frame is None
+    scene.reset("FloorPlan201", renderInstanceSegmentation=False)
+    assert scene.step("Pass").instance_segmentation_frame is None
+    asked = scene.step("RotateRight", renderMasksOnly=True)
+    assert np.array_equal(asked.instance_segmentation_frame, whole.instance_segmentation_frame)
+
+
 @pytest.mark.parametrize("name", ["FloorPlan201", "FloorPlan7", "FloorPlan311", "FloorPlan410"])
 def test_the_map_view_shows_the_whole_room_and_goes_as_it_came(scene, name):
     before = scene.reset(name)

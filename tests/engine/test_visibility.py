@@ -91,6 +91,18 @@ def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
                 assert ((np.array(record["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]] - here) @ ahead).max() > 0
 
 
+def test_where_nothing_is_near_enough_nobody_is_looked_for(engine, monkeypatch):
+    """And what is told of the objects is else the same: a client that reads masks saves the looks."""
+    near, none = engine("FloorPlan8"), engine("FloorPlan8", visibilityDistance=0.01)
+    monkeypatch.setattr(none.engine._metadata.sight, "look", lambda *_: pytest.fail("looked"))
+    unseen, found = {"visible": False, "isInteractable": False}, 0
+    for pose in poses(near, 6, seed=2):
+        close, blind = near.do("TeleportFull", **pose), none.do("TeleportFull", **pose)
+        found += len(seen(close))
+        assert [o | unseen for o in close["objects"]] == blind["objects"]
+    assert found
+
+
 def test_the_schemes_differ_in_what_is_near_alone(engine):
     """From afar both see the same; near by, what the scheme "Distance" sees has a point that near, in plan."""
     collider, distance = (engine("FloorPlan315", visibilityDistance=50.0, visibilityScheme=s) for s in ("Collider", "Distance"))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -11,10 +12,10 @@ import pytest
 
 from ovman.config import canonical, load
 from ovman.constants import StageConstants
-from ovman.sim import visit
+from ovman.sim import controller, visit
 from ovman.sim.change import Alteration, World, position
 from ovman.sim.mover import Gait, Lane
-from ovman.sim.session import AgentPose, Session, SimulatorError
+from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
@@ -123,6 +124,36 @@ def test_sightings_are_the_category_only_in_the_order_of_the_tour(session, views
     assert seen and all(s["px"] >= 50 for s in seen)
     assert [s["view"] for s in recorded.sightings(PLANT)] == sorted(s["view"] for s in recorded.sightings(PLANT))
     assert json.dumps(seen)
+
+
+def test_a_session_goes_on_being_told_of_what_is_asked_for_and_the_world_is_the_same(session):
+    session.reset()
+    plant = next(k for k, o in sorted(session.objects.items()) if o["objectType"] == PLANT)
+    lane = free_lane(session)
+    where, gone = Alteration("displace", chair(session), (lane.x_0, lane.z_0), 0.1), Alteration("disable", plant)
+    whole = world(session, where, gone)
+    every = session.objects
+    some = World(session, (where, gone), GAIT, np.random.default_rng(0), told=lambda o: o["objectType"] == "Chair")
+    assert some.placed == whole.placed
+    assert session.objects == {k: o for k, o in every.items() if o["objectType"] == "Chair"} and plant in every
+    World(session, (where,), GAIT, np.random.default_rng(0), told=lambda _: False)
+    assert session.objects == {}
+    assert position(session.step("ResetObjectFilter") and session.objects[where.instance]) == whole.placed[where.instance]
+
+
+def test_a_sweep_counts_what_whole_images_show(session, monkeypatch):
+    session.reset()
+    here, instance = session.pose, chair(session)
+    at = position(session.objects[instance])
+    pose = AgentPose(here.x, here.z, bearing_deg(here.x, here.z, at["x"], at["z"]))
+    swept = session.sweep(instance, pose, (0, 30, 60))
+    assert session.rgb is None and any(swept.values())
+    for pitch, size in swept.items():
+        event = session.teleport(replace(pose, horizon_deg=float(pitch)), image=True)
+        mask = event.instance_masks.mask(instance)
+        assert event.frame is not None and size == (0 if mask is None else int(mask.sum()))
+    monkeypatch.setattr(session, "_masks_only", controller.masks_only("thor"))
+    assert session.sweep(instance, pose, (0, 30, 60)) == swept and session.rgb is not None
 
 
 def test_equal_world_states_share_a_name_and_others_do_not():

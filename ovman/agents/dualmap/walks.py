@@ -72,7 +72,7 @@ def frames(session: Session, of: Assigned, constants: Any) -> Iterable[Frame]:
     """
     alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
     rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
-    world = World(session, alterations, Gait.of(constants), rng)
+    world = World(session, alterations, Gait.of(constants), rng, told=lambda _: False)
     views = [AgentPose(**view["pose"]) for view in of.recorded.views]
     lens = constants.camera.field_of_view_deg
     yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)

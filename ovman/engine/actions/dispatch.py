@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from ovman.engine import MASKS_ONLY
 from ovman.engine.actions import TABLE
 from ovman.engine.actions.registry import Action, Failed, Parameter
 from ovman.engine.actions.values import CLR_NAMES, NAMES, Inconvertible, Malformed, Vector3, converted, shown
@@ -24,6 +25,7 @@ ALWAYS_ACCEPTED = frozenset(
         "renderClassImage",
         "renderImage",
         "renderInstanceSegmentation",
+        MASKS_ONLY,
         "renderNormalsImage",
         "renderObjectImage",
         "renderSemanticSegmentation",

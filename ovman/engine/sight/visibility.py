@@ -180,6 +180,8 @@ class Sight:
         """Names of the instances that are visible, and of those of them that are interactable; of all, or at least of those whose
         spheres are given."""
         near = self.near(eye, distance_m, scheme)
+        if not near.any():
+            return set(), set()
         targets = self.lines.points[near].reshape(-1, 3)
         ways = toward(targets[np.isfinite(targets[:, 0])], eye.position)
         ways = np.concatenate([_framed(eye.yaw_deg, eye.horizon_deg, eye.field_of_view_deg, eye.aspect), ways[eye.frames(ways)]])
