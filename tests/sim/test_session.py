@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import random
 import signal
@@ -124,7 +125,7 @@ def _trials(directory, scene, drawn):
 
 
 def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
-    """Engines are killed at random moments of a stage; what it writes is what it would have written."""
+    """Engines are killed amid the work of a stage, some steps after their start; what it writes is what it would have written."""
     scene, drawn = tmp_path / "scene.json", tmp_path / "candidates.jsonl"
     scenes.run(SCENE, constants("scenes"), scene, tmp_path / "scenes.jsonl")
     candidates.run(scene, constants("candidates"), drawn)
@@ -137,9 +138,17 @@ def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
 
     def doomed(*arguments):
         made = begin(*arguments)
-        started.append(made.server.unity_proc)
+        process, step, steps = made.server.unity_proc, made.step, itertools.count(1)
+        started.append(process)
+        last = rng.randint(2, 12)
+
+        def dying(*arguments, **named):
+            if next(steps) == last:
+                threading.Timer(rng.uniform(0.0, 0.005), process.kill).start()
+            return step(*arguments, **named)
+
         if len(started) < DEATHS:
-            threading.Timer(rng.uniform(0.05, 0.8), started[-1].kill).start()
+            made.step = dying
         return made
 
     monkeypatch.setattr(controller, "start", doomed)
