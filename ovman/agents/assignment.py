@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -54,13 +54,22 @@ class Assignment:
         """The instances that are not there any more."""
         return frozenset(a.instance for a in self.second if a.kind == "disable")
 
-    def begun(self, session: Session, constants: Any, rng: np.random.Generator) -> World:
-        """The world of the second visit, with the mover where the recorded visit left it; `rng` drives it. Of the objects, the
-        session has the instances of the category.
+    def concerns(self, metadata: Mapping[str, Any]) -> bool:
+        """Whether an object is of the category."""
+        return bool(metadata["objectType"] == self.category)
+
+    def begun(
+        self,
+        session: Session,
+        constants: Any,
+        rng: np.random.Generator,
+        told: Callable[[Mapping[str, Any]], bool] | None = None,
+    ) -> World:
+        """The world of the second visit, with the mover where the recorded visit left it; `rng` drives it. told: as for World.
 
         SimulatorError if the simulator refuses.
         """
-        world = World(session, self.second, Gait.of(constants), rng, lambda o: o["objectType"] == self.category)
+        world = World(session, self.second, Gait.of(constants), rng, told)
         if self.mover is not None:
             world.send_mover_to(self.mover["along_m"], self.mover["direction"])
         return world
@@ -82,6 +91,6 @@ class Assignment:
         instances: list[str] = []
         if any_instance:
             gone = self.gone
-            instances = [k for k, o in session.objects.items() if o["objectType"] == self.category and k not in gone]
+            instances = [k for k, o in session.objects.items() if self.concerns(o) and k not in gone]
         sweep = tuple(constants.success.sweep_deg)
         return measurement.at_stop(session, self.relation.past, self.target, answer, navigable, sweep, instances)

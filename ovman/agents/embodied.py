@@ -62,7 +62,7 @@ def execute(
     An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
     simulator. SimulatorError if it refuses.
     """
-    world = assignment.begun(session, constants, rng)
+    world = assignment.begun(session, constants, rng, told=assignment.concerns)
     if noise is not None:
         session.step("SetRandomSeed", seed=noise)
     session.teleport(assignment.spawn)

@@ -9,19 +9,22 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
+from ai2thor.controller import Controller
 
 from ovman.agents.released import cow
 from ovman.agents.released.clone import Clone
-from ovman.agents.released.cow_controller import ARM
+from ovman.agents.released.cow_controller import ARM, IDENTITY, EpisodeController
 from ovman.agents.released.cow_episodes import Hidden, exported, vocabulary
 from ovman.agents.released.status import note, read
 from ovman.config import canonical, load
 from ovman.constants import StageConstants
 from ovman.journal import Journal
 from ovman.sim.change import Alteration
+from ovman.sim.controller import launched
 from ovman.sim.mover import Lane
 from ovman.sim.session import AgentPose
 from ovman.task import Relation
@@ -161,6 +164,21 @@ def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
     assert (own["box_distance_m"], own["visible_px"]) == (shifted["box_distance_m"], shifted["visible_px"])
     # It stands where it was put, not where it stood: from there its box is nearer than its former place.
     assert own["box_distance_m"] < math.dist((shifted["stop"]["x"], shifted["stop"]["z"]), (0.79, -1.82))
+
+
+def test_the_runner_is_told_of_all_objects_of_the_changed_world():
+    body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
+    launch = partial(launched, Controller, "embedded")
+    given = constants(ROOT, "0" * 40, sys.executable)
+    stands = EpisodeController(launch, {REMOVED.name: REMOVED}, 0, given, lambda *_: None, **body)
+    try:
+        untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
+        stands.initialization_parameters[IDENTITY] = REMOVED.name
+        assert {o["objectId"] for o in stands.reset(SCENE).metadata["objects"]} == untouched
+        stands.step("SetObjectFilter", objectIds=[MOVED])
+        assert {o["objectId"] for o in stands.step("RotateLeft").metadata["objects"]} == untouched
+    finally:
+        stands.stop()
 
 
 def test_the_mover_goes_on_with_the_agents_actions(ran):
