@@ -23,12 +23,12 @@ from ovman.constants import StageConstants
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
 """Environment variable in which the Snakefile leaves the id of Snakemake's process."""
-COLLECTED = 10_000
-"""New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
-fiftieth of its time."""
 AGENTS = "OVMAN_AGENTS"
 """Environment variable in which it leaves the directories of the overlays: agents may lie there. They are looked through last, so
 that a file there takes no other module's place."""
+COLLECTED = 10_000
+"""New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
+fiftieth of its time."""
 
 
 class Job:

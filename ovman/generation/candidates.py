@@ -12,7 +12,7 @@ import numpy as np
 from ovman import seeds
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
-from ovman.sim.change import AGENT_RADIUS_M, Alteration
+from ovman.sim.change import AGENT_RADIUS_M, Alteration, dynamic
 from ovman.sim.mover import Lane
 from ovman.task import Rejection, Relation
 
@@ -28,7 +28,7 @@ def eligible(scene: Mapping[str, Any]) -> Mapping[str, list[Item]]:
     """Movable instances by category, categories with at least two instances."""
     by_category: dict[str, list[Item]] = {}
     for item in scene["objects"]:
-        if item["moveable"] or item["pickupable"]:
+        if dynamic(item):
             by_category.setdefault(item["category"], []).append(item)
     return {c: items for c, items in sorted(by_category.items()) if len(items) >= 2}
 

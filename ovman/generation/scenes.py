@@ -8,7 +8,7 @@ from typing import Any
 
 from ovman.journal import Journal, digest
 from ovman.navigation import Grid, farthest_points
-from ovman.sim.change import position
+from ovman.sim.change import dynamic, position
 from ovman.sim.session import Session
 
 SCHEMA = "ovman-scene/1"
@@ -59,5 +59,5 @@ def run(scene: str, constants: Any, output: Path, journal: Path) -> None:
             lambda: session.surviving(lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m)),
         )
     output.write_text(json.dumps(record, separators=(",", ":")) + "\n")
-    moving = sum(o["moveable"] or o["pickupable"] for o in record["objects"])
+    moving = sum(map(dynamic, record["objects"]))
     print(f"{scene}: {len(record['reachable'])} cells, {len(record['objects'])} objects, {moving} of them movable", flush=True)

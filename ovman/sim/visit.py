@@ -84,7 +84,8 @@ def visit_name(alterations: Sequence[Alteration], seed: int | None) -> str:
     return "-".join([alterations[0].kind, alterations[0].instance.split("|")[0], content[:10]])
 
 
-def _write_png(path: Path, image: np.ndarray) -> None:
+def write_png(path: Path, image: np.ndarray) -> None:
+    """Writes an image (H, W) or, blue first, (H, W, 3) of 8 or 16 bit. OSError where it cannot be."""
     if not cv2.imwrite(str(path), image, PNG):
         raise OSError(f"{path}: could not be written; is the disk full?")
 
@@ -157,10 +158,10 @@ def record(
             }
         )
         here = now
-        _write_png(partial / f"{i:02d}_rgb.png", event.frame[..., ::-1])
+        write_png(partial / f"{i:02d}_rgb.png", event.frame[..., ::-1])
         depth_mm = np.clip(np.round(event.depth_frame * MILLIMETRES), 0, np.iinfo(np.uint16).max)
-        _write_png(partial / f"{i:02d}_depth.png", depth_mm.astype(np.uint16))
-        _write_png(partial / f"{i:02d}_ids.png", index)
+        write_png(partial / f"{i:02d}_depth.png", depth_mm.astype(np.uint16))
+        write_png(partial / f"{i:02d}_ids.png", index)
     mover = None
     if world.mover is not None:
         mover = {

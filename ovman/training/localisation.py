@@ -21,6 +21,7 @@ from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, promp
 from ovman.config import load
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.perception.weights import ROOT
+from ovman.sim.change import dynamic
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.training.floorplans import floor_plans
@@ -69,7 +70,7 @@ def scores(looked: list[Looked], thresholds: np.ndarray) -> list[Score]:
 def views(session: Session, count: int, rng: np.random.Generator) -> Iterator[tuple[Picture, list[str]]]:
     """Pictures from random places and headings, and the movable categories of the scene."""
     session.reset()
-    categories = sorted({o["objectType"] for o in session.objects.values() if o["moveable"] or o["pickupable"]})
+    categories = sorted({o["objectType"] for o in session.objects.values() if dynamic(o)})
     places = sorted(session.reachable())
     for _ in range(count):
         x, z = places[rng.integers(len(places))]

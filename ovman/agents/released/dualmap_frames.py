@@ -19,12 +19,12 @@ from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 import yaml
 
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
+from ovman.sim.visit import write_png
 
 DATASET = "self_collected"
 DEPTH_SCALE = 1000.0
@@ -94,7 +94,7 @@ def write_visit(directory: Path, views: Iterable[View], floor_y: float) -> Lens:
             raise FramesError(f"{directory}: frame {number} has another size or lens than the first; use one camera")
         for kind, picture in (("rgb", view.rgb[..., ::-1]), ("depth", millimetres(view.depth))):
             content.update(np.ascontiguousarray(picture).data)
-            _write_png(partial / kind / f"{number:06d}.png", picture)
+            write_png(partial / kind / f"{number:06d}.png", picture)
         lines.append(" ".join(repr(float(value)) for value in camera_to_world(view.camera, floor_y).ravel()))
         content.update(lines[-1].encode())
     if not lines:
@@ -162,8 +162,3 @@ def camera_parameters(lens: Lens) -> dict[str, float]:
 
 def _timed(poses: Sequence[str]) -> str:
     return "".join(f"{number * SECONDS!r} {pose}\n" for number, pose in enumerate(poses))
-
-
-def _write_png(path: Path, picture: np.ndarray) -> None:
-    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise OSError(f"{path}: could not be written; is the disk full?")
