@@ -57,7 +57,7 @@ soak: $(READY)
 	@.venv/bin/python -m pytest -q -m soak
 
 bench: $(READY)
-	@for file in bench/*.py; do echo "== $$file"; .venv/bin/python $$file || exit 1; done
+	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
 lint: $(READY)
 	@.venv/bin/ruff check
@@ -69,11 +69,11 @@ lint: $(READY)
 lock:
 	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; \
 	"$(PYTHON)" -m venv "$$directory"; \
-	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ".[benchmark,dev]"; \
+	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ./packages/ovman-engine --editable ".[dev]"; \
 	{ \
 		echo "# Exact versions of everything for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64; made by \`make lock\`:"; \
-		echo "# pip install .[benchmark,dev] in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
-		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman \
+		echo "# pip install .[dev] with packages/ovman-engine in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
+		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman --exclude ovman-engine --exclude ovman-released \
 			| sed 's/^opencv-python==/opencv-python-headless==/' | LC_ALL=C sort -f; \
 	} > "$$directory/lock"; \
 	cp "$$directory/lock" requirements.lock
@@ -89,7 +89,7 @@ $(READY): requirements.lock pyproject.toml
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
-	@$(PIP) install --no-deps --no-build-isolation --editable .
+	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-engine --editable . --editable packages/ovman-released
 	@touch $@
 
 clean:

@@ -19,11 +19,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from measure.bars import Bar, show
 from measure.clock import processor, taken
-
-from ovman import seeds
-from ovman.config import constants, load
 from ovman.perception import networks, recorded, tour
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
@@ -35,6 +33,8 @@ from ovman.sim.change import World
 from ovman.sim.mover import Gait
 from ovman.sim.session import Session
 from ovman.task.record import read_records
+from ovman.workflow import seeds
+from ovman.workflow.config import constants, load
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
 RELEASE = ROOT / "data" / "ovman-embedded-v1"

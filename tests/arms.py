@@ -6,8 +6,8 @@ from pathlib import Path
 
 import yaml
 
-from ovman.agents.arms import Arm, Need, table
-from ovman.config import load
+from ovman.evaluation.arms import Arm, Need, table
+from ovman.workflow.config import load
 
 ROOT = Path(__file__).parents[1]
 CONFIG = load(ROOT / "config.yaml")

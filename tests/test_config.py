@@ -14,11 +14,11 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman import config as module
-from ovman.agents.arms import Kind, of_kind, table
-from ovman.config import STAGES, Config, ConfigError, StageConstants, canonical, constants, load, owned, task_constants
+from ovman.evaluation.arms import Kind, of_kind, table
 from ovman.report.constants import KEYS
-from ovman.stages import matching, own_constants
+from ovman.workflow import config as module
+from ovman.workflow.config import STAGES, Config, ConfigError, StageConstants, canonical, constants, load, owned, task_constants
+from ovman.workflow.stages import matching, own_constants
 from tests.arms import ARMS
 
 FILE = Path(__file__).parents[1] / "config.yaml"

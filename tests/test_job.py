@@ -15,8 +15,8 @@ from typing import Any
 
 import pytest
 
-from ovman.config import canonical, load
-from ovman.job import WORKFLOW_PID, job
+from ovman.workflow.config import canonical, load
+from ovman.workflow.job import WORKFLOW_PID, job
 
 ROOT = Path(__file__).parents[1]
 PARAMETER = canonical(load(ROOT / "config.yaml"), "scenes")
@@ -25,7 +25,7 @@ import os, sys, time
 from pathlib import Path
 sys.path.insert(0, {root!r})
 from tests.test_job import Named, rule
-from ovman.job import job
+from ovman.workflow.job import job
 """
 
 

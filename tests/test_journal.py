@@ -7,7 +7,7 @@ import json
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.journal import Journal, digest
+from ovman.workflow.journal import Journal, digest
 
 
 def test_a_unit_is_measured_once(tmp_path):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from ovman import provenance
-from ovman.config import STAGES
+from ovman.workflow import provenance
+from ovman.workflow.config import STAGES
 
 ONE = '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n'
 FILES = {
@@ -15,15 +15,15 @@ FILES = {
     "ovman/a/one.py": ONE,
     "ovman/a/two.py": "def late():\n    import ovman.c.four\n\n    return ovman.c.four\n",
     "ovman/b/__init__.py": "from ovman.b.three import g\n",
-    "ovman/b/three.py": "from ovman.config import load\n\ng = 1\n",
+    "ovman/b/three.py": "from ovman.workflow.config import load\n\ng = 1\n",
     "ovman/c/__init__.py": "",
     "ovman/c/__main__.py": "from ovman.c import five\n",
     "ovman/c/four.py": "x = 1  # why\n",
     "ovman/c/five.py": "y = 1\n",
-    "ovman/config.py": "from ovman import unused\n",
+    "ovman/workflow/config.py": "from ovman import unused\n",
     "ovman/unused.py": "z = 1\n",
 }
-RUN = sorted(set(FILES) - {"workflow/scripts/stage.py", "ovman/config.py", "ovman/unused.py"})
+RUN = sorted(set(FILES) - {"workflow/scripts/stage.py", "ovman/workflow/config.py", "ovman/unused.py"})
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_code_counts_wherever_it_is(root, name):
     assert digest(root) != before
 
 
-@pytest.mark.parametrize("name", ["ovman/config.py", "ovman/unused.py"])
+@pytest.mark.parametrize("name", ["ovman/workflow/config.py", "ovman/unused.py"])
 def test_code_that_a_stage_does_not_run_does_not_count(root, name):
     before = digest(root)
     (root / name).write_text(FILES[name] + "\nmore = 1\n")
@@ -147,8 +147,8 @@ def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_
     for stage in STAGES:
         assert provenance.script(stage).is_file()
         modules = provenance.modules(provenance.script(stage))
-        assert "ovman.constants" in modules and not provenance.BOUNDARY & set(modules)
+        assert "ovman.workflow.constants" in modules and not provenance.BOUNDARY & set(modules)
         if stage in ("scenes", "trials", "certified", "executions"):
-            assert {"ovman.engine.__main__", "ovman.engine.physics.physics", "ovman.sim.session"} <= set(modules)
+            assert {"ovman_engine.__main__", "ovman_engine.physics.physics", "ovman.sim.session"} <= set(modules)
         if stage in ("admissible", "episodes", "predictions", "runs", "metrics", "tables"):
-            assert not any(name.startswith("ovman.engine") for name in modules)
+            assert not any(name.startswith("ovman_engine") for name in modules)

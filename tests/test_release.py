@@ -9,15 +9,17 @@ from pathlib import Path
 
 import pytest
 
-from ovman.agents import executions, predictions
-from ovman.agents.arms import Arm, Kind, Source, of_kind
-from ovman.analysis import metrics, runs
-from ovman.config import canonical, load
-from ovman.constants import StageConstants, task_constants
+from ovman.analysis import metrics
+from ovman.evaluation import predictions
+from ovman.evaluation import rollouts as executions
+from ovman.evaluation import scores as runs
+from ovman.evaluation.arms import Arm, Kind, Source, of_kind
 from ovman.generation import admissible, candidates, certified, episodes, scenes, trials
 from ovman.report import release, tables
 from ovman.sim.recorded import judged
 from ovman.task import Relation, read_episodes, referents
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants, task_constants
 from tests.arms import ARMS
 
 ROOT = Path(__file__).parent.parent

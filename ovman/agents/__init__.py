@@ -1,5 +1,5 @@
 """Agents: the interface, the reference agent's parts, and the table of arms."""
 
-from ovman.agents.agent import Action, Agent, CameraPose, Observation, Sighting, Visit
+from ovman.agents.interface import Action, Agent, CameraPose, Observation, Sighting, Visit
 
 __all__ = ["Action", "Agent", "CameraPose", "Observation", "Sighting", "Visit"]

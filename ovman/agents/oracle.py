@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ovman.agents.agent import Action, Observation, Visit
+from ovman.agents.interface import Action, Observation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.task import Query
 
 if TYPE_CHECKING:
-    from ovman.agents.given import Given
+    from ovman.evaluation.context import Given
 
 
 class Oracle:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.agents.agent import Action, Observation
+from ovman.agents.interface import Action, Observation
 from ovman.navigation import Cell, Grid, Navigator, Primitives
 from ovman.task import Relation
 

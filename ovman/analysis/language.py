@@ -8,15 +8,15 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from ovman.agents import prediction
-from ovman.agents.inferred import NOT_UNDERSTOOD, Asked, answer, ask
-from ovman.agents.perceived import Perceived, read_perceived
-from ovman.agents.prediction import Prediction
-from ovman.agents.reasoning import ReferenceConstants
+from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis.outcomes import Case, StaticOutcome, read_cases, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
+from ovman.evaluation import prediction
+from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
+from ovman.evaluation.perceived import Perceived, read_perceived
+from ovman.evaluation.prediction import Prediction
 from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure

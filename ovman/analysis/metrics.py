@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.agents import prediction
-from ovman.agents.arms import Arm, Kind, table
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
@@ -20,6 +18,8 @@ from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
+from ovman.evaluation import prediction
+from ovman.evaluation.arms import Arm, Kind, table
 from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"

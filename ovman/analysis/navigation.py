@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from ovman.agents.arms import Arm
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation
 from ovman.analysis.statistics import mcnemar_exact
+from ovman.evaluation.arms import Arm
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.decision import Abstention, Answer
-from ovman.agents.prediction import Prediction
-from ovman.agents.single_visit import success_probability
-from ovman.seeds import generator
+from ovman.agents.reference.decision import Abstention, Answer
+from ovman.agents.reference.single_visit import success_probability
+from ovman.evaluation.prediction import Prediction
 from ovman.task import Relation
 from ovman.task.record import records
+from ovman.workflow.seeds import generator
 
 RUN_SCHEMA = "ovman-run/1"
 RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")

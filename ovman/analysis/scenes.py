@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from ovman.agents.arms import Kind
 from ovman.analysis.difficulty import natural
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, Rate, by_arm, embodied_rate, figures, static_rate
+from ovman.evaluation.arms import Kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ovman.agents.arms import Kind
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import by_arm, by_relation, by_seed
+from ovman.evaluation.arms import Kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,7 +78,7 @@ def client() -> Finding:
 
 def engine_process() -> Finding:
     """Whether the process that the client would start can import the engine: if not, the client waits for ever."""
-    from ovman.engine import executable
+    from ovman_engine import executable
 
     environment = {k: v for k, v in os.environ.items() if not k.startswith("AI2THOR_")}
     try:

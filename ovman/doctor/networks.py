@@ -28,9 +28,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Exit status 2 and one line on standard error where weights cannot be had.
     """
     (file,) = sys.argv[1:] if arguments is None else arguments
-    from ovman.config import load
     from ovman.perception.networks import detector_of, encoder_of
     from ovman.perception.weights import WeightsError
+    from ovman.workflow.config import load
 
     settings = load(Path(file))
     began = time.perf_counter()

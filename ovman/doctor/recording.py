@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ovman.config import constants, load
 from ovman.doctor import rehearsal
-from ovman.sections import floor_plan
-from ovman.sim.tape.file import read
+from ovman.models.settings.sections import floor_plan
+from ovman.sim.recording.file import read
+from ovman.workflow.config import constants, load
 
 EMBEDDED, THOR = "embedded", "thor"
 

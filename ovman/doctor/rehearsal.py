@@ -15,21 +15,22 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ovman import __version__, seeds
-from ovman.constants import StageConstants
+from ovman import __version__
 from ovman.generation.candidates import candidates
 from ovman.generation.certified import oracle_run
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
+from ovman.sim.recording.comparison import RULES, Summary, summaries
+from ovman.sim.recording.file import Header, Result, Tape, TapeError, Writer, read
+from ovman.sim.recording.live import replayed
+from ovman.sim.recording.playback import Playback
+from ovman.sim.recording.recorder import Recorder, plain
 from ovman.sim.session import Session
-from ovman.sim.tape.comparison import RULES, Summary, summaries
-from ovman.sim.tape.file import Header, Result, Tape, TapeError, Writer, read
-from ovman.sim.tape.live import replayed
-from ovman.sim.tape.playback import Playback
-from ovman.sim.tape.recorder import Recorder, plain
 from ovman.task import Relation
+from ovman.workflow import seeds
+from ovman.workflow.constants import StageConstants
 
 STAGES = ("scenes", "candidates", "trials", "certified")
 """Whose constants the work is done with."""

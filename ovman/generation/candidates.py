@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ovman import seeds
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
 from ovman.sim.change import AGENT_RADIUS_M, Alteration, dynamic
 from ovman.sim.mover import Lane
 from ovman.task import Rejection, Relation
+from ovman.workflow import seeds
 
 SCHEMA = "ovman-candidate/1"
 SHARE_OF_LANES = 4

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from ovman import seeds
-from ovman.agents.agent import Visit
-from ovman.agents.assignment import Assignment
-from ovman.agents.embodied import execute, handed
+from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
-from ovman.journal import Journal, digest
+from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.rollout import execute, handed
 from ovman.navigation import Primitives
 from ovman.sim.session import Session
 from ovman.task import Relation
 from ovman.task.record import read_records
+from ovman.workflow import seeds
+from ovman.workflow.journal import Journal, digest
 
 SCHEMA = "ovman-certification/1"
 

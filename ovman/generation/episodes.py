@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman import seeds
-from ovman.constants import task_constants
 from ovman.language import noun, sentence
 from ovman.sim.recorded import MEASURED, judged
 from ovman.task import Episode, Rejection, Relation, SuccessConstants, episode_lines
 from ovman.task.record import read_records
+from ovman.workflow import seeds
+from ovman.workflow.constants import task_constants
 
 SCHEMA = "ovman-episode/1"
 REJECTION_COLUMNS = ("relation", "stage", "reason", "count")

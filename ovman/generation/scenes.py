@@ -6,10 +6,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from ovman.journal import Journal, digest
 from ovman.navigation import Grid, farthest_points
 from ovman.sim.change import dynamic, position
 from ovman.sim.session import Session
+from ovman.workflow.journal import Journal, digest
 
 SCHEMA = "ovman-scene/1"
 

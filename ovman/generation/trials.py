@@ -12,8 +12,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman import seeds
-from ovman.journal import Journal, digest
 from ovman.navigation import geodesic_m
 from ovman.sim import measurement, visit
 from ovman.sim.change import Alteration, World, dynamic
@@ -23,6 +21,8 @@ from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.visit import Visit
 from ovman.task import Rejection, Relation
 from ovman.task.record import read_records
+from ovman.workflow import seeds
+from ovman.workflow.journal import Journal, digest
 
 SCHEMA = "ovman-trial/1"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ovman.agents.arms import Arm, named
 from ovman.analysis.statistics import wilson_interval
+from ovman.evaluation.arms import Arm, named
 from ovman.report.cells import (
     Record,
     grouped,

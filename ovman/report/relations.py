@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.agent import VISITS
+from ovman.agents.interface import VISITS
 from ovman.sim.visit import Visit
 from ovman.task import Relation
 from ovman.task.record import read_records

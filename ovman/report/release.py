@@ -12,10 +12,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.engine.plan import floorplan
 from ovman.report.markdown import pipe_table
 from ovman.task import Episode, Rejection, Relation, read_episodes
 from ovman.task.record import read_records
+from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl",)
 TREES = ("scenes", "trials", "certified", "predictions", "runs", "metrics", "tables")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ovman.agents.arms import Arm, Kind, named
 from ovman.analysis.rates import ALL
+from ovman.evaluation.arms import Arm, Kind, named
 from ovman.report.cells import RELATIONS, Record, grouped, number, small_capitals
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ovman.agents import arms
-from ovman.agents.released.status import note
+from ovman.evaluation import arms
 from ovman.report.budget import budget_table
 from ovman.report.cells import Record
 from ovman.report.constants import constants_table
@@ -29,6 +28,7 @@ from ovman.report.significance import significance_table
 from ovman.report.spread import seeds_table
 from ovman.report.table import Table, Text, csv_text
 from ovman.report.taxonomy import taxonomy_table
+from ovman_released.status import note
 
 # From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
 TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {

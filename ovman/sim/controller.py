@@ -49,7 +49,7 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
     the simulator ends meanwhile, or is not there within START_LIMIT_S.
     """
     if backend == "embedded":
-        from ovman.engine import executable
+        from ovman_engine import executable
 
         # The client asks for Vulkan if it sees a GPU.
         hidden = os.environ.pop("CUDA_VISIBLE_DEVICES", None)
@@ -74,7 +74,7 @@ def masks_only(backend: str) -> dict[str, Any]:
     """Arguments of a step of whose image only the instance masks are wanted. Unity draws all or nothing: it is not asked."""
     if backend != "embedded":
         return {}
-    from ovman.engine import MASKS_ONLY
+    from ovman_engine import MASKS_ONLY
 
     return {MASKS_ONLY: True}
 

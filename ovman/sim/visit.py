@@ -19,9 +19,9 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ovman import journal
 from ovman.sim.change import Alteration, World, dynamic, position
 from ovman.sim.session import AgentPose, Session
+from ovman.workflow import journal
 
 SCHEMA = "ovman-visit/1"
 MILLIMETRES = 1000.0

@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE
-from ovman.config import load
+from ovman.models.settings.sections import Config
 from ovman.perception.overlap import LEAST_IOU
 from ovman.report.cells import Record
 from ovman.report.markdown import EMPTY, pipe_table
 from ovman.report.perception import SYNONYMS_BELOW, bars, by_category
-from ovman.sections import Config
 from ovman.training import captions, crops, detector, outlines, pictures
+from ovman.workflow.config import load
 
 TEMPLATES = Path(__file__).parent / "templates"
 CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}

@@ -16,9 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman import seeds
 from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, prompt
-from ovman.config import load
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.perception.weights import ROOT
 from ovman.sim.change import dynamic
@@ -26,6 +24,8 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.training.floorplans import floor_plans
 from ovman.training.pictures import Picture, picture_of
+from ovman.workflow import seeds
+from ovman.workflow.config import load
 
 STEP = 0.0025
 """Between two thresholds."""

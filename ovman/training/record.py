@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from ovman.seeds import generator
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.visit import write_png
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import Picture, pictures
+from ovman.workflow.seeds import generator
 
 
 def run(scene: str, constants: Any, output: Path) -> None:

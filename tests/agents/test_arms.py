@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.agents.arms import Arm, Kind, Source, named, of_kind, table
-from ovman.agents.factory import function
-from ovman.config import ConfigError, canonical, load
-from ovman.sections import ArmEntry
+from ovman.evaluation.arms import Arm, Kind, Source, named, of_kind, table
+from ovman.evaluation.supervision import function
+from ovman.models.settings.sections import ArmEntry
+from ovman.workflow.config import ConfigError, canonical, load
 from tests.arms import ARMS, CONFIG, ROOT
 
 TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
@@ -113,7 +113,9 @@ def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables(
     assert texts(loaded(two_visits=two | {"system": "another", "memory": "words"})) == before
     changed = texts(loaded(two_visits=two | {"runs": 2}))
     assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
-    code = texts(loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.two_visits:agent"}))
+    code = texts(
+        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.privileged_positions:agent"})
+    )
     assert {name for name in before if code[name] != before[name]} == {"oracle_check"}
 
 
@@ -128,6 +130,6 @@ def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_
 
 def test_the_table_is_read_without_anything_heavy():
     heavy = "numpy", "scipy", "pandas", "torch", "pydantic"
-    script = f"import sys, ovman.agents.arms; print([name for name in {heavy} if name in sys.modules])"
+    script = f"import sys, ovman.evaluation.arms; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ovman.agents.association import Association, associate, cost_matrix, padded
+from ovman.agents.reference.association import Association, associate, cost_matrix, padded
 
 GATE = 1.25
 SCALE = 2.0

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.association import Association, associate
-from ovman.agents.decision import (
+from ovman.agents.reference.association import Association, associate
+from ovman.agents.reference.decision import (
     Abstention,
     AbstentionReason,
     Answer,

@@ -7,14 +7,14 @@ import sys
 import numpy as np
 import pytest
 
-from ovman.agents.agent import Action, Agent, Visit
-from ovman.agents.arms import Arm, Kind
-from ovman.agents.decision import Answer
-from ovman.agents.factory import AgentError, Supervised, failures, function
-from ovman.agents.predictions import predict
-from ovman.agents.senses import Senses
-from ovman.config import constants
+from ovman.agents.interface import Action, Agent, Visit
+from ovman.agents.reference.decision import Answer
+from ovman.evaluation.arms import Arm, Kind
+from ovman.evaluation.observation_store import Senses
+from ovman.evaluation.predictions import predict
+from ovman.evaluation.supervision import AgentError, Supervised, failures, function
 from ovman.task import Query, Relation
+from ovman.workflow.config import constants
 from tests.arms import BY_NAME, CONFIG
 
 MODULE = """
@@ -108,7 +108,7 @@ def test_what_an_entry_does_not_ask_for_is_refused_with_what_to_write(body, line
 
 def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tmp_path):
     arm = Arm("mine", Kind.STATIC, "elsewhere_e:ask")
-    text = "from ovman.agents.decision import Answer\n\n\ndef ask(query, recorded):\n"
+    text = "from ovman.agents.reference.decision import Answer\n\n\ndef ask(query, recorded):\n"
     text += "    assert len(recorded.tour('first').observations) == 0\n    return Answer(*recorded.rng.random(2)), None\n"
     (tmp_path / "elsewhere_e.py").write_text(text)
     view = constants(CONFIG, "predictions", "two_visits")
@@ -162,7 +162,7 @@ def test_an_agent_that_raises_is_one_line_with_arm_episode_and_seed(method, caps
 
 def test_an_agent_acts_in_actions_and_has_all_methods():
     assert driven(Wrong("")) is Action.STOP
-    with pytest.raises(AgentError, match="act returned 'MoveAhead'; return an ovman.agents.agent.Action"):
+    with pytest.raises(AgentError, match="act returned 'MoveAhead'; return an ovman.agents.interface.Action"):
         driven(Wrong("words"))
     with pytest.raises(AgentError, match="object has no method familiarise"):
         driven(object())

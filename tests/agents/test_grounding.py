@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.grounding import grounded, similarities
-from ovman.agents.handover import grounding_by_truth, recorded_positions
+from ovman.agents.reference.grounding import grounded, similarities
+from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
 
 BAND = 0.03
 vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)

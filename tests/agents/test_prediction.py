@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.prediction import Prediction, read, write
-from ovman.agents.reasoning import Evidence
-from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.reasoning import Evidence
+from ovman.agents.reference.single_visit import UniformBox, UniformPick
+from ovman.evaluation.prediction import Prediction, read, write
 
 finite = st.floats(-50, 50, allow_nan=False)
 points = st.tuples(finite, finite)

@@ -10,16 +10,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.agents import predictions
-from ovman.agents.arms import Arm
-from ovman.agents.factory import AgentError
-from ovman.agents.prediction import read
-from ovman.config import canonical
-from ovman.constants import StageConstants
+from ovman.evaluation import predictions
+from ovman.evaluation.arms import Arm
+from ovman.evaluation.prediction import read
+from ovman.evaluation.supervision import AgentError
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import world_state
+from ovman.workflow.config import canonical
+from ovman.workflow.constants import StageConstants
 from tests.arms import CONFIG
 
 ROOT = Path(__file__).parents[2]
@@ -94,6 +94,6 @@ def test_a_scene_without_maps_and_a_visit_without_a_map_are_named(perceived, tmp
 
 def test_no_network_library_is_loaded():
     heavy = "torch", "open_clip", "ultralytics", "cv2", "ai2thor", "matplotlib"
-    script = f"import sys, ovman.agents.predictions; print([name for name in {heavy} if name in sys.modules])"
+    script = f"import sys, ovman.evaluation.predictions; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

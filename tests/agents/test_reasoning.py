@@ -10,14 +10,14 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ovman.agents import two_visits as positions_arm
-from ovman.agents.decision import Abstention, AbstentionReason, Answer, DecisionConstants
-from ovman.agents.grounding import grounded
-from ovman.agents.object_map import ObjectMap
-from ovman.agents.reasoning import Evidence, ReferenceConstants, one_visit, two_visits
-from ovman.agents.reference import picked
-from ovman.agents.single_visit import UniformBox, UniformPick, success_probability
-from ovman.agents.two_visits import AssociationConstants
+from ovman.agents.reference import privileged_positions as positions_arm
+from ovman.agents.reference.agent import picked
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer, DecisionConstants
+from ovman.agents.reference.grounding import grounded
+from ovman.agents.reference.object_map import ObjectMap
+from ovman.agents.reference.privileged_positions import AssociationConstants
+from ovman.agents.reference.reasoning import Evidence, ReferenceConstants, one_visit, two_visits
+from ovman.agents.reference.single_visit import UniformBox, UniformPick, success_probability
 from ovman.perception.clusters import Cluster
 from ovman.task import Instance, Query, Relation, WorldState
 

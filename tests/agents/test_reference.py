@@ -9,25 +9,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.agents import executions
-from ovman.agents.agent import Action, Agent, Visit
-from ovman.agents.assignment import Assignment
-from ovman.agents.embodied import execute
-from ovman.agents.handover import recorded_positions
-from ovman.agents.mapper import KeptMaps
-from ovman.agents.perceived import Perceived
-from ovman.agents.reasoning import ReferenceConstants
-from ovman.agents.reference import ReferenceAgent, SingleVisitAgent
-from ovman.agents.senses import Senses
-from ovman.analysis import runs
-from ovman.config import canonical
-from ovman.constants import StageConstants, task_constants
+from ovman.agents.interface import Action, Agent, Visit
+from ovman.agents.reference.agent import ReferenceAgent, SingleVisitAgent
+from ovman.agents.reference.mapper import KeptMaps
+from ovman.agents.reference.reasoning import ReferenceConstants
+from ovman.evaluation import rollouts as executions
+from ovman.evaluation import scores as runs
+from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.observation_store import Senses
+from ovman.evaluation.perceived import Perceived
+from ovman.evaluation.privileged_grounding import recorded_positions
+from ovman.evaluation.rollout import execute
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import judged
 from ovman.sim.session import Session
 from ovman.task import Query, Relation
+from ovman.workflow.config import canonical
+from ovman.workflow.constants import StageConstants, task_constants
 from tests.arms import BY_NAME, CONFIG
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.single_visit import UniformBox, UniformPick, single_visit, success_probability
+from ovman.agents.reference.single_visit import UniformBox, UniformPick, single_visit, success_probability
 from ovman.task import Relation
 
 RADIUS = 1.0

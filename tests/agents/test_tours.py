@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.agents.agent import CameraPose, Observation, Visit
-from ovman.agents.mapper import SeenMaps
-from ovman.agents.tours import content, recorded
+from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.agents.reference.mapper import SeenMaps
+from ovman.evaluation.recorded_tour import content, recorded
 from ovman.perception.maps import mapped
 from ovman.perception.recorded import tour as recorded_views
 from ovman.perception.tour import detections

@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.arms import Kind
 from ovman.analysis.comparisons import PAIRINGS, Pair, among
 from ovman.analysis.own_task import own_task
 from ovman.analysis.pairings import pairings
@@ -19,6 +18,7 @@ from ovman.analysis.significance import Method, significance
 from ovman.analysis.spread import passes
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import Verdict, taxonomy
+from ovman.evaluation.arms import Kind
 from tests.analysis.fabricated import ROUND, embodied, static
 
 PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)

@@ -9,16 +9,16 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from ovman.agents import prediction
-from ovman.agents.decision import Abstention, AbstentionReason
-from ovman.agents.inferred import Asked, answer
-from ovman.agents.perceived import Perceived
-from ovman.agents.prediction import Prediction
-from ovman.agents.predictions import predict
-from ovman.agents.reasoning import ReferenceConstants
-from ovman.agents.senses import Senses
+from ovman.agents.reference.decision import Abstention, AbstentionReason
+from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis import language
 from ovman.analysis.language import What, language_rates
+from ovman.evaluation import prediction
+from ovman.evaluation.held_out_queries import Asked, answer
+from ovman.evaluation.observation_store import Senses
+from ovman.evaluation.perceived import Perceived
+from ovman.evaluation.prediction import Prediction
+from ovman.evaluation.predictions import predict
 from ovman.language import noun
 from ovman.language.parser import Parsed, ParseFailure
 from ovman.language.sentence import RELATIONS

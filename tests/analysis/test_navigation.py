@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.arms import Arm, Kind, Source
 from ovman.analysis.navigation import navigation
+from ovman.evaluation.arms import Arm, Kind, Source
 from tests.analysis.fabricated import embodied, static
 
 ARMS = [

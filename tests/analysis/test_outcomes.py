@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.prediction import Prediction
-from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.single_visit import UniformBox, UniformPick
 from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
+from ovman.evaluation.prediction import Prediction
 from ovman.task import Relation
 
 CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))

@@ -4,12 +4,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.arms import Arm, Kind, Source
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.prediction import Prediction
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.taxonomy import LOST, Verdict, taxonomy, verdict
+from ovman.evaluation.arms import Arm, Kind, Source
+from ovman.evaluation.prediction import Prediction
 from tests.analysis.fabricated import embodied, static
 
 R, NEAR = 1.0, 2.0

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.engine.plan import floorplan
 from ovman.language.noun import is_plural, noun
+from ovman_engine.plan import floorplan
 
 
 @pytest.fixture(scope="module")

@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.engine.plan import floorplan
 from ovman.language.forms import FORMS, drawn, sentences
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import all_nouns, nouns
-from ovman.seeds import generator
+from ovman.workflow.seeds import generator
+from ovman_engine.plan import floorplan
 
 QUERIES = st.tuples(st.sampled_from(RELATIONS), st.sampled_from(all_nouns()))
 FORM = st.integers(min_value=0, max_value=min(map(len, FORMS.values())))

@@ -15,9 +15,9 @@ import torch
 import yaml
 from safetensors.torch import save_file
 
-from ovman.config import load
 from ovman.perception import detector, encoder, networks, predictor
 from ovman.perception.weights import ROOT, WeightsError
+from ovman.workflow.config import load
 from tests.workflow.test_reruns import merged
 
 TOWERS = {
@@ -186,7 +186,7 @@ PROBE = """
 import sys
 from pathlib import Path
 import numpy as np
-from ovman.config import load
+from ovman.workflow.config import load
 from ovman.perception.networks import detector_of, encoder_of
 settings = load(Path(sys.argv[1])).perception
 detector_of(settings).detect([np.zeros((300, 300, 3), np.uint8)])

@@ -7,7 +7,6 @@ import io
 
 import pytest
 
-from ovman.agents.arms import Arm, Kind, Source
 from ovman.analysis.dualmap_objects import ALL, Objects
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
@@ -15,6 +14,7 @@ from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.rows import csv_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
+from ovman.evaluation.arms import Arm, Kind, Source
 from ovman.report.dualmap import dualmap_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown

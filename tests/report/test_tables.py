@@ -13,12 +13,12 @@ from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.rows import csv_text
-from ovman.config import load
 from ovman.report import tables
 from ovman.report.constants import KEYS, constants_table, value_text
 from ovman.report.rejections import rejections_table
 from ovman.report.table import csv_text as table_csv
 from ovman.task import Relation
+from ovman.workflow.config import load
 
 REJECTIONS_MD = """\
 Audit of the candidates: first reason of rejection by relation, in the order of the checks.

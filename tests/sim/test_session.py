@@ -11,13 +11,13 @@ import time
 
 import pytest
 
-from ovman.config import canonical
-from ovman.constants import StageConstants
 from ovman.generation import candidates, scenes, trials
-from ovman.journal import Journal
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
+from ovman.workflow.config import canonical
+from ovman.workflow.constants import StageConstants
+from ovman.workflow.journal import Journal
 from tests.workflow.test_reruns import CONFIG
 
 SCENE = "FloorPlan401"
@@ -112,7 +112,7 @@ def test_one_death_after_the_other_is_no_accident(session):
 @pytest.mark.parametrize("delay_s", [0.0, 0.05])
 def test_death_while_it_is_started(monkeypatch, delay_s):
     """Before it has opened its pipes, the client would open them for ever."""
-    monkeypatch.setattr("ovman.engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
+    monkeypatch.setattr("ovman_engine.executable", lambda: f'/bin/sh -c "sleep {delay_s}"')
     with pytest.raises(ConnectionError):
         controller.start("embedded", SCENE, Embodiment.of(constants("trials")))
 

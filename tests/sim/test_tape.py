@@ -17,12 +17,12 @@ import yaml
 from ovman import cli
 from ovman.doctor import rehearsal
 from ovman.sim.embodiment import Embodiment
+from ovman.sim.recording.comparison import RULES, Difference, allowed, differences, summaries
+from ovman.sim.recording.file import Call, Header, Tape, TapeError, Writer, read
+from ovman.sim.recording.live import replayed
+from ovman.sim.recording.playback import Masks, Playback
+from ovman.sim.recording.recorder import Recorder
 from ovman.sim.session import Session, SimulatorError
-from ovman.sim.tape.comparison import RULES, Difference, allowed, differences, summaries
-from ovman.sim.tape.file import Call, Header, Tape, TapeError, Writer, read
-from ovman.sim.tape.live import replayed
-from ovman.sim.tape.playback import Masks, Playback
-from ovman.sim.tape.recorder import Recorder
 from tests.sim import unity_build
 
 ROOT = Path(__file__).parents[2]

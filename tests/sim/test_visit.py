@@ -10,12 +10,12 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
 from ovman.sim import controller, visit
 from ovman.sim.change import Alteration, World, position
 from ovman.sim.mover import Gait, Lane
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"

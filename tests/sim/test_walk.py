@@ -13,8 +13,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
 from ovman.navigation import Grid, farthest_points
 from ovman.sim import visit, walk
 from ovman.sim.change import Alteration, World
@@ -22,6 +20,8 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.mover import Gait, Lane
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import Visit
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"

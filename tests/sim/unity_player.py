@@ -10,8 +10,8 @@ import sys
 import msgpack
 import numpy as np
 
-from ovman.engine import __main__, engine
-from ovman.engine.client.wire import Field
+from ovman_engine import __main__, engine
+from ovman_engine.client.wire import Field
 
 RESTLESS = 3
 """How many times Pass it takes until a scene is at rest."""

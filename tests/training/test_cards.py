@@ -10,8 +10,8 @@ from safetensors.numpy import save_file
 
 from ovman.analysis.rows import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
-from ovman.config import canonical, load
 from ovman.training import cards
+from ovman.workflow.config import canonical, load
 
 CONFIG = load(Path(__file__).parents[2] / "config.yaml")
 WHOLE = Score(

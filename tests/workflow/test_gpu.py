@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.provenance import modules, script
-from ovman.stages import STAGES
+from ovman.workflow.provenance import modules, script
+from ovman.workflow.stages import STAGES
 from tests.sim import unity_build
 from tests.workflow.conftest import ROOT, World
 
@@ -23,7 +23,7 @@ SNAKEFILE = """
 import sys
 
 sys.path.insert(0, {root!r})
-from ovman.workflow import limit_gpu
+from ovman.workflow.snakefile import limit_gpu
 
 limit_gpu(workflow)
 

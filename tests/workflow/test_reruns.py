@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.config import STAGES, load, owned, settings
-from ovman.stages import matching, own_constants
+from ovman.workflow.config import STAGES, load, owned, settings
+from ovman.workflow.stages import matching, own_constants
 from tests.workflow.conftest import ROOT, TINY
 
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.

@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from ovman.agents.released.status import forget_failures
+from ovman_released.status import forget_failures
 
 # Snakemake sees no weights and no GPU: what was missing may be there now.
 if workflow.is_main_process:

@@ -5,10 +5,10 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.agents.arms import Kind, Need, named, of_kind, table
-from ovman.config import ConfigError, canonical, load
+from ovman.evaluation.arms import Kind, Need, named, of_kind, table
+from ovman.workflow.config import ConfigError, canonical, load
 from ovman.perception.weights import located
-from ovman.workflow import check_agents, lift_rate_limit, prepare
+from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
@@ -26,7 +26,7 @@ SEEDS = settings.evaluation.seeds
 ARMS = table(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
-# Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow), and a job holds it (ovman.job).
+# Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow.snakefile), and a job holds it (ovman.workflow.job).
 GPU = int(settings.benchmark.backend == "thor")
 # And these, for networks.
 NETWORK_GPU = int(settings.perception.device == "cuda")

@@ -1,7 +1,7 @@
 """Stage `crops`: what the encoder learns from, around true masks."""
 
-from ovman.job import job
 from ovman.training import crops
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     crops.run_true(work.input("pictures"), work.constants, work.output("crops"))

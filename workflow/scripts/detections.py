@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from ovman.job import job
 from ovman.perception import detections
-from ovman.provenance import digest
 from ovman.task.record import read_records
+from ovman.workflow.job import job
+from ovman.workflow.provenance import digest
 
 with job(snakemake) as work:
     episodes = [episode for episode in read_records(work.input("episodes")) if episode["scene"] == work.scene]

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.job import job
 from ovman.training import detector
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     weights, curve = work.output("weights"), work.output("curve")

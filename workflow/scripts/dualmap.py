@@ -1,7 +1,7 @@
 """Stage `dualmap`: DualMap's maps of the visits of a scene, and of its pairs of visits, in every run."""
 
 from ovman.agents.dualmap import maps
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     maps.run(

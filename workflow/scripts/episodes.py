@@ -1,7 +1,7 @@
 """Stage `episodes`: the released split, and the audit of what was rejected."""
 
 from ovman.generation import episodes
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     episodes.run(

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.job import job
 from ovman.report import relations
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     relations.run(work.input("episodes"), Path("results", "visits"), work.constants, work.output("relations"))

@@ -1,7 +1,7 @@
 """Stage `findings`: the results beside the paper's, as a page with two charts."""
 
-from ovman.job import job
-from ovman.report.findings import page
+from ovman.report.paper_comparison import page
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     page.run(

@@ -1,7 +1,7 @@
 """Stage `language`: held-out sentences, what is understood of them, and what the two-visit agent answers to that."""
 
 from ovman.analysis import language
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
     language.run(

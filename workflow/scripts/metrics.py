@@ -1,7 +1,7 @@
 """Stage `metrics`: one row an (episode, arm, seed), and rates."""
 
 from ovman.analysis import metrics
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
     metrics.run(work.input("episodes"), work.inputs("predictions"), work.inputs("runs"), work.constants, directory)

@@ -1,7 +1,7 @@
 """Stage `models`: both networks, their curves and what they were made from, in one folder."""
 
-from ovman.job import job
 from ovman.training import models
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     names = ("detector", "detector_first_curve", "detector_curve", "encoder", "encoder_true_curve", "encoder_curve")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ovman.analysis import perception
-from ovman.job import job
+from ovman.workflow.job import job
 
 VISITS = Path("results", "visits")
 

@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from ovman.agents import predictions
-from ovman.agents.arms import Arm
-from ovman.job import job
+from ovman.evaluation import predictions
+from ovman.evaluation.arms import Arm
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     predictions.run(

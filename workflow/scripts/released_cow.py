@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.agents.released import cow
-from ovman.job import job
+from ovman.workflow.job import job
+from ovman_released import cow
 
 with job(snakemake) as work:
     places = [Path(place) for place in snakemake.output.executions]

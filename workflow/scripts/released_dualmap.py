@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 from ovman.agents.dualmap import maps, walks
-from ovman.agents.released import dualmap, status
-from ovman.job import job
 from ovman.language.vocabulary import all_nouns
-from ovman.provenance import digest
+from ovman.workflow.job import job
+from ovman.workflow.provenance import digest
+from ovman_released import dualmap, status
 
 with job(snakemake) as work:
     outputs = work.output("maps"), work.output("nouns")

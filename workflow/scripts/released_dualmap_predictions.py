@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from ovman.agents import prediction, predictions
-from ovman.agents.arms import Arm
-from ovman.agents.released import status
-from ovman.job import job
+from ovman.evaluation import prediction, predictions
+from ovman.evaluation.arms import Arm
+from ovman.workflow.job import job
+from ovman_released import status
 
 with job(snakemake) as work:
     if status.read(work.input("status")).run:

@@ -1,8 +1,8 @@
 """Stage `released_dualmap_setup`: whether DualMap's released code can be run, and in one line what is missing where it cannot."""
 
-from ovman.agents.released import dualmap_setup
-from ovman.agents.released.status import Status
-from ovman.job import job
+from ovman.workflow.job import job
+from ovman_released import dualmap_setup
+from ovman_released.status import Status
 
 with job(snakemake) as work:
     wrong = dualmap_setup.lacks(work.constants.released.dualmap)

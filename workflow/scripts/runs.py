@@ -1,8 +1,8 @@
 """Stage `runs`: judges what an embodied arm did."""
 
-from ovman.agents.arms import Arm
-from ovman.analysis import runs
-from ovman.job import job
+from ovman.evaluation import scores as runs
+from ovman.evaluation.arms import Arm
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     arm = Arm.of(work.constants.arm)

@@ -1,7 +1,7 @@
 """Stage `simulator`: one frame of the Unity build, before any scene needs it."""
 
 from ovman.doctor import simulator
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     simulator.run(work.output("simulator"))

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ovman.generation import trials
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     trials.run(

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ovman.agents.dualmap import walks
-from ovman.job import job
+from ovman.workflow.job import job
 
 with job(snakemake) as work:
     visits = Path("results/visits", work.scene)

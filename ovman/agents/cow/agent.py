@@ -7,7 +7,6 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.agents.agent import Action, Observation, Visit
 from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.frontiers import frontier_targets
 from ovman.agents.cow.odometry import Pose, failed
@@ -16,7 +15,8 @@ from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
-from ovman.agents.given import Given
+from ovman.agents.interface import Action, Observation, Visit
+from ovman.evaluation.context import Given
 from ovman.task import Query
 
 

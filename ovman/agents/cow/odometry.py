@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.agents.agent import Action
+from ovman.agents.interface import Action
 
 
 @dataclass(frozen=True, slots=True)

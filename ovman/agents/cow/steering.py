@@ -5,10 +5,10 @@ from __future__ import annotations
 import heapq
 import math
 
-from ovman.agents.agent import Action
 from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.odometry import Pose
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.agents.interface import Action
 
 
 def turns(by: int) -> tuple[Action, ...]:

@@ -7,7 +7,8 @@ visits: places of the second alone would tell it what has left, those of the fir
 as another, and its success the expectation over a uniform pick. So the published table has it: with its own grounding the rates
 of this row are whole numbers of successes in three runs, with grounding handed over they are not.
 
-The two maps of single visits are grounded, associated and decided over as the reference agent's are (`ovman.agents.reasoning`).
+The two maps of single visits are grounded, associated and decided over as the reference agent's are
+(`ovman.agents.reference.reasoning`).
 """
 
 from __future__ import annotations
@@ -16,19 +17,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ovman.agents.agent import VISITS
-from ovman.agents.arms import Need, Source
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.dualmap.mapped import RunMaps, read
-from ovman.agents.grounding import similarities
-from ovman.agents.object_map import ObjectMap
-from ovman.agents.reasoning import two_visits_recorded
-from ovman.agents.single_visit import UniformPick
+from ovman.agents.interface import VISITS
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.grounding import similarities
+from ovman.agents.reference.object_map import ObjectMap
+from ovman.agents.reference.reasoning import two_visits_recorded
+from ovman.agents.reference.single_visit import UniformPick
+from ovman.evaluation.arms import Need, Source
 from ovman.language import noun
 from ovman.task import Query
 
 if TYPE_CHECKING:
-    from ovman.agents.given import Recorded
+    from ovman.evaluation.context import Recorded
 
 
 def predict_maintained(query: Query, recorded: Recorded) -> tuple[Answer | UniformPick | Abstention, None]:

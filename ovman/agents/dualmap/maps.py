@@ -7,12 +7,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman import seeds
 from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
 from ovman.task.record import read_records
+from ovman.workflow import seeds
 
 
 class MapsError(RuntimeError):

@@ -17,11 +17,9 @@ from typing import Any
 
 import numpy as np
 
-from ovman import seeds
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
-from ovman.journal import digest
 from ovman.perception import networks
 from ovman.perception.records import RecordError, read_arrays, write_arrays
 from ovman.sim import walk
@@ -32,6 +30,8 @@ from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.task.record import read_records
+from ovman.workflow import seeds
+from ovman.workflow.journal import digest
 
 PART = "ovman-walk-part/1"
 TOGETHER = 8

@@ -6,11 +6,11 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ovman import config
-from ovman.agents.arms import table
+from ovman.evaluation.arms import table
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
+from ovman.workflow import config
 
 PAGES = "pages"
 """The folder of a results directory that pages are written into unless another place is named."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from ovman.agents.agent import VISITS
+from ovman.agents.interface import VISITS
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
 from ovman.report.show.reasoning import Reasoning, reasonings
@@ -30,7 +30,7 @@ def environment() -> Environment:
 
 
 def page(results: Results, episode_id: str, settings: Any) -> str:
-    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.config.Config`.
+    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.workflow.config.Config`.
 
     Raises ShowError where there is no such episode or its scene is missing. What else is missing is named on the page.
     """

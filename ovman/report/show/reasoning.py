@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.agent import VISITS
-from ovman.agents.arms import Arm, Source, named
-from ovman.agents.association import associate, cost_matrix, distances
-from ovman.agents.grounding import similarities
-from ovman.agents.prediction import Prediction
+from ovman.agents.interface import VISITS
+from ovman.agents.reference.association import associate, cost_matrix, distances
+from ovman.agents.reference.grounding import similarities
+from ovman.evaluation.arms import Arm, Source, named
+from ovman.evaluation.prediction import Prediction
 from ovman.perception.clusters import Cluster
 from ovman.report.show.results import MAKE, Results, ShowError
 from ovman.sim.recorded import world_state

@@ -14,10 +14,10 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
-from ovman.agents import prediction
-from ovman.agents.arms import Arm, Kind, of_kind
-from ovman.agents.prediction import Prediction
 from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
+from ovman.evaluation import prediction
+from ovman.evaluation.arms import Arm, Kind, of_kind
+from ovman.evaluation.prediction import Prediction
 from ovman.perception.clusters import Cluster
 from ovman.sim.visit import Visit
 from ovman.task.record import read_records, records

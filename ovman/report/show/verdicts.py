@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.agents.arms import Arm, Kind, of_kind
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.prediction import Outcome
-from ovman.agents.single_visit import UniformBox, UniformPick
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.single_visit import UniformBox, UniformPick
+from ovman.evaluation.arms import Arm, Kind, of_kind
+from ovman.evaluation.prediction import Outcome
 from ovman.report.show.results import MAKE, Results
 from ovman.task import Relation
 

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from ovman.agents.agent import Action, Agent, CameraPose
 from ovman.agents.cow.agent import Cow, Mode
 from ovman.agents.cow.voxel_map import State
+from ovman.agents.interface import Action, Agent, CameraPose
 from tests.agents.cow.world import CONSTANTS, NOWHERE, Room, Sight, walked
 
 TARGET = (6.6, 7.0, 0.3, 0.8, 4.6, 5.0)

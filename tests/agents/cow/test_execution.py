@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.agents.agent import Action, Visit
-from ovman.agents.assignment import Assignment
-from ovman.agents.embodied import Terms, execute
-from ovman.analysis.runs import cut, judge
-from ovman.config import canonical
-from ovman.constants import StageConstants, task_constants
+from ovman.agents.interface import Action, Visit
+from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.rollout import Terms, execute
+from ovman.evaluation.scores import cut, judge
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recorded import any_instance
 from ovman.sim.session import Session
+from ovman.workflow.config import canonical
+from ovman.workflow.constants import StageConstants, task_constants
 from tests.arms import CONFIG, with_overlay
 
 ROOT = Path(__file__).parents[3]

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.agent import Action
 from ovman.agents.cow.frontiers import frontier_targets
 from ovman.agents.cow.odometry import Pose
 from ovman.agents.cow.paths import DIAGONAL, STRAIGHT, Paths
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, headings, steered
 from ovman.agents.cow.voxel_map import State, VoxelMap
+from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, SIDE, Room
 
 NO_CELLS = np.zeros((0, 2), np.int32)

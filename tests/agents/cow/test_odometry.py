@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.agent import Action
 from ovman.agents.cow.odometry import Pose, failed
+from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, Room
 
 STEP = CONSTANTS.step_m, CONSTANTS.turn_deg

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ovman.agents.agent import Action, CameraPose, Observation, Visit
 from ovman.agents.cow.agent import Cow
 from ovman.agents.cow.constants import CowConstants
+from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.task import Query, Relation
 from tests.arms import CONFIG
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.observation import Observation
-from ovman.config import load
+from ovman.workflow.config import load
 
 CONSTANTS = MapConstants.of(load(Path(__file__).parents[3] / "config.yaml").dualmap)
 """As in config.yaml."""

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ovman.agents.arms import Arm, Kind, Source
-from ovman.agents.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.dualmap.answers import predict_maintained, predict_two_visits
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
-from ovman.agents.given import Recorded
-from ovman.agents.single_visit import UniformPick
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.single_visit import UniformPick
+from ovman.evaluation.arms import Arm, Kind, Source
+from ovman.evaluation.context import Recorded
 from ovman.language import noun
 from ovman.task import Query, Relation
 

@@ -13,8 +13,8 @@ from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
 from ovman.agents.dualmap.shot import Seen, Shot
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
 
 CONFIG = load(Path(__file__).parents[3] / "config.yaml")

@@ -10,12 +10,12 @@ import pytest
 
 from ovman.agents.dualmap.classes import OFTEN_MOVED, SELDOM_MOVED, Classes, class_names
 from ovman.agents.dualmap.observing import Observer
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
 from ovman.language.vocabulary import all_nouns
 from ovman.perception.backprojection import Camera
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 
 ROOT = Path(__file__).parents[3]
 CONSTANTS = StageConstants(canonical(load(ROOT / "config.yaml"), "walks"))

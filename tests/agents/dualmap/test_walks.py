@@ -12,12 +12,12 @@ from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
 from ovman.agents.dualmap.shot import Seen, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
 from ovman.perception.backprojection import Camera
 from ovman.sim.session import AgentPose
 from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 
 ROOT = Path(__file__).parents[3]
 RUNS = 2

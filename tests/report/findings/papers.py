@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from itertools import product
 
-from ovman.report.findings.metrics import Metrics
-from ovman.report.findings.paper import Figure, Paper
-from ovman.report.findings.sources import ALL, RELATIONS
+from ovman.report.paper_comparison.metrics import Metrics
+from ovman.report.paper_comparison.paper import Figure, Paper
+from ovman.report.paper_comparison.sources import ALL, RELATIONS
 
 Files = dict[str, list[dict[str, str]]]
 SEEDS = ("0", "1", "2")

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.report.findings.metrics import Metrics, Missing
-from ovman.report.findings.paper import Figure, Paper
-from ovman.report.findings.statement import Form
-from ovman.report.findings.writing import p_value, papers, written
+from ovman.report.paper_comparison.metrics import Metrics, Missing
+from ovman.report.paper_comparison.paper import Figure, Paper
+from ovman.report.paper_comparison.statement import Form
+from ovman.report.paper_comparison.writing import p_value, papers, written
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 RATES = Metrics({"rates.csv": [{"arm": "a", "relation": "all", "rate": "0.5"}, {"arm": "b", "relation": "all", "rate": ""}]})

@@ -6,16 +6,16 @@ from types import SimpleNamespace
 
 import pytest
 
-from ovman.config import canonical, load
-from ovman.constants import StageConstants
-from ovman.report.findings import charts, page
-from ovman.report.findings.explanations import Explanation, beside, read
-from ovman.report.findings.metrics import Metrics
-from ovman.report.findings.page import TEMPLATE, rendered
-from ovman.report.findings.paper import PAPER as PAPER_FILE
-from ovman.report.findings.paper import Paper
-from ovman.report.findings.statement import Verdict, judged
-from ovman.report.findings.statements import STATEMENTS
+from ovman.report.paper_comparison import charts, page
+from ovman.report.paper_comparison.explanations import Explanation, beside, read
+from ovman.report.paper_comparison.metrics import Metrics
+from ovman.report.paper_comparison.page import TEMPLATE, rendered
+from ovman.report.paper_comparison.paper import PAPER as PAPER_FILE
+from ovman.report.paper_comparison.paper import Paper
+from ovman.report.paper_comparison.statement import Verdict, judged
+from ovman.report.paper_comparison.statements import STATEMENTS
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
 from tests.report.findings.papers import Files, metrics_of, papers_files
 
 ROOT = Path(__file__).parents[3]

@@ -4,11 +4,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from ovman.report.findings import comparison, page
-from ovman.report.findings.metrics import Metrics
-from ovman.report.findings.paper import Paper
-from ovman.report.findings.statement import Quantity, Statement, Verdict, judged
-from ovman.report.findings.statements import GROUPS, STATEMENTS
+from ovman.report.paper_comparison import comparison, page
+from ovman.report.paper_comparison.metrics import Metrics
+from ovman.report.paper_comparison.paper import Paper
+from ovman.report.paper_comparison.statement import Quantity, Statement, Verdict, judged
+from ovman.report.paper_comparison.statements import GROUPS, STATEMENTS
 from tests.report.findings.papers import Files, metrics_of, papers_files
 
 PAPER = Paper.read()

@@ -12,16 +12,16 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman import config
-from ovman.agents import predictions
-from ovman.agents.arms import Kind, Need, of_kind
 from ovman.analysis import metrics
+from ovman.evaluation import predictions
+from ovman.evaluation.arms import Kind, Need, of_kind
 from ovman.language import noun
 from ovman.perception import maps
 from ovman.perception.detected import Detected, Masks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
 from ovman.task.record import line
+from ovman.workflow import config
 from tests.arms import REFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.agents.arms import Kind, of_kind
+from ovman.evaluation.arms import Kind, of_kind
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
 from ovman.task import Relation

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from ovman.agents.arms import Arm, Kind
 from ovman.analysis import metrics
+from ovman.evaluation.arms import Arm, Kind
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results

@@ -1,0 +1,76 @@
+"""The two-visit agent asked by a sentence: what it infers of the query, and what it answers to that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ovman.agents.interface import VISITS
+from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.reference.reasoning import Evidence, ReferenceConstants, two_visits_asked
+from ovman.evaluation.perceived import Perceived
+from ovman.language.held_out import HeldOut
+from ovman.language.parser import Parsed, ParseFailure, parse
+from ovman.task import Relation
+from ovman.workflow.seeds import generator
+
+SCHEMA = "ovman-sentence/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A sentence that was said about an episode. noun: the one in it; relation: the one that was meant; understood: the parser's
+    result."""
+
+    episode: str
+    sentence: str
+    noun: str
+    relation: Relation
+    understood: Parsed | ParseFailure
+
+    @property
+    def object_right(self) -> bool:
+        """Whether the noun was found; a sentence that is not parsed has neither noun nor relation."""
+        return isinstance(self.understood, Parsed) and self.understood.noun_phrase == self.noun
+
+    @property
+    def relation_right(self) -> bool:
+        return isinstance(self.understood, Parsed) and self.understood.relation == self.relation
+
+    @property
+    def read_as(self) -> str:
+        """The relation that was read, or the name of the failure."""
+        return self.understood.relation if isinstance(self.understood, Parsed) else str(self.understood)
+
+    def to_json(self) -> dict[str, Any]:
+        """{"schema", "episode", "sentence", "noun", "relation"} and {"parsed": {"noun_phrase", "relation"}} or {"failure"}."""
+        record = {"schema": SCHEMA, "episode": self.episode, "sentence": self.sentence, "noun": self.noun}
+        record["relation"] = str(self.relation)
+        match self.understood:
+            case Parsed(noun_phrase, relation):
+                return record | {"parsed": {"noun_phrase": noun_phrase, "relation": relation}}
+            case failure:
+                return record | {"failure": str(failure)}
+
+
+def ask(episode: Mapping[str, Any], held_out: HeldOut, seed: int) -> Asked:
+    """A held-out sentence for an episode, drawn by seed and episode alone, and what is understood of it."""
+    relation = Relation(episode["relation"])
+    noun, sentence = held_out.drawn(relation, episode["category"], generator(seed, "language", episode["id"]))
+    return Asked(episode["id"], sentence, noun, relation, parse(sentence))
+
+
+def answer(
+    noun_phrase: str, relation: str, visits: Mapping[str, str], perceived: Perceived, constants: ReferenceConstants
+) -> tuple[Answer | Abstention, Evidence]:
+    """What the arm two_visits answers to a query of any noun phrase and relation.
+
+    visits: the names of the "first" and the "second" visit of the episode. Raises ValueError as ``Perceived`` does for a visit
+    without a map or a noun phrase without an embedding.
+    """
+    maps = [perceived.map(visits[visit]) for visit in VISITS]
+    return two_visits_asked(Relation(relation), *maps, perceived.noun(noun_phrase), constants)
+
+
+NOT_UNDERSTOOD = Abstention(AbstentionReason.NOT_PARSED)

@@ -1,0 +1,51 @@
+"""Recorded tours as an agent is given them: frames and camera poses, and nothing of what else the recording says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import overload
+
+import numpy as np
+
+from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.perception.recorded import cameras, digest, view
+
+
+class RecordedTour(Sequence[Observation]):
+    """The frames of a recorded tour, each read from its files when it is asked for."""
+
+    def __init__(self, directory: Path, field_of_view_deg: float) -> None:
+        self._directory, self._cameras = directory, cameras(directory, field_of_view_deg)
+
+    def __len__(self) -> int:
+        return len(self._cameras)
+
+    @overload
+    def __getitem__(self, index: int) -> Observation: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Observation, ...]: ...
+    def __getitem__(self, index: int | slice) -> Observation | tuple[Observation, ...]:
+        """Raises TourError that names the file for a picture that cannot be read."""
+        if isinstance(index, slice):
+            return tuple(self[i] for i in range(*index.indices(len(self))))
+        number = range(len(self))[index]
+        camera = self._cameras[number]
+        seen = view(self._directory, number, camera)
+        pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
+        return Observation(seen.rgb, seen.depth, pose, camera.field_of_view_deg)
+
+
+def recorded(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
+    """The visit that was recorded in a directory (``ovman.sim.visit``), with the positions (K, 2) that can be reached in it.
+
+    Raises TourError where there is no tour.
+    """
+    return Visit(RecordedTour(directory, field_of_view_deg), reachable, content(directory, field_of_view_deg))
+
+
+@lru_cache(maxsize=256)
+def content(directory: Path, field_of_view_deg: float) -> str:
+    """Digest of a recorded tour's frames and cameras: the same for tours that nobody can tell apart by looking."""
+    return digest(directory, field_of_view_deg, "")

@@ -1,0 +1,87 @@
+"""From "module:function" in an arm's entry to the function, and what is said where one of the agents fails."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from ovman.agents.interface import Action, Agent, Observation, Visit
+from ovman.evaluation.arms import Arm
+from ovman.task import Query
+
+
+class AgentError(RuntimeError):
+    """An arm's agent is not there or failed; one line that names the key, the place and the remedy."""
+
+    says_all = True
+
+
+@cache
+def function(name: str, agent: str) -> Callable[..., Any]:
+    """The function that the arm `name` names as "module:function". AgentError where there is none."""
+    key = f"arms.{name}.agent is {agent!r}"
+    module, _, attribute = agent.partition(":")
+    with failures(f"{key}: importing {module}"):
+        try:
+            there = find_spec(module) is not None
+        except ModuleNotFoundError:
+            there = False
+        if there:
+            found = getattr(import_module(module), attribute, None)
+    if not there:
+        raise AgentError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
+    if not callable(found):
+        raise AgentError(f"{key}, and {module} has no function {attribute}; name one that it has")
+    return found
+
+
+@contextmanager
+def failures(doing: str) -> Iterator[None]:
+    """What an agent raises is an AgentError of one line; where it happened is printed before."""
+    try:
+        yield
+    except AgentError:
+        raise
+    except Exception as error:
+        traceback.print_exception(error)
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(last.filename).name}, line {last.lineno}"
+        said = " ".join(str(error).split()) or "no message"
+        raise AgentError(f"{doing} raised {type(error).__name__} in {place}: {said}; mend the agent") from None
+
+
+class Supervised:
+    """An agent whose failures name the arm and the episode, and whose actions are actions."""
+
+    def __init__(self, agent: Any, arm: Arm, run: str) -> None:
+        self._where = f"arms.{arm.name}.agent is {arm.agent!r}: {run}: "
+        absent = [method for method in ("familiarise", "revisit", "ask", "act") if not callable(getattr(agent, method, None))]
+        if absent:
+            raise AgentError(f"{self._where}{type(agent).__name__} has no method {absent[0]}; an agent has it (docs/agents.md)")
+        self._agent: Agent = agent
+        self.looks = bool(getattr(agent, "looks", True))
+
+    def familiarise(self, visit: Visit) -> None:
+        with failures(f"{self._where}familiarise"):
+            self._agent.familiarise(visit)
+
+    def revisit(self, visit: Visit) -> None:
+        with failures(f"{self._where}revisit"):
+            self._agent.revisit(visit)
+
+    def ask(self, query: Query) -> None:
+        with failures(f"{self._where}ask"):
+            self._agent.ask(query)
+
+    def act(self, observation: Observation) -> Action:
+        with failures(f"{self._where}act"):
+            action = self._agent.act(observation)
+        if not isinstance(action, Action):
+            raise AgentError(f"{self._where}act returned {action!r}; return an ovman.agents.interface.Action")
+        return action

@@ -1,0 +1,155 @@
+"""The baselines: CoW and DualMap, written again and as their authors released them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ovman.models.settings.values import Commit, Count, Fraction, Metres, Probability, Section, Some, Voxels, Whole
+
+
+class Locobot(Section):
+    """AI2-THOR's LoCoBot, the body of CoW."""
+
+    side_px: Some = Field(description="of its square frames")
+    field_of_view_deg: Annotated[float, Field(gt=0, lt=180)] = Field(description="vertical and horizontal")
+
+
+class Cow(Section):
+    """The constants of CoW."""
+
+    similarity: Annotated[float, Field(ge=-1, le=1)] = Field(description="cosine from which an instance is the category")
+    centre_only: bool = Field(description="whether the centre of a box alone is relevant, or all of it")
+    image_px: Some = Field(description="side of the depth and relevance images that are mapped")
+    voxel_m: Metres = Field(description="side of a voxel")
+    camera_height_m: Metres = Field(description="of the camera above the floor")
+    floor_tolerance_m: Metres = Field(description="up to which a point is at the height of the floor")
+    ceiling_m: Metres = Field(description="height from which nothing is mapped")
+    nearest_depth_m: Metres = Field(description="up to which a pixel has no depth")
+    unchanged_depth_m: Metres = Field(description="mean and spread of a change of depth below which an action has failed")
+    spin_turns: Some = Field(description="turns of a look around")
+    ray_step_voxels: Voxels = Field(description="along rays over the floor")
+    relevant: Probability = Field(description="relevance above which a voxel is of interest")
+    frontier_cells: Some = Field(description="fewest cells that are a frontier")
+    cluster_voxels: Annotated[float, Field(gt=1, le=2)] = Field(description="distance below which frontier cells hang together")
+    waypoint_voxels: Voxels = Field(description="distance up to which a waypoint is reached")
+    visited_voxels: Some = Field(description="side of the square around a target that was visited")
+    expansions: Some = Field(description="of the search for actions to a waypoint")
+    stop_voxels: Voxels = Field(description="distance to a region of interest below which the agent stops")
+
+
+class DualmapLife(Section):
+    """How long an object of DualMap's local map lives."""
+
+    window: Some = Field(description="keyframes since it was seen during which it is being updated")
+    stable: Some = Field(description="observations of a stable object")
+    majority_one_in: Some = Field(description="more than one in so many observations are of its commonest class")
+    filter_probability: Probability = Field(description="greatest probability of a converged class filter")
+    filter_entropy: Annotated[float, Field(gt=0)] = Field(description="nats")
+    filter_change: Fraction = Field(description="of the greatest probability")
+    filter_span: Some = Field(description="observations over which it has changed by less")
+    pending: Some = Field(description="keyframes after the window until an unstable object is removed")
+    waiting: Some = Field(description="keyframes after the window until a stable object has settled")
+
+
+class DualmapLocal(Section):
+    """DualMap's local map."""
+
+    near_m: Metres = Field(description="metres between points that count as shared")
+    least_iou: Annotated[float, Field(ge=0, lt=1)] = Field(description="of two 3-D boxes, below which nothing is shared")
+    match: Annotated[float, Field(ge=1, lt=2)] = Field(
+        description="shared fraction + cosine above which two are one; at least 1, so that looks alone match nothing"
+    )
+    voxel_m: Metres = Field(description="metres, one point a voxel")
+    thin_every: Annotated[Whole, Field(ge=2)] = Field(description="observations between two thinnings of a cloud")
+    split_frames: Some = Field(description="keyframes with two classes, above which an object is two")
+    split_window: Some = Field(description="keyframes that are looked back on")
+    life: DualmapLife
+
+
+class DualmapGlobal(Section):
+    """DualMap's global map."""
+
+    overlap: Fraction = Field(description="of the smaller footprint, above which two anchors are one")
+    plane_bin_m: Metres = Field(description="metres, bin of heights")
+    on_overlap: Fraction = Field(description="of the upper footprint over the lower, from which it is on it")
+    on_below_m: Annotated[float, Field(ge=0)] = Field(description="metres below the upper object's lowest point")
+    on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres above it")
+
+
+class DualmapWalk(Section):
+    """The dense walks that DualMap sees."""
+
+    side_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels, sides of a frame")
+    turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees between two frames of a spin")
+
+
+class DualmapObservation(Section):
+    """What DualMap sees in a frame."""
+
+    published_px: Some = Field(description="pixels of a frame that counts of pixels are stated for")
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
+    least_px: Some = Field(description="pixels, smallest mask")
+    same_iou: Fraction = Field(description="of two masks that are one")
+    colour_bins: Annotated[Whole, Field(ge=1, le=256)] = Field(description="bins of a channel")
+    same_colours: Fraction = Field(description="cosine of two masks' histograms above which they are one")
+    border_px: Count = Field(description="pixels around a mask's box")
+    image_weight: Fraction = Field(description="of the crop in a feature")
+    text_weight: Annotated[float, Field(ge=0, le=1)] = Field(description="of the class name in a feature")
+    sample: Fraction = Field(description="share of a mask's pixels that become points")
+    cluster_radius_m: Metres = Field(description="metres, DBSCAN")
+    cluster_points: Some = Field(description="points, DBSCAN")
+    ceiling_m: Annotated[float, Field(ge=0)] = Field(description="metres from the ceiling's height")
+    mobility_margin: Annotated[float, Field(ge=0, le=2)] = Field(
+        description="between the cosines to what moves and what does not"
+    )
+    low_mobility: Annotated[float, Field(ge=-1, le=1)] = Field(description="least cosine to furniture that seldom moves")
+
+
+class Dualmap(Section):
+    """DualMap, reimplemented."""
+
+    walk: DualmapWalk
+    observation: DualmapObservation
+    runs: Some = Field(description="runs that differ in what DualMap draws at random")
+    maintained: Literal["concatenated_local", "preloaded_global"] = Field(
+        description="which map is maintained through both visits"
+    )
+    local_map: DualmapLocal
+    global_map: DualmapGlobal
+
+
+class Clone(Section):
+    """Released code, run from the user's clone."""
+
+    root: str = Field(description="folder of the clone; empty leaves the system out")
+    commit: Commit = Field(description="Git commit that the clone must be at")
+    python: str = Field(description="Python interpreter of the clone's own environment")
+    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
+
+
+class ReleasedCow(Clone):
+    """CoW's released code."""
+
+    threshold: Annotated[float, Field(gt=0, lt=1)] = Field(description="relevance from which it takes a detection, as released")
+    budget: Some = Field(description="actions, as released")
+    processes: Some = Field(description="runners side by side, each with an agent of its own for a share of the episodes")
+
+
+class ReleasedDualmap(Clone):
+    """DualMap's released code."""
+
+    guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
+    maintained: Literal["concatenated_local", "concatenated_global", "preloaded_global"] = Field(
+        description="the map that is maintained through two visits; the maps of single visits are of its kind"
+    )
+    side_px: Annotated[Whole, Field(ge=480, le=4096)] = Field(description="pixels, side of a frame of the dense walks")
+    time_limit_s: Annotated[float, Field(gt=0)] = Field(description="seconds after which one run is ended")
+
+
+class Released(Section):
+    """The baselines as their authors released them."""
+
+    cow: ReleasedCow
+    dualmap: ReleasedDualmap

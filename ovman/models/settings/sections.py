@@ -1,0 +1,206 @@
+"""The settings of config.yaml as typed sections: what each may be, in which unit."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from ovman.models.settings.arms import ArmEntry, Arms
+from ovman.models.settings.baselines import Cow, Dualmap, Locobot, Released
+from ovman.models.settings.networks import Perception, Training
+from ovman.models.settings.values import Count, Listed, Metres, Probability, Section, Some, Whole
+
+__all__ = ["FLOOR_PLANS", "ArmEntry", "Config", "floor_plan"]
+
+FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
+
+
+def floor_plan(name: str) -> str:
+    """The name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
+    if name not in FLOOR_PLANS:
+        raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+    return name
+
+
+class PerRelation(Section):
+    """A count for each relation."""
+
+    moved: Count = Field(description="MOVED")
+    former: Count = Field(description="FORMER")
+    moving: Count = Field(description="MOVING")
+    stable: Count = Field(description="STABLE")
+    appeared: Count = Field(description="APPEARED")
+    removed: Count = Field(description="REMOVED")
+
+
+class Benchmark(Section):
+    """What is released."""
+
+    seed: Count = Field(description="root of every random number")
+    backend: Literal["embedded", "thor"] = Field(description="simulator: the engine of this project, or AI2-THOR's Unity build")
+    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(description="iTHOR floor plans")
+    split: PerRelation = Field(description="episodes released per relation")
+
+    @field_validator("scenes")
+    @classmethod
+    def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
+        for scene in scenes:
+            if scenes.count(floor_plan(scene)) > 1:
+                raise ValueError(f"{scene} is there twice")
+        return scenes
+
+
+class Camera(Section):
+    """The agent's camera."""
+
+    width_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels")
+    height_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels")
+    field_of_view_deg: Annotated[float, Field(gt=0, lt=180)] = Field(description="degrees, vertical")
+
+
+class Tour(Section):
+    """A visit's tour."""
+
+    waypoints: Some = Field(description="W, farthest-point waypoints")
+    headings: Annotated[Whole, Field(ge=1, le=360)] = Field(description="views per waypoint")
+
+
+class Primitives(Section):
+    """What the agent does, and until when."""
+
+    step_m: Metres = Field(description="metres, one MoveAhead and the spacing of the grid")
+    turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees, one RotateLeft or RotateRight")
+    heading_tolerance_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees")
+    action_budget: Some = Field(description="actions")
+    stop_within_m: Metres = Field(description="metres")
+    blocked_edge_expiry: Some = Field(description="actions")
+    stall_after: Some = Field(description="actions")
+
+
+class Mover(Section):
+    """What moves on its own in MOVING episodes."""
+
+    step_m: Metres = Field(description="metres per agent action")
+    lane_min_m: Metres = Field(description="metres, shortest lane")
+    pause_probability: Probability = Field(description="probability per agent action")
+    turn_probability: Probability = Field(description="probability per agent action")
+
+
+class Candidates(Section):
+    """What is drawn."""
+
+    draws: PerRelation = Field(description="candidates per relation and scene")
+    delta_min_m: Metres = Field(description="metres, Delta_min")
+    spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+
+
+class Measurement(Section):
+    """The loosest settings that a verdict may be re-derived for."""
+
+    mask_px: Some = Field(description="pixels")
+    answer_to_navigable_m: Metres = Field(description="metres")
+    visible_px: Some = Field(description="pixels")
+
+
+class Admissibility(Section):
+    """What makes a trial admissible and certified."""
+
+    tau_m: Metres = Field(description="metres, tau")
+    minimum_mask_px: Some = Field(description="pixels")
+    validity_radius_m: Metres = Field(description="metres")
+    drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    runs: Some = Field(description="certification runs")
+
+
+class Success(Section):
+    """The success test (Eq. 4)."""
+
+    radius_m: Metres = Field(description="metres, R")
+    visible_px: Some = Field(description="pixels")
+    sweep_deg: Annotated[tuple[Annotated[Whole, Field(ge=-30, le=60)], ...], Listed, Field(min_length=1)] = Field(
+        description="degrees down"
+    )
+
+
+class Association(Section):
+    """The reference agent's association of two visits."""
+
+    gate_m: Metres = Field(description="metres, gamma")
+    feature_scale_m: Annotated[float, Field(ge=0)] = Field(description="metres, lambda")
+    track_spread_m: Annotated[float, Field(ge=0)] = Field(description="metres, tau_trk")
+
+
+class Maps(Section):
+    """From detections to a visit's map."""
+
+    cluster_radius_m: Metres = Field(description="metres, epsilon")
+
+
+class Grounding(Section):
+    """Which map objects a noun means."""
+
+    band: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+
+
+class SingleVisit(Section):
+    """The single-visit baseline."""
+
+    samples: Some = Field(description="Monte Carlo draws")
+
+
+class Evaluation(Section):
+    """How arms are run and reported."""
+
+    seeds: Annotated[tuple[Count, ...], Listed, Field(min_length=1)] = Field(description="embodied runs per arm")
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
+    near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
+
+    @field_validator("seeds")
+    @classmethod
+    def _distinct(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("a seed is there twice")
+        return seeds
+
+
+class Config(Section):
+    """All settings."""
+
+    benchmark: Benchmark
+    camera: Camera
+    tour: Tour
+    primitives: Primitives
+    mover: Mover
+    candidates: Candidates
+    measurement: Measurement
+    admissibility: Admissibility
+    success: Success
+    perception: Perception
+    maps: Maps
+    grounding: Grounding
+    association: Association
+    single_visit: SingleVisit
+    evaluation: Evaluation
+    dualmap: Dualmap
+    released: Released
+    training: Training
+    locobot: Locobot
+    cow: Cow
+    arms: Arms
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_clones(cls, tree: Any) -> Any:
+        """Arms of released systems of which no clone is named are left out."""
+
+        def named(entry: Any) -> bool:
+            here = tree.get("released")
+            for key in (entry.get("released") if isinstance(entry, dict) else None, "root"):
+                here = here.get(key) if isinstance(here, dict) and isinstance(key, str) else None
+            return here != ""
+
+        if not isinstance(tree, dict) or not isinstance(tree.get("arms"), dict):
+            return tree
+        return {**tree, "arms": {name: entry for name, entry in tree["arms"].items() if named(entry)}}

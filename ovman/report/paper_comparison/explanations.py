@@ -1,0 +1,63 @@
+"""Explanations written by hand beside verdicts (explanations.yaml), shown only beside the verdict that they belong to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+
+from ovman.report.paper_comparison.statement import Judgement, Statement, Verdict
+from ovman.report.paper_comparison.statements import STATEMENTS
+
+EXPLANATIONS = Path(__file__).with_name("explanations.yaml")
+
+
+class Explanation(BaseModel):
+    """verdict: the one that it explains. text: Markdown of one paragraph. episodes: whose frames were looked at."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    verdict: Verdict
+    text: Annotated[str, Field(min_length=1)]
+    episodes: tuple[str, ...] = ()
+
+
+_FILE = TypeAdapter(dict[str, Explanation])
+
+
+def read(path: Path = EXPLANATIONS, statements: tuple[Statement, ...] = STATEMENTS) -> dict[str, Explanation]:
+    """By the key of the statement. Raises ValueError in one line for the key of no statement, and for what is no explanation."""
+    try:
+        explanations = _FILE.validate_python(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
+    except yaml.YAMLError as error:
+        raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+    strangers = sorted(explanations.keys() - {statement.key for statement in statements})
+    if strangers:
+        raise ValueError(f"{path}: {strangers[0]} is the key of no statement; rename or remove it")
+    return explanations
+
+
+def beside(judgement: Judgement, explanations: Mapping[str, Explanation]) -> str | None:
+    """What the page says below a verdict, one paragraph of Markdown; None where nothing is to be said.
+
+    A verdict other than the explained one is flagged and its text left out: it was written about other results. A statement that
+    does not hold and that nobody has explained is flagged, too.
+    """
+    explanation = explanations.get(judgement.statement.key)
+    if explanation is None:
+        if judgement.verdict is Verdict.FAILS:
+            return "Nobody has looked at the frames for this yet."
+        return None
+    if explanation.verdict is not judgement.verdict:
+        return (
+            f"⚠ The explanation at hand was written when the verdict was “{explanation.verdict}”. "
+            f"Now it is “{judgement.verdict}”, so the explanation is left out until somebody looks again."
+        )
+    seen = f" (Looked at: {', '.join(f'`{episode}`' for episode in explanation.episodes)}.)" if explanation.episodes else ""
+    return f"{' '.join(explanation.text.split())}{seen} *Written by hand.*"

@@ -1,0 +1,178 @@
+"""A job of the workflow: its constants, its log, and outputs that are there whole or not at all.
+
+The scripts of the workflow run inside `job`. What a killed job leaves behind stops nobody: outputs are written beside their
+place and renamed at the end, a journal belongs to one process at a time, and a job whose Snakemake has died ends at once.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import gc
+import os
+import select
+import shutil
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+from ovman.workflow.constants import StageConstants
+
+WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
+"""Environment variable in which the Snakefile leaves the id of Snakemake's process."""
+AGENTS = "OVMAN_AGENTS"
+"""Environment variable in which it leaves the directories of the overlays: agents may lie there. They are looked through last, so
+that a file there takes no other module's place."""
+COLLECTED = 10_000
+"""New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
+fiftieth of its time."""
+
+
+class Job:
+    """What a script needs of Snakemake's `snakemake` object. Use `job` to get one."""
+
+    def __init__(self, snakemake: Any, stack: ExitStack) -> None:
+        self._snakemake = snakemake
+        self._stack = stack
+        self._partial: dict[Path, Path] = {}
+        self.constants = StageConstants(snakemake.params.constants)
+
+    def __getattr__(self, name: str) -> str:
+        """A wildcard of the rule, e.g. `job.scene`."""
+        try:
+            return str(self._snakemake.wildcards[name])
+        except (KeyError, AttributeError):
+            raise AttributeError(f"the rule {self._snakemake.rule} has no wildcard {name!r}") from None
+
+    def input(self, name: str) -> Path:
+        """An input of one file."""
+        return Path(self._snakemake.input[name])
+
+    def inputs(self, name: str) -> list[Path]:
+        """An input of any number of files, in the order of the rule."""
+        value = self._snakemake.input.get(name, [])
+        return [Path(value)] if isinstance(value, str) else [Path(v) for v in value]
+
+    def output(self, name: str) -> Path:
+        """Where to write an output of one file or directory; it goes to its place when the job is done."""
+        return self._beside(Path(self._snakemake.output[name]))
+
+    def outputs(self, name: str) -> list[Path]:
+        """Where to write an output of any number of files, in the order of the rule."""
+        value = self._snakemake.output[name]
+        return [self._beside(Path(v)) for v in ([value] if isinstance(value, str) else value)]
+
+    @contextmanager
+    def gathered(self) -> Iterator[Path]:
+        """A directory to write all outputs of the rule into under their own names; they go to their places afterwards."""
+        with tempfile.TemporaryDirectory() as directory:
+            yield Path(directory)
+            for place in map(Path, self._snakemake.output):
+                shutil.copyfile(Path(directory, place.name), self._beside(place))
+
+    def journal(self) -> Path:
+        """The journal of this job, which belongs to this process until the job ends; waits for a process that still has it."""
+        path = Path("results", "journal", self._snakemake.rule, *map(str, self._snakemake.wildcards)).with_suffix(".jsonl")
+        self._stack.enter_context(held(path.with_suffix(".lock")))
+        return path
+
+    def _beside(self, place: Path) -> Path:
+        if place not in self._partial:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            for left in place.parent.glob(f".{place.name}.*.partial"):
+                _remove(left)
+            self._partial[place] = place.with_name(f".{place.name}.{os.getpid()}.partial")
+        return self._partial[place]
+
+    def _done(self) -> None:
+        for place, partial in self._partial.items():
+            if not partial.exists():
+                raise RuntimeError(f"{self._snakemake.rule} wrote no {place}")
+        for place, partial in self._partial.items():
+            if partial.is_dir():
+                _remove(place)
+            os.replace(partial, place)
+
+    def _failed(self) -> None:
+        for partial in self._partial.values():
+            _remove(partial)
+
+
+@contextmanager
+def job(snakemake: Any) -> Iterator[Job]:
+    """The job that `snakemake` describes. What it prints, with what its child processes print, is the rule's log.
+
+    A job that asks for a GPU waits until no other job of this user has one, whatever Snakemake was told. An exception whose
+    attribute `says_all` is true names in its one line what is missing and the remedy: the log gets that line and no traceback.
+    """
+    gc.set_threshold(COLLECTED)
+    _end_with(os.environ.get(WORKFLOW_PID))
+    sys.path.extend(filter(None, os.environ.get(AGENTS, "").split(os.pathsep)))
+    if snakemake.log:
+        _log_to(Path(str(snakemake.log)))
+    with ExitStack() as stack:
+        if int(snakemake.resources.get("gpu", 0)) > 0:
+            stack.enter_context(held(gpu_lock()))
+        work = Job(snakemake, stack)
+        try:
+            yield work
+            work._done()
+        except BaseException as error:
+            work._failed()
+            if getattr(error, "says_all", False):
+                raise SystemExit(str(error)) from None
+            raise
+
+
+def gpu_lock() -> Path:
+    """The file that stands for the GPU among all processes of this user."""
+    return Path(os.environ.get("XDG_RUNTIME_DIR") or tempfile.gettempdir()) / f"ovman-gpu-{os.getuid()}.lock"
+
+
+@contextmanager
+def held(path: Path) -> Iterator[None]:
+    """This process alone has `path`; waits until it does. The kernel lets go of it however the process ends."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print(f"waiting for the process that has {path.name}", flush=True)
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def _log_to(path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    log = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND, 0o644)
+    for stream in (1, 2):
+        os.dup2(log, stream)
+    os.close(log)
+
+
+def _end_with(pid: str | None) -> None:
+    """End this process as soon as the process `pid` has ended: a job that nobody waits for must not write any more."""
+    if not pid or not hasattr(os, "pidfd_open"):
+        return
+    try:
+        watched = os.pidfd_open(int(pid))
+    except ProcessLookupError:
+        os._exit(1)
+
+    def wait() -> None:
+        poll = select.poll()
+        poll.register(watched, select.POLLIN)
+        poll.poll()
+        os._exit(1)
+
+    threading.Thread(target=wait, name="end-with-snakemake", daemon=True).start()
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

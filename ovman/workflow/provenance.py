@@ -1,0 +1,249 @@
+"""Which code a stage runs: a digest of its script and of every module of ovman that the script imports, however indirectly.
+
+Comments, docstrings, layout and `__version__` do not count, so that prose costs no computing time; everything else does, so that
+no result is older than the code that is said to have made it.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import json
+import os
+import sys
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine", "ovman_released": "packages/ovman-released"}
+"""The packages of this repository, and where each lies under its root."""
+BOUNDARY = frozenset({"ovman.workflow.config", "ovman.workflow.provenance", "ovman.models.settings", "ovman.workflow.stages"})
+"""Not followed: they choose the parameter of a stage, which is compared itself. A new line in STAGES is no new code."""
+
+Parsed = tuple[str, tuple[tuple[str, int], ...]]
+"""Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
+
+
+def script(stage: str, root: Path = ROOT) -> Path:
+    """Where the workflow has the script of a stage."""
+    return root / "workflow" / "scripts" / f"{stage}.py"
+
+
+@cache
+def code_digest(stage: str, root: Path = ROOT) -> str:
+    """Digest of the code that a stage runs, as the files were when any stage's was first asked for."""
+    return _sources(root).digest(script(stage, root))
+
+
+@cache
+def module_digest(name: str, root: Path = ROOT) -> str | None:
+    """Digest of a module by its dotted name and of what it imports from its own package and from ovman; None if it is not there.
+
+    Nothing is imported: the file is looked for where Python would look.
+    """
+    return _sources(root).module_digest(name)
+
+
+def module_file(name: str, root: Path = ROOT) -> Path | None:
+    """Where the source of a module lies, by its dotted name; None if it is not there. Nothing is imported."""
+    return _sources(root).module_file(name)
+
+
+def defined(source: bytes) -> set[str] | None:
+    """The names that a module has at its top, as far as its source says; None for one that imports all of another."""
+    names: set[str] = set()
+    for node in ast.parse(source).body:
+        match node:
+            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
+                names.add(name)
+            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
+                names |= {(alias.asname or alias.name).split(".")[0] for alias in aliases}
+            case ast.Assign(targets=targets):
+                names |= {node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)}
+            case ast.AnnAssign(target=ast.Name(id=name)):
+                names.add(name)
+            case ast.If() | ast.Try():
+                return None
+    return None if "*" in names else names
+
+
+def digest(entry: Path, root: Path = ROOT) -> str:
+    """Hexadecimal digest of the file `entry` and of its transitive imports from the package under `root`."""
+    return _Sources(root).digest(entry)
+
+
+def modules(entry: Path, root: Path = ROOT) -> dict[str, Path]:
+    """Every module of the package that `entry` imports, directly or not, by its dotted name."""
+    return _Sources(root).modules(entry)
+
+
+class _Sources:
+    """The package under a root; each of its files is looked for and read once."""
+
+    def __init__(self, root: Path) -> None:
+        self._root = root
+        self._packages = set(PACKAGES)
+        self._places: dict[str, Path | None] = {}
+        self._read: dict[Path, Parsed] = {}
+
+    def digest(self, entry: Path) -> str:
+        return self._digest([self._parsed(entry)[0]], self.modules(entry))
+
+    def module_digest(self, name: str) -> str | None:
+        packages, self._packages = self._packages, self._packages | {name.split(".")[0]}
+        try:
+            found = self._reached(_with_parents(name))
+            return self._digest([name], found) if name in found else None
+        finally:
+            self._packages = packages
+
+    def module_file(self, name: str) -> Path | None:
+        return self._place(name)
+
+    def modules(self, entry: Path) -> dict[str, Path]:
+        return self._reached(self._imports(entry, ""))
+
+    def _digest(self, parts: list[str], found: dict[str, Path]) -> str:
+        parts = parts + [f"{name}:{self._parsed(path)[0]}" for name, path in sorted(found.items())]
+        _memory.save()
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+    def _reached(self, waiting: list[str]) -> dict[str, Path]:
+        found: dict[str, Path] = {}
+        while waiting:
+            name = waiting.pop()
+            if name in found or any(part in BOUNDARY for part in _with_parents(name)):
+                continue
+            path = self._place(name)
+            if path is None:
+                continue
+            found[name] = path
+            package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+            waiting += self._imports(path, package)
+            # A package that can be run is imported by those who start it as a process.
+            if path.name == "__init__.py":
+                waiting.append(f"{name}.__main__")
+        return found
+
+    def _imports(self, path: Path, package: str) -> list[str]:
+        """What a file imports of the package, and the packages around that. For an attribute there is no file."""
+        names = {_absolute(name, level, package) for name, level in self._parsed(path)[1]}
+        return [part for name in names if name.split(".")[0] in self._packages for part in _with_parents(name)]
+
+    def _place(self, name: str) -> Path | None:
+        if name not in self._places:
+            top, *_ = name.split(".")
+            bases = [self._root / PACKAGES[top] / top] if top in PACKAGES else _elsewhere(top)
+            inside = [base.joinpath(*name.split(".")[1:]) for base in bases]
+            places = (place for base in inside for place in (base / "__init__.py", base.with_suffix(".py")))
+            self._places[name] = next((path for path in places if path.is_file()), None)
+        return self._places[name]
+
+    def _parsed(self, path: Path) -> Parsed:
+        if path not in self._read:
+            self._read[path] = _memory.parsed(path.read_bytes())
+        return self._read[path]
+
+
+def _with_parents(name: str) -> list[str]:
+    """a.b.c is a, a.b and a.b.c."""
+    parts = name.split(".")
+    return [".".join(parts[:k]) for k in range(1, len(parts) + 1)]
+
+
+def _elsewhere(top: str) -> list[Path]:
+    """Where a top-level package or module of somebody else lies, without its suffix."""
+    with suppress(ImportError, ValueError):
+        spec = find_spec(top)
+        if spec is not None and spec.submodule_search_locations is not None:
+            return [Path(place) for place in spec.submodule_search_locations]
+        if spec is not None and spec.origin is not None and spec.origin.endswith(".py"):
+            return [Path(spec.origin).with_suffix("")]
+    return []
+
+
+@cache
+def _sources(root: Path) -> _Sources:
+    return _Sources(root)
+
+
+def _absolute(name: str, level: int, package: str) -> str:
+    if level == 0:
+        return name
+    base = package.split(".")
+    return ".".join(base[: len(base) - level + 1] + ([name] if name else []))
+
+
+class _Memory:
+    """What was found in files, by their content. Parsing all takes longer than all else that a job of the workflow does before it
+    works, so that processes hand it on in a file if they are given one.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[str, Parsed] = {}
+        self._handed: dict[str, Any] = {}
+        self._path: Path | None = None
+
+    def keep(self, path: Path) -> None:
+        self._path = path
+        with suppress(OSError, ValueError, AttributeError):  # not there, or cut off
+            self._handed = json.loads(path.read_bytes()).get(_reader(), {})
+
+    def parsed(self, source: bytes) -> Parsed:
+        key = hashlib.sha256(source).hexdigest()
+        if key not in self._found:
+            if key in self._handed:
+                digest, imports = self._handed[key]
+                self._found[key] = digest, tuple((name, level) for name, level in imports)
+            else:
+                self._found[key] = _parsed(source)
+        return self._found[key]
+
+    def save(self) -> None:
+        """Write what this process has needed, if there was anything new in it."""
+        if self._path is None or self._found.keys() <= self._handed.keys():
+            return
+        self._handed = dict(self._found)
+        partial = self._path.with_suffix(f".{os.getpid()}")
+        with suppress(OSError):
+            partial.write_text(json.dumps({_reader(): self._found}))
+            partial.replace(self._path)
+
+
+_memory = _Memory()
+
+
+def remember(path: Path) -> None:
+    """Hand on in the file `path` what is found in sources, to processes that are given the same file. It may be deleted."""
+    _memory.keep(path)
+
+
+@cache
+def _reader() -> str:
+    """Who reads sources: another Python or another version of this module may find something else."""
+    return hashlib.sha256(sys.version.encode() + Path(__file__).read_bytes()).hexdigest()
+
+
+def _parsed(source: bytes) -> Parsed:
+    tree = ast.parse(source)
+    imports: list[tuple[str, int]] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            imports += [(alias.name, 0) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            module = node.module or ""
+            imports.append((module, node.level))
+            imports += [(f"{module}.{alias.name}".lstrip("."), node.level) for alias in node.names]
+        elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [statement for statement in node.body if not _prose(statement)]
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(imports)
+
+
+def _prose(statement: ast.stmt) -> bool:
+    """A docstring (of a module, class, function or attribute), or the number of the version."""
+    if isinstance(statement, ast.Expr):
+        return isinstance(statement.value, ast.Constant) and isinstance(statement.value.value, str)
+    return isinstance(statement, ast.Assign) and [getattr(t, "id", None) for t in statement.targets] == ["__version__"]

@@ -1,0 +1,146 @@
+"""Actions that change how a scene looks and nothing else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from ovman_engine.actions.registry import Thrown, action, out_of_range
+from ovman_engine.engine import SCENE_SUFFIX, Engine
+from ovman_engine.paint.decor import Decor, Lighting, Range
+
+ROOM_TYPES = {
+    "kitchen": "Kitchen",
+    "livingroom": "LivingRoom",
+    "bedroom": "Bedroom",
+    "bathroom": "Bathroom",
+    "robothor": "RoboTHOR",
+}
+"""As AI2-THOR compares and as it writes them"""
+LAST_TRAINING, LAST_VALIDATION = 20, 25
+"""Of the 30 scenes of a kind, which the materials of training and of validation are for; the others are for tests."""
+POOLS = ("train", "val", "test", "external")
+
+
+def _drawn(engine: Engine, what: str) -> str:
+    """Key of the next draw: it follows from the seed and from how many there were since."""
+    engine.draws += 1
+    return f"{what}|{engine.seed}|{engine.draws}"
+
+
+def _redecorate(engine: Engine, **changes: Any) -> None:
+    engine.change(decor=replace(engine.settings.decor, **changes))
+
+
+def _split(scene: str) -> str | None:
+    """The part of the scenes that `scene` belongs to; None for a house, which belongs to none."""
+    digits = scene.removesuffix(SCENE_SUFFIX).removeprefix("FloorPlan")
+    if not digits.isdigit():
+        return None
+    number = int(digits) % 100
+    return "train" if number <= LAST_TRAINING else "val" if number <= LAST_VALIDATION else "test"
+
+
+def _room_types(engine: Engine, asked: list[str] | None) -> list[str]:
+    if asked is None:
+        return list(ROOM_TYPES)
+    if not asked:
+        raise Thrown("ArgumentException", "inRoomTypes must have a non-zero length!")
+    for name in asked:
+        if name.lower() not in ROOM_TYPES:
+            known = ", ".join(f'"{shown}"' for shown in ROOM_TYPES.values())
+            raise Thrown(
+                "ArgumentException", f"inRoomTypes contains unknown room type: {name}.\nValid room types include {{{known}}}"
+            )
+    chosen = list(dict.fromkeys(name.lower() for name in asked))
+    own = engine.world.plan.kind.replace("_", "")
+    if own in ROOM_TYPES and own not in chosen:
+        scene = engine.scene_name
+        raise Thrown("ArgumentException", f'inRoomTypes must include "{own}" inside of a {own} scene: {scene}.')
+    return chosen
+
+
+@action("RandomizeMaterials")
+def randomize_materials(
+    engine: Engine,
+    useTrainMaterials: bool | None = None,
+    useValMaterials: bool | None = None,
+    useTestMaterials: bool | None = None,
+    useExternalMaterials: bool | None = None,
+    inRoomTypes: list[str] | None = None,
+) -> dict[str, Any]:
+    """Contract, section 4. Finishes are drawn rather than taken from lists; which lists are asked for is part of the draw."""
+    chosen, split = _room_types(engine, inRoomTypes), _split(engine.scene_name)
+    asked = dict(zip(POOLS, (useTrainMaterials, useValMaterials, useTestMaterials, useExternalMaterials), strict=True))
+    if split is not None and asked[split] is False:
+        name = f"use{split.capitalize()}Materials"
+        raise Thrown("ArgumentException", f"Inside of RandomizeMaterials, cannot set {name}=false inside of a {split} scene.")
+    own = {split, "external"} if split == "train" else {split} if split else set(POOLS)
+    used = {pool: pool in own if wish is None else wish for pool, wish in asked.items()}
+    pools = "+".join(pool for pool, yes in used.items() if yes)
+    _redecorate(engine, finishes=_drawn(engine, pools))
+    return {
+        "chosenRoomTypes": chosen,
+        **{f"use{pool.capitalize()}Materials": yes for pool, yes in used.items()},
+        "totalMaterialsConsidered": len(engine.world.plan.objects) * sum(used.values()),
+    }
+
+
+@action("ResetMaterials")
+def reset_materials(engine: Engine) -> None:
+    """Also takes back the colours: they are the materials' own."""
+    _redecorate(engine, finishes=Decor.finishes, colours=Decor.colours)
+
+
+@action("RandomizeColors")
+def randomize_colors(engine: Engine) -> None:
+    _redecorate(engine, colours=_drawn(engine, "colours"))
+
+
+@action("ChangeColorOfMaterials")
+def change_color_of_materials(engine: Engine) -> None:
+    """The former name of RandomizeColors."""
+    randomize_colors(engine)
+
+
+@action("ResetColors")
+def reset_colors(engine: Engine) -> None:
+    _redecorate(engine, colours=Decor.colours)
+
+
+@action("RandomizeLighting")
+def randomize_lighting(
+    engine: Engine,
+    synchronized: bool = False,
+    brightness: list[float] | None = None,
+    randomizeColor: bool = True,
+    hue: list[float] | None = None,
+    saturation: list[float] | None = None,
+) -> None:
+    for name, given in (("hue", hue), ("saturation", saturation)):
+        if not randomizeColor and given is not None:
+            raise Thrown("ArgumentException", f"Cannot pass in randomizeColor=False while also providing {name}={given}.")
+    ranges = {
+        "saturation": Lighting.saturation if saturation is None else tuple(saturation),
+        "hue": Lighting.hue if hue is None else tuple(hue),
+        "brightness": Lighting.brightness if brightness is None else tuple(brightness),
+    }
+    if any(len(r) != 2 for r in ranges.values()):
+        given = ", ".join(f"{name}={list(r)}" for name, r in ranges.items())
+        raise Thrown(
+            "ArgumentException", f"Ranges for hue, saturation, and brightness must each have 2 values. You gave {given}."
+        )
+    if min(ranges["brightness"]) < 0:
+        raise out_of_range(f"Each brightness must be >= 0, not brightness={list(ranges['brightness'])}.")
+    for name in ("hue", "saturation"):
+        if not 0 <= min(ranges[name]) <= max(ranges[name]) <= 1:
+            raise out_of_range(f"{name} range must be in [0:1], not {list(ranges[name])}")
+    ordered: dict[str, Range] = {name: (min(r), max(r)) for name, r in ranges.items()}
+    _redecorate(
+        engine, lighting=Lighting(_drawn(engine, "lighting"), synchronized=synchronized, tinted=randomizeColor, **ordered)
+    )
+
+
+@action("ResetLighting")
+def reset_lighting(engine: Engine) -> None:
+    _redecorate(engine, lighting=None)

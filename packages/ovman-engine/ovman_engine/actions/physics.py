@@ -1,0 +1,49 @@
+"""Actions that let time pass."""
+
+from __future__ import annotations
+
+from ovman_engine.actions.registry import action
+from ovman_engine.engine import Engine
+from ovman_engine.world.world import Refused
+
+LONGEST_STEP_S = 0.05
+LONGEST_S = 60.0
+"""Simulated time that one action may take: a client is waiting."""
+
+
+@action("Pass")
+def pass_(engine: Engine) -> None:
+    """Nothing but the time that every action takes."""
+
+
+@action("Done")
+def done(engine: Engine) -> None:
+    """Nothing but the time that every action takes."""
+
+
+@action("PausePhysicsAutoSim")
+def pause(engine: Engine) -> None:
+    engine.auto_simulation = False
+
+
+@action("UnpausePhysicsAutoSim")
+def unpause(engine: Engine) -> None:
+    engine.auto_simulation = True
+
+
+@action("AdvancePhysicsStep")
+def advance(engine: Engine, timeStep: float = 0.02, simSeconds: float | None = None, allowAutoSimulation: bool = False) -> None:
+    if engine.auto_simulation and not allowAutoSimulation:
+        raise Refused(
+            "AdvancePhysicsStep can only be called if Physics AutoSimulation is currently paused or if you have passed"
+            " allowAutoSimulation=true! Either use the PausePhysicsAutoSim() action first, or if you already used it, Physics"
+            " AutoSimulation has been turned back on already."
+        )
+    if not 0 < timeStep <= LONGEST_STEP_S:
+        raise Refused("Please use a timeStep between 0.0f and 0.05f. Larger timeSteps produce inconsistent simulation results.")
+    seconds = timeStep if simSeconds is None else simSeconds
+    if seconds < 0:
+        raise Refused(f"simSeconds must be non-negative (simSeconds=={seconds:g}).")
+    if seconds > LONGEST_S:
+        raise Refused(f"simSeconds must be at most {LONGEST_S:g} (simSeconds=={seconds:g}).")
+    engine.world.advance(seconds)

@@ -1,0 +1,178 @@
+"""Actions that set up the scene and the way it is shown."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ovman_engine.actions.registry import action
+from ovman_engine.actions.values import FARTHEST
+from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
+from ovman_engine.client.resolution import objection
+from ovman_engine.client.settings import Settings
+from ovman_engine.engine import PROCEDURAL, SCENE_SUFFIX, Engine
+from ovman_engine.plan import floorplan
+from ovman_engine.world.world import Refused
+
+if TYPE_CHECKING:
+    import numpy as np
+
+LARGEST_GRID_M = 5.0
+NEAR_CORNER = 1e-3
+"""Part of the grid's spacing within which an agent is on the grid: single precision, which recorded starts have gone through."""
+
+
+@action("GetScenesInBuild")
+def scenes_in_build(engine: Engine) -> list[str]:
+    return [*(name + SCENE_SUFFIX for name in floorplan.names()), PROCEDURAL]
+
+
+@action("Reset")
+def reset(engine: Engine, sceneName: str | None = None, **rest: Any) -> None:
+    scene = sceneName or engine.scene_name
+    try:
+        engine.load(scene)
+    except KeyError:
+        raise Refused(f"Scene '{scene}' couldn't be loaded because it is not in this build.") from None
+
+
+@action("Initialize")
+def initialize(
+    engine: Engine,
+    gridSize: float = Settings.grid_m,
+    snapToGrid: bool = Settings.snap_to_grid,
+    rotateStepDegrees: float = Settings.turn_deg,
+    fieldOfView: float | None = None,
+    visibilityDistance: float = Settings.visibility_m,
+    visibilityScheme: str = Settings.visibility_scheme,
+    renderDepthImage: bool = False,
+    renderInstanceSegmentation: bool = False,
+    renderSemanticSegmentation: bool = False,
+    renderNormalsImage: bool = False,
+    cameraNearPlane: float = Settings.near_m,
+    cameraFarPlane: float = Settings.far_m,
+    autoSimulation: bool = True,
+    fastActionEmit: bool = Settings.fast_emit,
+    maxUpwardLookAngle: float = Settings.look_up_deg,
+    maxDownwardLookAngle: float = Settings.look_down_deg,
+    timeScale: float = 1.0,
+    agentMode: str = DEFAULT.mode,
+    agentCount: int = 1,
+    makeAgentsVisible: bool = Settings.agent_visible,
+    applyActionNoise: bool = True,
+    movementGaussianMu: float = 0.0,
+    movementGaussianSigma: float = 0.0,
+    rotateGaussianMu: float = 0.0,
+    rotateGaussianSigma: float = 0.0,
+    renderObjectImage: bool = False,
+    renderClassImage: bool = False,
+    **rest: Any,
+) -> dict[str, float]:
+    """What is not positive leaves the planes, the visibility distance, the look angles and the noise at their defaults."""
+    embodiment = EMBODIMENTS.get(agentMode.lower())
+    if embodiment is None:
+        modes = " and ".join(f"'{mode}'" for mode in sorted({e.mode for e in EMBODIMENTS.values()}))
+        raise Refused(f"Unsupported agent mode: {agentMode}. This engine has the agent modes {modes}.")
+    if agentCount > 1:
+        raise Refused(f"Unsupported number of agents: {agentCount}. This engine has one agent.")
+    fov = embodiment.field_of_view_deg if fieldOfView is None else fieldOfView
+    if not 0 < fov < 180:
+        raise Refused("fov must be set to (0, 180) noninclusive.")
+    if timeScale <= 0:
+        raise Refused("Time scale must be > 0")
+    if rotateStepDegrees <= 0:
+        raise Refused("rotateStepDegrees must be a non-zero, non-negative float")
+    if embodiment.noise is not None:
+        snapToGrid = False
+    if snapToGrid and rotateStepDegrees not in (90, 180, 270) and rotateStepDegrees % 360 != 0:
+        raise Refused(
+            f"Invalid values 'rotateStepDegrees': ${rotateStepDegrees:g} and 'snapToGrid':$True. 'snapToGrid': 'True' is not "
+            "supported when 'rotateStepDegrees' is different from grid rotation steps of 0, 90, 180, 270 or 360."
+        )
+    for name, angle in (("maxDownwardLookAngle", maxDownwardLookAngle), ("maxUpwardLookAngle", maxUpwardLookAngle)):
+        if angle < 0:
+            raise Refused(f"{name} must be a non-negative float")
+    if not 0 < gridSize <= LARGEST_GRID_M:
+        raise Refused("grid size must be in the range (0,5]")
+    near = cameraNearPlane if cameraNearPlane > 0 else Settings.near_m
+    far = cameraFarPlane if cameraFarPlane > 0 else Settings.far_m
+    if not near < far <= FARTHEST:
+        raise Refused(f"The camera's planes must satisfy 0 < near < far. You gave {cameraNearPlane:g} and {cameraFarPlane:g}.")
+    noise = embodiment.noise if applyActionNoise else None
+    if noise is not None:
+        move = (movementGaussianMu, movementGaussianSigma)
+        turn = (rotateGaussianMu, rotateGaussianSigma)
+        noise = ActionNoise(_positive(move, noise.move), _positive(turn, noise.turn))
+    engine.change(
+        grid_m=gridSize,
+        snap_to_grid=snapToGrid,
+        turn_deg=rotateStepDegrees,
+        field_of_view_deg=fov,
+        visibility_m=visibilityDistance if visibilityDistance > 0 else Settings.visibility_m,
+        visibility_scheme="Distance" if (visibilityScheme or "").lower() == "distance" else "Collider",
+        near_m=near,
+        far_m=far,
+        look_up_deg=maxUpwardLookAngle or Settings.look_up_deg,
+        look_down_deg=maxDownwardLookAngle or Settings.look_down_deg,
+        noise=noise,
+        depth=renderDepthImage,
+        instances=renderInstanceSegmentation or renderObjectImage,
+        classes=renderSemanticSegmentation or renderClassImage,
+        normals=renderNormalsImage,
+        agent_visible=makeAgentsVisible,
+        fast_emit=fastActionEmit,
+    )
+    engine.auto_simulation = autoSimulation
+    agent = engine.world.agent
+    agent.embodiment, agent.standing = embodiment, True
+    agent.position = _on_grid(engine)
+    return {"cameraNearPlane": near, "cameraFarPlane": far}
+
+
+def _positive(given: tuple[float, float], otherwise: tuple[float, float]) -> tuple[float, float]:
+    return (given[0] if given[0] > 0 else otherwise[0], given[1] if given[1] > 0 else otherwise[1])
+
+
+def _on_grid(engine: Engine) -> np.ndarray:
+    """Where the agent begins: the first corner of its cell of the grid that it can go to, (3,) metres; if there is none, where
+    it is."""
+    import numpy as np
+
+    world, grid = engine.world, engine.settings.grid_m
+    here = world.agent.position
+    cell = np.floor(here[[0, 2]] / grid + NEAR_CORNER)
+    for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        x, z = (cell + (i, j)) * grid
+        corner = np.array([x, here[1], z])
+        if np.abs(corner - here).max() < NEAR_CORNER * grid:
+            return engine.snapped(here)
+        if engine.in_bounds(corner) and world.blocker(here[[0, 2]], corner[[0, 2]]) is None:
+            return corner
+    return here
+
+
+@action("ChangeResolution")
+def change_resolution(engine: Engine, x: int, y: int) -> None:
+    if problem := objection(x, y, 1 + len(engine.cameras)):
+        raise Refused(problem)
+    engine.width, engine.height = x, y
+
+
+@action("ChangeQuality")
+def change_quality(engine: Engine, quality: str) -> None:
+    """There is one quality."""
+
+
+@action("SetRandomSeed")
+def set_random_seed(engine: Engine, seed: int) -> None:
+    engine.seed, engine.draws = seed, 0
+    engine.random.seed(seed)
+
+
+@action("SetObjectFilter")
+def set_object_filter(engine: Engine, objectIds: list[str]) -> None:
+    engine.change(shown=frozenset(objectIds))
+
+
+@action("ResetObjectFilter")
+def reset_object_filter(engine: Engine) -> None:
+    engine.change(shown=None)

@@ -1,0 +1,158 @@
+"""Actions that put the agent somewhere.
+
+Sources: contract, section 4; AI2-THOR's BaseFPSAgentController.teleportFull and the controllers' overloads of Teleport.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ovman_engine.actions.movement import full_circle
+from ovman_engine.actions.registry import Thrown, action, out_of_range
+from ovman_engine.actions.values import Vector3
+from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
+from ovman_engine.engine import Engine
+
+GROUND_M = 0.05
+"""How far from its height above the floor the agent may be put."""
+EXACT_M = 1e-4
+"""How near a coordinate must be to another to be the same: single precision, which clients may have gone through."""
+UPRIGHT_DEG = 1e-2
+"""Pitch and roll up to which an agent's rotation is a yaw."""
+
+
+def _teleport(
+    engine: Engine, position: Vector3 | None, rotation: Vector3 | None, horizon: float | None, standing: bool | None, force: bool
+) -> None:
+    """What is None stays as it is. On failure nothing changes."""
+    world, agent, settings = engine.world, engine.world.agent, engine.settings
+    if not force and rotation is not None and max(abs(rotation.x), abs(rotation.z)) >= UPRIGHT_DEG:
+        raise out_of_range(
+            "No agents currently can change in pitch or roll. So, you must set rotation(x=0, y=yaw, z=0)."
+            f" You gave {rotation.text(6)}."
+        )
+    low, high = -settings.look_up_deg, settings.look_down_deg
+    if not force and horizon is not None and not low <= horizon <= high:
+        raise out_of_range(f"Each horizon must be in [{low:g}:{high:g}]. You gave {horizon:g}.")
+    target = agent.position
+    if position is not None:
+        target = position.array
+        if not force:
+            target = _on_ground(engine, position)
+    if not force and not np.array_equal(target, agent.position):
+        blocker = world.blocker(target[[0, 2]], target[[0, 2]])
+        if blocker is not None:
+            raise Thrown("InvalidOperationException", f"Collided with: {blocker}.")
+    agent.position = target
+    if rotation is not None:
+        agent.yaw_deg = full_circle(rotation.y)
+    if horizon is not None:
+        agent.horizon_deg = horizon + 0.0
+    if standing is not None:
+        agent.standing = standing
+
+
+def _on_ground(engine: Engine, position: Vector3) -> np.ndarray:
+    target = position.array
+    if not engine.in_bounds(target):
+        raise out_of_range(f"Teleport position {position.text(6)} out of scene bounds! Ignore this by setting forceAction=true.")
+    if engine.settings.snap_to_grid and np.abs(engine.snapped(target) - target).max() > EXACT_M:
+        raise out_of_range(f"Teleport position {position.text(6)} is not on the grid of size {engine.settings.grid_m:g}.")
+    ground = float(engine.world.plan.start[1])
+    if abs(target[1] - ground) > GROUND_M:
+        raise Thrown(
+            "InvalidOperationException",
+            "After teleporting and adjusting agent position to floor, there was too large a change"
+            f"({abs(target[1] - ground):g} > {GROUND_M:g}) in the y component."
+            " Consider using `forceAction=true` if you'd like to teleport anyway.",
+        )
+    target[1] = ground
+    return target
+
+
+@action("Teleport", mode=DEFAULT.mode)
+def teleport(
+    engine: Engine,
+    position: Vector3 | None = None,
+    rotation: Vector3 | None = None,
+    horizon: float | None = None,
+    standing: bool | None = None,
+    forceAction: bool = False,
+) -> None:
+    _teleport(engine, position, rotation, horizon, standing, forceAction)
+
+
+@action("Teleport", mode=DEFAULT.mode)
+def teleport_by_coordinates(
+    engine: Engine,
+    x: float,
+    y: float,
+    z: float,
+    rotation: Vector3 | None = None,
+    horizon: float | None = None,
+    standing: bool | None = None,
+    forceAction: bool = False,
+) -> None:
+    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+
+
+@action("TeleportFull", mode=DEFAULT.mode)
+def teleport_full(
+    engine: Engine, position: Vector3, rotation: Vector3, horizon: float, standing: bool, forceAction: bool = False
+) -> None:
+    _teleport(engine, position, rotation, horizon, standing, forceAction)
+
+
+@action("TeleportFull", mode=DEFAULT.mode)
+def teleport_full_by_coordinates(
+    engine: Engine,
+    x: float,
+    y: float,
+    z: float,
+    rotation: Vector3,
+    horizon: float,
+    standing: bool,
+    forceAction: bool = False,
+) -> None:
+    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+
+
+# The locobot, which does not crouch
+
+
+@action("Teleport", mode=LOCOBOT.mode)
+def locobot_teleport(
+    engine: Engine,
+    position: Vector3 | None = None,
+    rotation: Vector3 | None = None,
+    horizon: float | None = None,
+    forceAction: bool = False,
+) -> None:
+    _teleport(engine, position, rotation, horizon, None, forceAction)
+
+
+@action("Teleport", mode=LOCOBOT.mode)
+def locobot_teleport_by_coordinates(
+    engine: Engine,
+    x: float,
+    y: float,
+    z: float,
+    rotation: Vector3 | None = None,
+    horizon: float | None = None,
+    forceAction: bool = False,
+) -> None:
+    _teleport(engine, Vector3(x, y, z), rotation, horizon, None, forceAction)
+
+
+@action("TeleportFull", mode=LOCOBOT.mode)
+def locobot_teleport_full(
+    engine: Engine, position: Vector3, rotation: Vector3, horizon: float, forceAction: bool = False
+) -> None:
+    _teleport(engine, position, rotation, horizon, None, forceAction)
+
+
+@action("TeleportFull", mode=LOCOBOT.mode)
+def locobot_teleport_full_by_coordinates(
+    engine: Engine, x: float, y: float, z: float, rotation: Vector3, horizon: float, forceAction: bool = False
+) -> None:
+    _teleport(engine, Vector3(x, y, z), rotation, horizon, None, forceAction)

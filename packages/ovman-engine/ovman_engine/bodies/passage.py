@@ -1,0 +1,155 @@
+"""The agent's way: what its capsule hits on a straight move, and which lattice positions moves lead to.
+
+Both ask the same question of the same boxes, so that a position is reachable exactly if moves get there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ovman_engine.bodies.footprint import Boxes
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+DEEPER_M = 1e-6
+"""How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+PORTION = 8192
+"""Positions that are measured at a time."""
+ON_EDGE = 1e-9
+"""A position this far beyond an edge is on it: rounding."""
+
+
+@dataclass(frozen=True)
+class Obstacles:
+    """What may stand in the way of a capsule whose axis is the vertical segment from `low` to `high` (heights, metres)."""
+
+    boxes: Boxes
+    reach: np.ndarray
+    """(N,) how close the axis may come to each box, metres: the radius of the capsule and what its controller keeps clear of"""
+    radius: float
+    """of the capsule alone, metres"""
+    low: float
+    high: float
+
+    def take(self, index: np.ndarray) -> Obstacles:
+        """Those at `index` (integers or a mask)."""
+        return Obstacles(self.boxes.take(index), self.reach[index], self.radius, self.low, self.high)
+
+    def distances(self, points: np.ndarray, within: float) -> np.ndarray:
+        """Distances from the axis at `points` (M, 2) to each box: (M, N), exact below `within`."""
+        return self.boxes.distances(points, self.low, self.high, within)
+
+    def overlapping(self, point: np.ndarray) -> np.ndarray:
+        """Whether the capsule at `point` (2,) overlaps each box: (N,) bool."""
+        return self.distances(point[None], self.radius)[0] < np.minimum(self.reach, self.radius)
+
+
+def heading(yaw_deg: float) -> np.ndarray:
+    """Unit vector (x, z) along a yaw, exact where it goes along an axis of the world, so that a walk stays on its lattice."""
+    if yaw_deg % 90 == 0:
+        return np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][int(yaw_deg // 90) % 4])
+    return np.array([math.sin(math.radians(yaw_deg)), math.cos(math.radians(yaw_deg))])
+
+
+def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int | None:
+    """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if nothing does.
+
+    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it. If the two
+    points are one, the question is whether the capsule is clear of everything there.
+    """
+    length = float(np.linalg.norm(end - start))
+    at_start = obstacles.distances(start[None], float(obstacles.reach.max(initial=0.0)) + length)[0]
+    if length == 0.0:
+        hit = np.nonzero(at_start < np.minimum(obstacles.reach, obstacles.radius))[0]
+        return int(hit[at_start[hit].argmin()]) if len(hit) else None
+    near = np.nonzero(at_start < obstacles.reach + length)[0]
+    if not len(near):
+        return None
+    starts, ends = np.tile(start, (len(near), 1)), np.tile(end, (len(near), 1))
+    nearest = obstacles.boxes.sweeps(starts, ends, near, obstacles.low, obstacles.high)
+    hit = near[nearest < np.minimum(obstacles.reach[near], at_start[near] - DEEPER_M)]
+    return int(hit[at_start[hit].argmin()]) if len(hit) else None
+
+
+def reachable(
+    obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float, axes: np.ndarray
+) -> np.ndarray:
+    """Positions `here` + step_m * (i, j) @ `axes` in [`low`, `high`] (2,) that unblocked moves along the axes lead to: (N, 2).
+
+    The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first,
+    the others in the order of i, then j.
+    """
+    if ((here < low - step_m) | (here > high + step_m)).any():
+        return here[None]
+    boxes, most = obstacles.boxes, float(obstacles.reach.max(initial=0.0))
+    level = (boxes.low < obstacles.high + most) & (boxes.high > obstacles.low - most) & (obstacles.reach > 0)
+    obstacles = obstacles.take(level & ~obstacles.overlapping(here))
+    corners = np.array([(x, z) for x in (low[0], high[0]) for z in (low[1], high[1])])
+    reached = (corners - here) @ axes.T / step_m
+    first = np.minimum(np.ceil(reached.min(axis=0) - ON_EDGE).astype(int), 0)
+    last = np.maximum(np.floor(reached.max(axis=0) + ON_EDGE).astype(int), 0)
+    cells = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(first, last, strict=True)), indexing="ij"), axis=-1)
+    number = np.arange(cells.shape[0] * cells.shape[1]).reshape(cells.shape[:2])
+    points = (here + step_m * (cells @ axes)).reshape(-1, 2)
+    inside = ((points >= low - ON_EDGE) & (points <= high + ON_EDGE)).all(axis=1)
+    clear, near = _surroundings(obstacles, points, step_m)
+    free = inside & clear
+    label = _components(obstacles, points, number, near, free)
+    own = int(number[tuple(-first)])
+    seen, queue, entered = {own}, [own], set()
+    while queue:
+        index = queue.pop(0)
+        if free[index]:
+            if label[index] not in entered:
+                entered.add(label[index])
+                seen.update(np.nonzero((label == label[index]) & free)[0].tolist())
+            continue
+        for target in _beside(number, index):
+            if target not in seen and inside[target] and first_hit(obstacles, points[index], points[target]) is None:
+                seen.add(target)
+                queue.append(target)
+    return points[[own, *sorted(seen - {own})]]
+
+
+def _beside(number: np.ndarray, index: int) -> list[int]:
+    i, j = divmod(index, number.shape[1])
+    around = ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))
+    return [int(number[a, b]) for a, b in around if 0 <= a < number.shape[0] and 0 <= b < number.shape[1]]
+
+
+def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, csr_array]:
+    """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from
+    or to there may come too close to: (M,) bool and (M, N) bool. Points go in portions: fine grids have a million of them."""
+    from scipy.sparse import csr_array, vstack  # twenty megabytes, for this one question
+
+    most = float(obstacles.reach.max(initial=0.0)) + step_m
+    clear, near = np.ones(len(points), dtype=bool), []
+    for start in range(0, len(points), PORTION):
+        clearance = obstacles.distances(points[start : start + PORTION], most)
+        clear[start : start + PORTION] = (clearance >= obstacles.reach).all(axis=1)
+        # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
+        near.append(csr_array(clearance < obstacles.reach + step_m / 2))
+    return clear, vstack(near, format="csr")
+
+
+def _components(obstacles: Obstacles, points: np.ndarray, number: np.ndarray, near: csr_array, free: np.ndarray) -> np.ndarray:
+    """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    along_x = np.stack([number[:-1].ravel(), number[1:].ravel()], axis=1)
+    along_z = np.stack([number[:, :-1].ravel(), number[:, 1:].ravel()], axis=1)
+    edges = np.concatenate([along_x, along_z])
+    edges = edges[free[edges].all(axis=1)]
+    edge, box = (near[edges[:, 0]] + near[edges[:, 1]]).nonzero()
+    if len(edge):
+        a, b = points[edges[edge, 0]], points[edges[edge, 1]]
+        hit = obstacles.boxes.sweeps(a, b, box, obstacles.low, obstacles.high) < obstacles.reach[box]
+        edges = np.delete(edges, np.unique(edge[hit]), axis=0)
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(len(points), len(points)))
+    return connected_components(graph, directed=False)[1]

@@ -1,0 +1,91 @@
+"""Frames of the camera as AI2-THOR puts them on the wire: raw, rows from the bottom up; colours that stand for names."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ovman_engine.client.settings import Images
+from ovman_engine.client.wire import Field
+
+if TYPE_CHECKING:
+    from ovman_engine.picture.camera import Frame, View
+
+
+class Fields(NamedTuple):
+    """Where a camera's images go on the wire."""
+
+    colour: Field
+    depth: Field
+    normals: Field
+    instances: Field
+    classes: Field
+
+
+AGENT = Fields(Field.RGB, Field.DEPTH, Field.NORMALS, Field.IDS, Field.CLASSES)
+THIRD_PARTY = Fields(
+    Field.THIRD_PARTY_RGB,
+    Field.THIRD_PARTY_DEPTH,
+    Field.THIRD_PARTY_NORMALS,
+    Field.THIRD_PARTY_IDS,
+    Field.THIRD_PARTY_CLASSES,
+)
+OPAQUE = 0xFF000000
+BACKGROUND = np.uint32(OPAQUE)
+"""What belongs to no named thing; no name has this colour."""
+
+
+@lru_cache(maxsize=4096)
+def colour(tag: str) -> tuple[int, int, int]:
+    """Colour (r, g, b), 0 to 255, of an instance or a class in segmentation images."""
+    red, green, blue = hashlib.md5(tag.encode("utf8"), usedforsecurity=False).digest()[:3]
+    return red, green, blue
+
+
+def class_of(name: str) -> str:
+    """Class of an instance: "Chair" of Chair|+01.00|+00.00|-02.00, "SinkBasin" of Sink|+01.00|+00.90|-02.00|SinkBasin."""
+    first, last = name.split("|", 1)[0], name.rsplit("|", 1)[-1]
+    return last if last[:1].isalpha() else first
+
+
+@lru_cache(maxsize=16)
+def colour_table(names: tuple[str, ...]) -> list[dict[str, Any]]:
+    """The metadata's colors: one entry for each instance in `names`, one for each of their classes. Not to be changed."""
+    tags = list(dict.fromkeys([*names, *map(class_of, names)]))
+    return [{"name": tag, "color": list(colour(tag))} for tag in tags]
+
+
+@lru_cache(maxsize=16)
+def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
+    """(N + 1,) uint32 little-endian RGBA, the background last, where an index of -1 finds it."""
+    tags = [class_of(n) if classes else n for n in names]
+    packed = [r | g << 8 | b << 16 | OPAQUE for r, g, b in map(colour, tags)]
+    return np.array([*packed, BACKGROUND], dtype="<u4")
+
+
+def encoded(
+    frame: Frame, names: Sequence[str], view: View, wanted: Images, fields: Fields = AGENT
+) -> list[tuple[Field, memoryview]]:
+    """The images of `frame` that are `wanted`, ready for the wire. `names` are those that its ids index."""
+    images: list[tuple[Field, np.ndarray]] = []
+    if wanted.colour:
+        images.append((fields.colour, frame.rgb))
+    if wanted.depth:
+        images.append((fields.depth, frame.depth))
+    if wanted.normals:
+        images.append((fields.normals, _normals(frame.normals, view)))
+    if wanted.classes:
+        images.append((fields.classes, _palette(tuple(names), True)[frame.ids]))
+    if wanted.instances:
+        images.append((fields.instances, _palette(tuple(names), False)[frame.ids]))
+    return [(field, memoryview(np.ascontiguousarray(image[::-1]))) for field, image in images]
+
+
+def _normals(world: np.ndarray, view: View) -> np.ndarray:
+    """Normals (H, W, 3) in the world frame as (H, W, 3) uint8 in the camera's: x right, y up, z towards the camera."""
+    axes = (view.axes() * [[1.0], [1.0], [-1.0]]).astype(np.float32)
+    return np.round((world @ axes.T + 1.0) * 127.5).astype(np.uint8)

@@ -1,0 +1,81 @@
+"""The compiled loops that pictures are made with, ready before a client waits for its first picture.
+
+Numba compiles a loop when it is first called and keeps the result for later processes. All of them take half a minute, several on
+a busy machine: longer than a client waits for an answer by default, but not longer than it waits for an engine to start.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import platform
+import sys
+from contextlib import suppress
+from importlib.metadata import version
+from pathlib import Path
+
+SCENES = "FloorPlan212", "FloorPlan425"
+"""With sunshine and lamps; with a mirror, glass and something that can be moved."""
+ROOMS = "paint", "picture"
+"""Where the loops are."""
+SIDE_PX = 48
+KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage")
+
+
+def ready() -> bool:
+    """Whether an earlier process compiled the loops as they are now, on this kind of processor."""
+    return _mark().exists()
+
+
+def compile_all() -> None:
+    """Draws a little of everything, and leaves a mark that it was done."""
+    from ovman_engine.engine import Engine
+
+    engine = Engine(SIDE_PX, SIDE_PX)
+
+    def do(action: str, **arguments: object) -> None:
+        engine.answer(json.dumps({"action": action, **arguments}).encode())
+
+    for scene in SCENES:
+        do("Reset", sceneName=f"{scene}_physics")
+        do("Initialize", **dict.fromkeys(KINDS, True))
+        for _ in range(4):
+            do("RotateRight")
+    moved = next(b for b in engine.world.bodies.values() if b.dynamic)
+    x, y, z = (float(v) for v in moved.pose.position)
+    do("TeleportObject", objectId=moved.object_id, position={"x": x, "y": y + 0.3, "z": z}, forceAction=True)
+    do("ToggleMapView")
+    do("ToggleMapView")
+    do("AddThirdPartyCamera", position={"x": x, "y": y + 1, "z": z}, rotation={"x": 30, "y": 40, "z": 10}, fieldOfView=60)
+    do("GetInteractablePoses", objectId=moved.object_id, maxPoses=1)
+    with suppress(OSError):  # a place that cannot be written: the next engine looks again
+        mark = _mark()
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        for old in mark.parent.glob("kernels-*"):
+            old.unlink()
+        mark.touch()
+
+
+def _mark() -> Path:
+    """Beside what Numba keeps, so that whoever deletes that deletes this."""
+    here = Path(__file__).parent
+    files = sorted(p for room in ROOMS for p in (here / room).glob("*.py"))
+    sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in files]
+    digest = hashlib.sha256(repr((sources, version("numba"), sys.version_info[:3], _processor())).encode()).hexdigest()[:16]
+    kept = os.environ.get("NUMBA_CACHE_DIR")
+    if kept:
+        folder = Path(kept)
+    elif os.access(here, os.W_OK):
+        folder = here / "__pycache__"
+    else:
+        folder = Path.home() / ".cache" / "ovman"
+    return folder / f"kernels-{digest}"
+
+
+def _processor() -> str:
+    with suppress(OSError):
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line
+    return platform.machine()

@@ -1,0 +1,163 @@
+"""Colour and texture of an instance's slots, drawn from a hash of its asset and its scene.
+
+What a thing is made of goes by its type (`substances`), in which of the tones that this comes in by its asset and its scene. The
+scene is part of the key because many assets occur in all scenes; were they painted alike everywhere, colour would name them.
+What is built in matches: cabinet fronts, window frames, basins and counters of one scene are of one make.
+"""
+
+from __future__ import annotations
+
+from collections import Counter, OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ovman_engine.paint import finishes
+from ovman_engine.paint.finishes import Material, linear
+from ovman_engine.paint.substances import COMMON, finish
+from ovman_engine.plan.floorplan import FloorPlan, SimObject
+from ovman_engine.shapes import surroundings
+from ovman_engine.shapes.style import Style
+
+__all__ = ["Material", "linear", "make", "palette"]
+
+MAKES = {
+    "Cabinet": "cabinetry",
+    "Drawer": "cabinetry",
+    "CounterTop": "counter",
+    "Shelf": "shelves",
+    "Window": "windows",
+    "Blinds": "blinds",
+    "Curtains": "curtains",
+    "StoveBurner": "stove",
+    "StoveKnob": "stove",
+    "ShowerDoor": "shower",
+    "ShowerGlass": "shower",
+    "SinkBasin": "basins",
+    "BathtubBasin": "tub",
+    "Bathtub": "tub",
+}
+"""Types without assets of their own, and the make that all of a scene share."""
+RELATED = {"second": ("main", 0.6), "cloth_second": ("cloth", 0.8), "leaf_second": ("leaf", 1.0)}
+"""Slots that are often of the same stuff as another: (which, how often). They then differ a little in lightness."""
+OWN = frozenset(
+    {
+        "Bed",
+        "Painting",
+        "Poster",
+        "Lettuce",
+        "Bread",
+        "DishSponge",
+        "Potato",
+        "Statue",
+        "StoveBurner",
+        "Stove",
+        "Sink",
+        "Spoon",
+        "PaperTowelRoll",
+        "ToiletPaper",
+        "Laptop",
+        "RemoteControl",
+        "TableTopDecor",
+        "LightSwitch",
+    }
+)
+"""Types whose parts differ in stuff."""
+_SHADE = 0.16
+_APART = 0.1
+"""How far instances of one asset differ in lightness within a scene."""
+_KEPT = 8
+_REPEATS: OrderedDict[int, tuple[FloorPlan, Counter]] = OrderedDict()
+
+
+def _shaded(material: Material, share: float) -> Material:
+    return replace(material, colour=np.clip(material.colour * (1.0 + share), 0.0, 0.95))
+
+
+class _Slots(Mapping):
+    """Materials of slots, each made when it is first asked for: few things have parts of every slot."""
+
+    def __init__(self, make: Callable[[str], Material]) -> None:
+        self._make, self._made = make, {}
+
+    def __getitem__(self, slot: str) -> Material:
+        if slot not in self._made:
+            if slot not in COMMON:
+                raise KeyError(slot)
+            self._made[slot] = self._make(slot)
+        return self._made[slot]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMON)
+
+    def __len__(self) -> int:
+        return len(COMMON)
+
+
+def _painted(key: str, kind: str) -> Mapping[str, Material]:
+    whole = Style(key)
+
+    def make(slot: str) -> Material:
+        style = Style(f"{key}|{slot}")
+        other, often = RELATED.get(slot, ("", 0.0))
+        if other and kind not in OWN and whole.chance(f"{slot} as {other}", often):
+            return _shaded(made[other], style.choice("sign", (-1, 1)) * style.uniform("shade", 0.5, 1.5) * _SHADE)
+        return replace(finish(kind, slot)(style), seed=style.integer("seed") % 2**31)
+
+    made = _Slots(make)
+    return made
+
+
+def _repeats(plan: FloorPlan) -> Counter:
+    kept, found = _REPEATS.get(id(plan), (None, Counter()))
+    if kept is not plan:
+        found = Counter(o.asset_id for o in plan.objects if o.asset_id)
+        _REPEATS[id(plan)] = (plan, found)
+        while len(_REPEATS) > _KEPT:
+            _REPEATS.popitem(last=False)
+    return found
+
+
+def _maker(obj: SimObject, plan: FloorPlan) -> tuple[str, str]:
+    """Key of the finish of `obj`, and the type that says what it is made of."""
+    if obj.asset_id:
+        return f"{plan.name}|{obj.asset_id}", "Basin" if obj.type == "Sink" and plan.kind == "bathroom" else obj.type
+    owner = surroundings.host(obj, plan)
+    if owner is not None:
+        return _maker(owner, plan)
+    kind = "Basin" if obj.type in ("Sink", "SinkBasin") and plan.kind == "bathroom" else obj.type
+    return f"{plan.name}|{MAKES.get(obj.type, obj.name)}", kind
+
+
+def make(obj: SimObject, plan: FloorPlan) -> str:
+    """Key of the finish of `obj`: its asset, the furniture it is set into, the scene's make, or its name."""
+    return _maker(obj, plan)[0]
+
+
+def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping[str, Material]:
+    """Material of every slot of `obj`. Deterministic in (scene, asset, and instance where its asset repeats in the scene).
+
+    `kind`: what it is painted as, if not as its type: a stove takes its finish from its burner.
+    """
+    key, own_kind = _maker(obj, plan)
+    kind = kind or own_kind
+    usual = _painted(key, kind)
+    instead: dict[str, Callable[[], Material]] = {}
+    if kind == "Floor":
+        style = Style(f"{plan.name}|floor{obj.asset_id}")
+        instead["main"] = lambda: replace(finishes.floor(style), seed=style.integer("seed") % 2**31)
+    if kind == "CounterTop":
+        instead["second"] = lambda: _painted(f"{plan.name}|{MAKES['Cabinet']}", "Cabinet")["main"]
+    if obj.type == "Sink":
+        basin = "Basin" if kind == "Basin" else "SinkBasin"
+        instead["main"] = lambda: _painted(f"{plan.name}|{MAKES['SinkBasin']}", basin)["metal"]
+    own = Style(f"{plan.name}|{obj.name}") if obj.asset_id and _repeats(plan)[obj.asset_id] > 1 else None
+
+    def make(slot: str) -> Material:
+        made = instead[slot]() if slot in instead else usual[slot]
+        if own is None or made.emission != 0.0:
+            return made
+        return replace(_shaded(made, own.uniform("apart", -_APART, _APART)), seed=own.integer(slot) % 2**31)
+
+    return _Slots(make)

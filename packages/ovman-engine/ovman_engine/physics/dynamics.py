@@ -1,0 +1,263 @@
+"""Which bodies are awake, and what happens to them: the bodies of a world on one side, MuJoCo's compiled scene on the other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ovman_engine.bodies.body import Agent, Body, Pose
+from ovman_engine.bodies.carrying import RESTS_M
+from ovman_engine.bodies.forms import AGENT, BOUNDS, feet, transferred, within
+from ovman_engine.bodies.setting import Setting
+from ovman_engine.physics.waking import OVERLAP_M, lift, supported
+from ovman_engine.plan.floorplan import Box
+
+if TYPE_CHECKING:
+    from ovman_engine.physics.physics import Model
+
+MARGIN_M = 0.3
+"""Nothing that moves gets farther than this beyond what is recorded."""
+TIRED_S = 20.0
+"""What has moved for this long sleeps: light things may tremble for ever where they lie."""
+STAYED_M, STAYED_RAD = 0.002, 0.01
+"""A body that has moved no farther than this since it woke has not moved."""
+
+Load = Callable[[str], Collection[str]]
+"""objectId of a body -> objectIds of what it carries."""
+
+
+class Dynamics:
+    """The awake bodies of a world. Compiles nothing before something is asked of it."""
+
+    def __init__(self, setting: Setting, bodies: Mapping[str, Body], agent: Agent) -> None:
+        self._setting, self._bodies, self._agent = setting, bodies, agent
+        self.awake: set[str] = set()
+        self._fresh: set[str] = set()
+        self._strangers: set[tuple[str, str]] = set()
+        self._held: set[str] = set()
+        """Bodies that nothing known carries, but that the floor plan has where they are."""
+        self._woken: dict[str, tuple[Pose, Pose]] = {}
+        """Awake bodies: their poses when they woke, and when they had been lifted out of what they had sunk into."""
+        self._awake_s: dict[str, float] = {}
+        self._model: Model | None = None
+        self._embodiment = agent.embodiment
+        self._written: dict[str, Pose] = {}
+        self._owed_s = 0.0
+        self._agent_at: np.ndarray | None = None
+
+    def parts(self, object_id: str) -> list[Body]:
+        """The fixed parts of a body."""
+        return [b for b in self._bodies.values() if b.carrier == object_id]
+
+    def surfaces(self, body: Body) -> list[Box]:
+        """Boxes around the pieces of a body, and of its parts, where they are now."""
+        pieces = self._pieces.get(body.object_id)
+        return within(body.box, self._setting.pieces[body.obj.object_id] if pieces is None else pieces)
+
+    @cached_property
+    def _pieces(self) -> dict[str, tuple]:
+        made = self._setting.pieces
+        out = {}
+        for name, body in self._bodies.items():
+            if body.carrier is None and body.obj.type != "Floor":
+                own = list(made[body.obj.object_id])
+                for part in self.parts(name):
+                    if part.removed or (body.present and not part.active):
+                        continue
+                    own += transferred(made[part.obj.object_id], part.obj.box, body.obj.box)
+                out[name] = (*own, *feet(own, body.obj.box.half))
+        return out
+
+    def bodies_changed(self) -> None:
+        """Call when bodies got other names or other parts, or when new ones came."""
+        self.__dict__.pop("_pieces", None)
+        self._model = None
+        self._held &= self._bodies.keys()
+        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._setting.room.solids)}
+        self._strangers = {pair for pair in self._strangers if known.issuperset(pair)}
+
+    def speed(self, name: str) -> float:
+        """v**2 + w**2 of a body, m/s and rad/s; 0 if it sleeps."""
+        velocity = self._bodies[name].velocity if name in self.awake else np.zeros(6)
+        return float(velocity @ velocity)
+
+    def wake(self, names: Iterable[str]) -> None:
+        """Let bodies fall. What they overlap now does not touch them until they sleep."""
+        for name in names:
+            if not self._bodies[name].present or not self._reaches(self._bodies[name].box.centre):
+                continue
+            self.awake.add(name)
+            self._fresh.add(name)
+            self._held.discard(name)
+            self._woken.setdefault(name, (self._bodies[name].pose, self._bodies[name].pose))
+            self._strangers = {pair for pair in self._strangers if name not in pair}
+
+    def _reaches(self, point: np.ndarray) -> bool:
+        """Whether there is gravity at a point (3,): far outside nothing would ever come to rest."""
+        low, high = self._bounds
+        return bool(((point >= low) & (point <= high)).all())
+
+    @cached_property
+    def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        low, high = self._setting.bounds
+        low = np.array([low[0], self._setting.plan.floor_y, low[2]])
+        return low - [MARGIN_M, 0.0, MARGIN_M], high + MARGIN_M
+
+    def make_room(self) -> None:
+        """Call when a body has come: what is awake does not touch what it overlaps now."""
+        self._fresh |= self.awake
+
+    def still(self, name: str) -> None:
+        """Make a body fixed again."""
+        self.awake.discard(name)
+        self._fresh.discard(name)
+        self._woken.pop(name, None)
+        self._awake_s.pop(name, None)
+        self._strangers = {pair for pair in self._strangers if not self.awake.isdisjoint(pair)}
+        self._bodies[name].velocity = np.zeros(6)
+
+    def probe(self, name: str, also: Collection[str] = ()) -> Model:
+        """The scene as it is now with `name` (and what is awake, and `also`) free, to ask questions of."""
+        free = frozenset({name, *also, *self.awake})
+        return self._synchronised(free, {pair for pair in self._strangers if name not in pair})
+
+    def forget(self, name: str) -> None:
+        """The probed scene has `name` elsewhere than its body is."""
+        self._written.pop(name, None)
+
+    def advance(self, seconds: float, load: Load, until_asleep: str | None = None) -> set[str]:
+        """Run for `seconds`, or until nothing (or the body `until_asleep`) is awake. objectIds of the bodies that may have moved.
+
+        A body that is struck wakes, and so does its load.
+        """
+        from ovman_engine.physics.physics import (
+            TICK_S,  # MuJoCo is loaded when something is to move: most scenes are only looked at
+        )
+
+        moved = set(self.awake)
+        self._owed_s = self._owed_s + seconds if self.awake else 0.0
+        while self.awake and self._owed_s > TICK_S - 1e-9:
+            model = self._current()
+            if not self.awake:
+                break
+            model.tick()
+            struck = model.struck([n for n, b in self._bodies.items() if n in self._pieces and self._can_wake(b)])
+            if struck:
+                model.undo()
+                self._read(model)
+                woken = struck.union(*(load(name) for name in sorted(struck))) - self.awake
+                self.wake(sorted(woken))
+                moved |= woken
+                continue
+            self._owed_s -= TICK_S
+            model.watch()
+            for name in model.free:
+                self._awake_s[name] = self._awake_s.get(name, 0.0) + TICK_S
+            resting = {name for name in model.free if model.sleeps(name) or self._awake_s[name] > TIRED_S}
+            if resting:
+                self._read(model)
+                for heap in model.heaps():
+                    if heap <= resting:
+                        for name in sorted(heap):
+                            self._fall_asleep(name)
+            if until_asleep is not None and until_asleep not in self.awake:
+                self._owed_s = 0.0
+        if self.awake and (model := self._current()).free:
+            self._read(model)
+        else:
+            self._owed_s = 0.0
+        return moved
+
+    def _can_wake(self, body: Body) -> bool:
+        """Whether a body that is struck would be awake, or known to be held, then: a blow is struck once."""
+        if not body.dynamic or not body.present or body.kinematic:
+            return False
+        return body.object_id not in self.awake | self._held and self._reaches(body.box.centre)
+
+    def _fall_asleep(self, name: str) -> None:
+        """Fixed where it is, or where it was if it has but settled into the same place."""
+        body = self._bodies[name]
+        before, lifted = self._woken[name]
+        turned = np.trace(lifted.rotation.T @ body.pose.rotation)
+        if np.linalg.norm(body.pose.position - lifted.position) < STAYED_M and turned > 1 + 2 * np.cos(STAYED_RAD):
+            body.pose = before
+        self.still(name)
+
+    def _read(self, model: Model) -> None:
+        """Bodies are where the compiled scene has them."""
+        for name in model.free:
+            if name in self.awake:
+                body = self._bodies[name]
+                box, body.velocity = model.box(name, body.obj.box.half)
+                body.pose = self._written[name] = body.pose_for(box)
+
+    def _current(self) -> Model:
+        """The compiled scene with what is awake free: what has just woken is lifted out of what it had sunk into, does not touch
+        what it still overlaps, and stays where it is if the floor plan does not know what holds it there."""
+        model = self._synchronised(frozenset(self.awake), self._strangers)
+        trodden = self._trodden(model)
+        if not self._fresh and not trodden:
+            return model
+        for name in sorted(self._fresh):
+            body = self._bodies[name]
+            lifted, strange = lift(model, name, body, self.awake)
+            model.rouse(name)
+            self._strangers |= {tuple(sorted((name, other))) for other in strange}
+            if lifted is not body.pose:
+                self._woken[name] = (self._woken[name][0], lifted)
+                body.pose = self._written[name] = lifted
+            elif self._is_kept(body) and not supported(model, name, body, strange):
+                self._held.add(name)
+                self.still(name)
+        self._fresh.clear()
+        self._strangers |= trodden
+        return self._synchronised(frozenset(self.awake), self._strangers)
+
+    def _trodden(self, model: Model) -> set[tuple[str, str]]:
+        """The agent and what it has stepped into since it was last looked at, as strangers."""
+        if self._agent_at is not None and np.array_equal(self._agent_at, self._agent.position):
+            return set()
+        self._agent_at = self._agent.position.copy()
+        deep = {(o.other, name) for name in model.free for o in model.overlaps(name) if o.depth > OVERLAP_M}
+        return {pair for pair in deep if pair[0] == AGENT and pair not in self._strangers}
+
+    def _is_kept(self, body: Body) -> bool:
+        """Whether a body is where the floor plan has it, and so is what it is in or on by the floor plan."""
+        if not body.stays:
+            return False
+        keepers = [self._bodies.get(name) for name in body.obj.parents if not name.startswith("Floor|")]
+        if not keepers:
+            return body.obj.box.bounds()[0][1] > self._setting.plan.floor_y + RESTS_M
+        return all(k is not None and k.present and k.stays for k in keepers)
+
+    def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
+        """The compiled scene as the bodies are now."""
+        from ovman_engine.physics.layout import Layout, Solid
+        from ovman_engine.physics.physics import Model
+
+        embodiment = self._agent.embodiment
+        known = self._model is not None and self._embodiment == embodiment
+        if not known or set(self._model.free) != free or self._model.strangers != frozenset(strangers):
+            solids = [
+                Solid(name, pieces, self._bodies[name].obj.mass, self._bodies[name].dynamic)
+                for name, pieces in self._pieces.items()
+            ]
+            boxes = {name: self._bodies[name].box for name in self._pieces}
+            walls = {w.name: w.box for w in self._setting.room.solids}
+            capsule = (embodiment.radius_m, embodiment.height_m)
+            floor_y = self._setting.plan.floor_y
+            self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
+            self._written, self._embodiment = {}, embodiment
+        model = self._model
+        for name in self._pieces:
+            body = self._bodies[name]
+            model.set_present(name, body.present)
+            if self._written.get(name) is not body.pose:
+                model.set_box(name, body.box, body.velocity)
+                self._written[name] = body.pose
+        model.set_agent(self._agent.position + [0.0, embodiment.centre_m, 0.0])
+        model.forward()
+        return model

@@ -1,0 +1,155 @@
+"""What MuJoCo is given of a scene, compiled. The same trial is run again and again, and compiling takes 20 ms, a copy one."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+from collections import OrderedDict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from ovman_engine.bodies.forms import AGENT, BOUNDS
+from ovman_engine.physics.geoms import FRICTION, SWAP, Piece, add, quaternion
+from ovman_engine.plan.floorplan import Box
+
+STEP_S = 0.005
+AGENT_GROUP = 3
+"""Of geoms that nothing is put on: the agent, and what walls the scene in."""
+KEPT = 64
+"""Compiled scenes that are kept, about a megabyte each."""
+
+_kept: OrderedDict[bytes, mujoco.MjModel] = OrderedDict()
+
+
+@dataclass(frozen=True)
+class Solid:
+    """What MuJoCo has to know of one body."""
+
+    name: str
+    pieces: tuple[Piece, ...]
+    mass: float
+    moving: bool
+    """Whether its pose can change; bodies that cannot move are part of the scene."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A scene to compile; lengths in metres, world frame as in `floorplan`."""
+
+    solids: Sequence[Solid]
+    boxes: Mapping[str, Box]
+    """Poses of all `solids`"""
+    free: frozenset[str]
+    """Those that move by themselves"""
+    walls: Mapping[str, Box]
+    floor_y: float
+    capsule: tuple[float, float]
+    """The agent's radius and height"""
+    strangers: frozenset[tuple[str, str]] = frozenset()
+    """Pairs of bodies that do not touch; one of them is free"""
+    bounds: tuple[np.ndarray, np.ndarray] | None = None
+    """Lower and upper corner (3,) of what is walled in by invisible walls and a ceiling"""
+
+    def model(self) -> mujoco.MjModel:
+        """The compiled scene, to be changed at will: one that was compiled before is copied."""
+        key = self._digest()
+        found = _kept[key] = _kept.pop(key, None) or self._compiled()
+        while len(_kept) > KEPT:
+            _kept.popitem(last=False)
+        return copy.copy(found)
+
+    def _digest(self) -> bytes:
+        found = hashlib.blake2b(digest_size=16)
+        boxes = [self.boxes[solid.name] for solid in self.solids]
+        others = (sorted(self.free), self.walls, self.floor_y, self.capsule, sorted(self.strangers), self.bounds)
+        for part in _content((self.solids, boxes, *others)):
+            found.update(part)
+        return found.digest()
+
+    def _compiled(self) -> mujoco.MjModel:
+        spec = mujoco.MjSpec()
+        spec.option.timestep = STEP_S
+        spec.option.gravity = [0.0, 0.0, -9.81]
+        spec.option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        spec.option.iterations = 50
+        spec.worldbody.add_geom(
+            name="Floor",
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0, 0, 1],
+            pos=[0, 0, self.floor_y],
+            contype=1,
+            conaffinity=0,
+            friction=FRICTION,
+            condim=6,
+        )
+        for solid in self.solids:
+            box = self.boxes[solid.name]
+            body = spec.worldbody.add_body(name=solid.name, pos=box.centre[SWAP], quat=quaternion(box.rotation))
+            if solid.name in self.free:
+                body.add_freejoint()
+            else:
+                body.mocap = solid.moving
+            for k, piece in enumerate(solid.pieces):
+                add(spec, body, f"{solid.name}#{k}", piece, contype=1, conaffinity=int(solid.name in self.free))
+        for name, box in self.walls.items():
+            body = spec.worldbody.add_body(name=name, pos=box.centre[SWAP], quat=quaternion(box.rotation))
+            add(spec, body, f"{name}#", ("box", np.zeros(3), box.half, np.eye(3)), contype=1, conaffinity=0)
+        radius, height = self.capsule
+        agent = spec.worldbody.add_body(name=AGENT, mocap=True, pos=[0, 0, -100])
+        agent.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_CAPSULE,
+            size=[radius, height / 2 - radius, 0],
+            contype=1,
+            conaffinity=0,
+            group=AGENT_GROUP,
+            condim=3,
+        )
+        if self.bounds is not None:
+            _enclose(spec, *self.bounds)
+        for pair in sorted(self.strangers):
+            spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
+        return spec.compile()
+
+
+def _content(value: Any) -> Iterator[bytes]:
+    """All that a value holds, so that only equal values give equal bytes."""
+    if isinstance(value, np.ndarray):
+        yield f"{value.dtype.str}{value.shape}".encode()
+        yield value.tobytes()
+    elif isinstance(value, Solid):
+        yield from _content((value.name, value.pieces, value.mass, value.moving))
+    elif isinstance(value, Box):
+        yield from _content((value.centre, value.half, value.rotation))
+    elif isinstance(value, Mapping):
+        yield from _content(list(value.items()))
+    elif isinstance(value, list | tuple):
+        yield f"{len(value)}[".encode()
+        for one in value:
+            yield from _content(one)
+    else:
+        yield f"{value!r};".encode()
+
+
+def _enclose(spec: mujoco.MjSpec, low: np.ndarray, high: np.ndarray) -> None:
+    """Invisible planes around the bounds, the floor apart."""
+    around = spec.worldbody.add_body(name=BOUNDS)
+    low, high = low[SWAP], high[SWAP]
+    for axis, corner, inwards in ((0, low, 1), (0, high, -1), (1, low, 1), (1, high, -1), (2, high, -1)):
+        at, normal = np.zeros(3), np.zeros(3)
+        at[axis], normal[axis] = corner[axis], inwards
+        turn = np.empty(4)
+        mujoco.mju_quatZ2Vec(turn, normal)
+        around.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_PLANE,
+            size=[0, 0, 1],
+            pos=at,
+            quat=turn,
+            contype=1,
+            conaffinity=0,
+            group=AGENT_GROUP,
+            condim=3,
+        )

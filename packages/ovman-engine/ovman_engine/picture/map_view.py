@@ -1,0 +1,63 @@
+"""The view of a whole scene from above. World frame as in `floorplan`.
+
+Source: AI2-THOR 5.0.0, ToggleMapView and GetMapViewCameraProperties (contract, section 4).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ovman_engine.plan.vector import vector
+
+if TYPE_CHECKING:
+    from ovman_engine.picture.camera import Onlooker, View
+    from ovman_engine.world.world import World
+
+DOWN_DEG = 90.0
+CLEAR_M = 0.12
+"""How far the camera is above the scene: a little more than the distance within which it sees nothing."""
+
+
+@dataclass(frozen=True)
+class MapView:
+    """A camera that looks straight down, +z up in its picture, without perspective."""
+
+    position: tuple[float, float, float]
+    """metres"""
+    half_m: float
+    """Half the height of the picture"""
+
+    @staticmethod
+    def of(world: World) -> MapView:
+        """The map view of a world: above the middle of its bounds, half as high as the larger of their sides."""
+        low, high = world.bounds()
+        x, _, z = (low + high) / 2
+        return MapView((float(x), float(high[1]) + CLEAR_M, float(z)), float(max(high[0] - low[0], high[2] - low[2])) / 2)
+
+    def view(self, width: int, height: int, near_m: float, far_m: float, onlooker: Onlooker) -> View:
+        """What it looks at, in a picture of `width` x `height` pixels."""
+        from ovman_engine.picture.camera import View
+
+        return View(
+            np.array(self.position),
+            0.0,
+            DOWN_DEG,
+            width=width,
+            height=height,
+            near_m=near_m,
+            far_m=far_m,
+            orthographic_size=self.half_m,
+            onlooker=onlooker,
+        )
+
+    def properties(self) -> dict[str, Any]:
+        """In the terms of AddThirdPartyCamera."""
+        return {
+            "position": vector(*self.position),
+            "rotation": vector(DOWN_DEG, 0.0, 0.0),
+            "orthographicSize": self.half_m,
+            "orthographic": True,
+        }

@@ -1,0 +1,98 @@
+"""A scene as cameras other than the agent's eye see it: with the agent in it, and open on the side that they look from.
+
+AI2-THOR's walls and ceilings are sheets that have a face on the inside alone; whoever looks from outside looks through them.
+World frame as in `floorplan`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+import numpy as np
+
+from ovman_engine.bodies.embodiment import DEFAULT
+from ovman_engine.picture import agent_body
+from ovman_engine.picture.painter import Looks
+from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh, figure, joined, subset
+from ovman_engine.plan.floorplan import Box, rotation_matrix
+
+SHELL = frozenset({"wall", "door", "ceiling"})
+"""Kinds of structures that enclose the room."""
+BEYOND_M = 1e-3
+"""What faces away from the room this far beyond its limits is the back of a wall."""
+THICKEST_M = 0.1
+"""Behind the face of a wall inside the room there is nothing to be seen from this depth on."""
+
+
+class Stage:
+    """The shell of a floor plan's room, triangle by triangle, and the agent's body."""
+
+    def __init__(self, meshes: PlanMeshes, room) -> None:
+        """`room`: room.Room of the plan."""
+        self._mesh = meshes.untouched
+        names = meshes.untouched.names
+        of_plan = len(meshes.plan.objects)
+        numbers = [i for i, name in enumerate(names) if i >= of_plan and name.split("|", 1)[0] in SHELL]
+        self.names = frozenset(names[i] for i in numbers)
+        corners = self._mesh.vertices[self._mesh.triangles].astype(float)
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        length = np.linalg.norm(normals, axis=1)
+        shell = np.isin(self._mesh.instance, numbers) & (length > 0)
+        centres, normals = corners.mean(axis=1), normals / np.where(length > 0, length, 1.0)[:, None]
+        shell[shell] &= ~_is_back(centres[shell], normals[shell], room)
+        self._triangles = np.flatnonzero(shell)
+        self._centres, self._normals = centres[shell], normals[shell]
+        ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
+        self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
+        self._last_body: tuple[tuple, SceneMesh] | None = None
+        slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
+        self._paint = Looks.of(agent_body.PALETTE[slot] for slot in slots)
+
+    def set_for(self, view, agent) -> SceneMesh:
+        """What the shell shows to a camera.View, and the body of a body.Agent, which has no number: its instance is -1.
+
+        Its materials, which follow those of the plan, are given by `looks`. A camera within the body sees out of it.
+        """
+        if view.orthographic_size is None:
+            facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
+        else:
+            facing = self._normals @ view.axes()[2] < 0
+        shell = subset(self._mesh, self._triangles[facing & (view.onlooker.ceiling | ~self._ceiling)])
+        if not view.onlooker.agent or agent_body.encloses(agent, np.asarray(view.position)):
+            return shell
+        return joined(shell, self._body(agent))
+
+    def looks(self, plan: Looks) -> Looks:
+        """The looks of the plan, followed by those of the body."""
+        pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Looks))
+        return Looks(*(np.concatenate(pair) for pair in pairs))
+
+    def _body(self, agent) -> SceneMesh:
+        key = (agent.embodiment, agent.standing, *np.round(agent.position, 6).tolist(), agent.yaw_deg)
+        if self._last_body is None or self._last_body[0] != key:
+            box = Box(np.asarray(agent.position, dtype=float), np.ones(3), rotation_matrix(np.array([0.0, agent.yaw_deg, 0.0])))
+            parts = agent_body.parts(agent.embodiment, agent.standing)
+            self._last_body = key, figure(parts, agent_body.PALETTE, box, self._mesh)
+        return self._last_body[1]
+
+
+def _is_back(centres: np.ndarray, normals: np.ndarray, room) -> np.ndarray:
+    """Which triangles (N, 3) of the shell nobody in the room could see: (N,) bool."""
+    x_0, z_0, x_1, z_1 = room.outline
+    low, high = np.array([x_0, room.floor_y, z_0]), np.array([x_1, room.ceiling_y, z_1])
+    back = ((normals > 0.5) & (centres > high + BEYOND_M)).any(axis=1)
+    back |= ((normals < -0.5) & (centres < low - BEYOND_M)).any(axis=1)
+    for block in room.blocks:
+        if np.isfinite(block.thick):
+            continue
+        along, across = (2, 0) if block.axis == 0 else (0, 2)
+        depth = block.outwards * (centres[:, across] - block.plane)
+        within = (centres[:, along] > block.low - BEYOND_M) & (centres[:, along] < block.high + BEYOND_M)
+        away = block.outwards * normals[:, across] > 0.5
+        back |= within & (((depth > BEYOND_M) & away) | (depth > THICKEST_M - BEYOND_M) & ~_on_end(centres, along, block))
+    return back
+
+
+def _on_end(centres: np.ndarray, along: int, block) -> np.ndarray:
+    """Whether triangles lie on the sides of a block, which are seen from the room beside it: (N,) bool."""
+    return np.minimum(np.abs(centres[:, along] - block.low), np.abs(centres[:, along] - block.high)) < BEYOND_M

@@ -1,0 +1,137 @@
+"""What bounds a house: walls with holes for its doors and windows, and ceilings, as the house itself tells.
+
+A wall of a house is two sheets back to back, one for the room on each side, which see each its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ovman_engine.paint import finishes
+from ovman_engine.paint.finishes import Material
+from ovman_engine.plan.floorplan import Box, FloorPlan
+from ovman_engine.plan.house import House, Opening, Sheet, rectangles, side
+from ovman_engine.plan.houseplan import hole
+from ovman_engine.room.masonry import WALLS, Structure
+from ovman_engine.room.room import Room, Wall
+from ovman_engine.shapes.part import Part, span
+from ovman_engine.shapes.style import Style
+
+SHEET_M = 0.002
+"""Thickness of a sheet as it is drawn: pictures hang 5 mm before it."""
+SOLID_M = 0.05
+"""Thickness of a wall as it is bumped into."""
+CEILING_M = 0.05
+ON_M = 0.05
+"""What is this close to a sheet's line is in that wall."""
+LEAST_M = 1e-3
+
+Span = tuple[float, float, float, float]
+"""(low, high, bottom, top): along a sheet from its start, and heights, metres"""
+
+
+@dataclass(frozen=True)
+class Dwelling(Room):
+    """A house as a room."""
+
+    @staticmethod
+    def of(plan: FloorPlan) -> Dwelling:
+        """What bounds `plan`, which carries a house."""
+        house = plan.house
+        corners = np.concatenate([room.polygon for room in house.rooms])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        outline = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
+        solid = tuple(wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house))
+        return Dwelling(plan, outline, outline, (), solid, solid, house.height)
+
+    def parts(self) -> tuple[Structure, ...]:
+        """(name, parts in the world frame, palette by slot) of walls and ceilings. Names are unique."""
+        house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
+        out: list[Structure] = []
+        for sheet in house.walls:
+            parts = () if sheet.empty else _drawn(sheet, house)
+            if parts:
+                out.append((_unique(sheet.name, taken), parts, _paint(self.plan, sheet)))
+        if house.walls:
+            white = finishes.of((0.1, 0.08, 0.92), (0.6, 0.03, 0.92), gloss=(0.03, 0.05), slack=0.02)
+            ceiling = {"main": white(Style(f"{self.plan.name}|ceiling"))}
+            for room in house.rooms:
+                boxes = [span((a, house.height, c), (b, house.height + CEILING_M, d)) for a, b, c, d in rectangles(room)]
+                out.append((_unique(f"ceiling|{room.name}", taken), tuple(boxes), ceiling))
+        return tuple(out)
+
+
+def _holes(sheet: Sheet, house: House) -> list[tuple[Opening, Span]]:
+    """Openings that lie in a sheet, whichever side of the wall it is."""
+    walls = {w.name: w for w in house.walls}
+    out = []
+    for opening in house.openings:
+        low, high = hole(opening, walls[opening.walls[0]])
+        ends = np.array([low, high])[:, [0, 2]] - sheet.start
+        off = np.abs(ends @ [-sheet.along[1], sheet.along[0]])
+        first, last = np.sort(ends @ sheet.along)
+        if off.max() < ON_M and last > LEAST_M and first < sheet.length - LEAST_M:
+            out.append((opening, (float(first), float(last), float(low[1]), float(high[1]))))
+    return out
+
+
+def _without(sheet: Sheet, holes: Sequence[Span]) -> list[Span]:
+    """What is left of a sheet: upright strips between the sides of the holes, each cut at the holes that it meets."""
+    edges = sorted({0.0, sheet.length, *(float(np.clip(e, 0.0, sheet.length)) for h in holes for e in h[:2])})
+    out = []
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        if high - low < LEAST_M:
+            continue
+        height = sheet.bottom
+        for _, _, sill, lintel in sorted((h for h in holes if h[0] < high - 1e-6 and h[1] > low + 1e-6), key=lambda h: h[2]):
+            if sill - height > LEAST_M:
+                out.append((low, high, height, min(sill, sheet.top)))
+            height = max(height, lintel)
+        if sheet.top - height > LEAST_M:
+            out.append((low, high, height, sheet.top))
+    return out
+
+
+def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
+    """Part of a sheet, `middle` metres to the left of its line (which sees +z on its left when it runs along +x)."""
+    low, high, bottom, top = piece
+    x, z = sheet.along
+    left = np.array([-z, x])
+    centre = sheet.start + sheet.along * (low + high) / 2 + left * middle
+    turn = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
+    half = np.array([high - low, top - bottom, thick]) / 2
+    return Box(np.array([centre[0], (bottom + top) / 2, centre[1]]), half, turn)
+
+
+def _solids(sheet: Sheet, house: House) -> list[Wall]:
+    """What bodies bump into: the sheet without its open doors. The names of its pieces differ."""
+    pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
+    return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
+
+
+def _drawn(sheet: Sheet, house: House) -> tuple[Part, ...]:
+    boxes = [
+        _box(sheet, piece, side(sheet, house) * SHEET_M / 2, SHEET_M)
+        for piece in _without(sheet, [at for _, at in _holes(sheet, house)])
+    ]
+    return tuple(Part("box", box.centre, 2 * box.half, box.rotation) for box in boxes)
+
+
+def _unique(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "|"
+    taken.add(name)
+    return name
+
+
+def _paint(plan: FloorPlan, sheet: Sheet) -> Mapping[str, Material]:
+    """Sheets of one material are alike in a house."""
+    style = Style(f"{plan.name}|{sheet.paint}|{sheet.colour}")
+    made = finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03)(style)
+    if sheet.colour is not None and "~" not in plan.name:
+        display = np.array(sheet.colour)
+        made = replace(made, colour=np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4))
+    return {"main": replace(made, seed=style.integer("seed") % 2**31)}

@@ -1,0 +1,166 @@
+"""Counters and stoves: what is fitted to the room rather than to a box of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ovman_engine.plan import counters
+from ovman_engine.plan.counters import Rect
+from ovman_engine.plan.floorplan import FloorPlan, SimObject
+from ovman_engine.shapes import surroundings
+from ovman_engine.shapes.fronts import handle
+from ovman_engine.shapes.part import Part, about, moved, rod, span
+from ovman_engine.shapes.style import Style
+from ovman_engine.shapes.subject import Subject
+
+SLAB_M = 0.03
+"""Thickness of a counter's slab; the recorded ones are often thinner than any stone."""
+LIP_M = 0.015
+"""How far below its recorded box a counter's slab goes at most."""
+RECESS_M = 0.09
+"""How far the body under a counter stays behind its front edge, so that doors and drawers stand before it."""
+OVERHANG_M = 0.25
+"""How far a counter without base units overhangs its body: room for knees."""
+TOE_M = 0.09
+_COUNTERS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Part, ...]]] = WeakKeyDictionary()
+
+
+def counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """Slab with openings for sinks, and a body under it to the floor, in the frame of the counter's box; metres."""
+    found = _COUNTERS.setdefault(plan, {})
+    if obj.object_id not in found:
+        found[obj.object_id] = _counter(obj, plan)
+    return found[obj.object_id]
+
+
+BODY_SLOTS = frozenset({"second", "dark"})
+"""What the body of a counter is made of; its slab is "main"."""
+
+
+def slab(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    """The part of a counter that its recorded box is a box of, in the frame of that; metres."""
+    return tuple(part for part in counter(obj, plan) if part.slot not in BODY_SLOTS)
+
+
+def bodies(plan: FloorPlan) -> tuple[tuple[SimObject, tuple[Part, ...]], ...]:
+    """Counters of a plan, and what stands under their slabs in the world frame, metres: no part of the recorded objects."""
+    found = []
+    for obj in plan.objects:
+        if obj.type == "CounterTop":
+            parts = tuple(part for part in counter(obj, plan) if part.slot in BODY_SLOTS)
+            if parts:
+                found.append((obj, moved(parts, obj.box.rotation, obj.box.centre)))
+    return tuple(found)
+
+
+def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
+    low, high = obj.box.bounds()
+    top = float(high[1])
+    under = max(min(float(low[1]), top - SLAB_M), float(low[1]) - LIP_M)
+    units = counters.carriers(plan, obj)
+    holes = tuple(
+        Rect(f.x0 + 0.01, f.z0 + 0.01, f.x1 - 0.01, f.z1 - 0.01)
+        for f in (counters.footprint(u) for u in units if u.type == "Sink" and u.box.bounds()[1][1] > under - 0.12)
+    )
+    rects = counters.runs(plan, obj)
+    parts: list[Part] = []
+    for rect in rects:
+        for piece in counters.without(rect, holes):
+            parts.append(span((piece.x0, under, piece.z0), (piece.x1, top, piece.z1), "main"))
+        for body in _bodies(plan, rect, rects, units):
+            toe = plan.floor_y + TOE_M
+            if under - toe < 0.1:
+                continue
+            sunk = counters.without(body, holes)
+            deepest = min((float(u.box.bounds()[0][1]) for u in units if u.type == "Sink"), default=under)
+            if len(sunk) > 1 and deepest > toe + 0.1:
+                parts.append(span((body.x0, toe, body.z0), (body.x1, min(under, deepest - 0.01), body.z1), "second"))
+                for piece in sunk:
+                    if deepest - 0.01 < under:
+                        parts.append(
+                            span((piece.x0, deepest - 0.01, piece.z0), (piece.x1, under, piece.z1), "second", solid=False)
+                        )
+            elif len(sunk) == 1:
+                parts.append(span((body.x0, toe, body.z0), (body.x1, under, body.z1), "second"))
+            inset = min(0.04, 0.2 * min(body.x1 - body.x0, body.z1 - body.z0))
+            floor = (body.x0 + inset, plan.floor_y, body.z0 + inset)
+            parts.append(span(floor, (body.x1 - inset, toe, body.z1 - inset), "dark", solid=False))
+    to_box = obj.box.rotation.T
+    return moved(parts, to_box, -to_box @ obj.box.centre)
+
+
+def _bodies(plan: FloorPlan, rect: Rect, rects: tuple[Rect, ...], units: list[SimObject]) -> Iterator[Rect]:
+    """What closes the space under a run, kept back from the edges where people stand."""
+    prints = [(u, counters.footprint(u)) for u in units if u.type in ("Cabinet", "Drawer")]
+    here = [(u, f) for u, f in prints if rect.overlap(f)]
+    if not here and rect.x1 - rect.x0 > 2 * OVERHANG_M and rect.z1 - rect.z0 > 2 * OVERHANG_M and len(rects) == 1:
+        recess = [
+            _open_edge(plan, rect, side) * min(OVERHANG_M, 0.3 * min(rect.x1 - rect.x0, rect.z1 - rect.z0)) for side in range(4)
+        ]
+    else:
+        recess = [0.0] * 4
+        for unit, print_ in here:
+            ahead = unit.box.rotation @ surroundings.direction(surroundings.front(unit, plan))
+            side = int(np.argmax([-ahead[0], -ahead[2], ahead[0], ahead[2]]))
+            front = (print_.x0 - rect.x0, print_.z0 - rect.z0, rect.x1 - print_.x1, rect.z1 - print_.z1)[side]
+            recess[side] = max(recess[side], min(max(front, 0.0) + RECESS_M, 0.3))
+        for side in range(4):
+            if recess[side] == 0.0 and _open_edge(plan, rect, side):
+                recess[side] = 0.03
+    for side, other in ((s, r) for s in range(4) for r in rects if r is not rect):
+        edge = (rect.x0, rect.z0, rect.x1, rect.z1)[side]
+        far = (other.x1, other.z1, other.x0, other.z0)[side]
+        if abs(edge - far) < 1e-6:
+            recess[side] = min(recess[side], 0.0)
+    body = Rect(rect.x0 + recess[0], rect.z0 + recess[1], rect.x1 - recess[2], rect.z1 - recess[3])
+    if body.x1 - body.x0 > 0.08 and body.z1 - body.z0 > 0.08:
+        yield body
+
+
+def _open_edge(plan: FloorPlan, rect: Rect, side: int) -> bool:
+    """Whether the agent's start lies beyond that side: low x, low z, high x, high z."""
+    x, z = float(plan.start[0]), float(plan.start[2])
+    return (x < rect.x0, z < rect.z0, x > rect.x1, z > rect.z1)[side]
+
+
+def stoves(plan: FloorPlan) -> tuple[tuple[str, SimObject, tuple[Part, ...]], ...]:
+    """Stove bodies under the recorded burners: "stove|x|y|z", the burner whose palette they take, parts in the world frame."""
+    found = []
+    for stove in counters.stoves(plan):
+        rect = stove.rect
+        x, z = (rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2
+        wide, deep = rect.x1 - rect.x0, rect.z1 - rect.z0
+        if stove.quarter % 2:
+            wide, deep = deep, wide
+        subject = Subject("Stove", wide, stove.top - plan.floor_y, deep, Style(plan.name + "|stove"))
+        parts = moved(_stove(subject), surroundings.turn(stove.quarter), (x, plan.floor_y, z))
+        found.append((f"stove|{x:+06.2f}|{plan.floor_y:+06.2f}|{z:+06.2f}", stove.burner, parts))
+    return tuple(found)
+
+
+def _stove(s: Subject) -> Iterator[Part]:
+    """Body, hob, oven door with window and handle, drawer."""
+    face = s.z - 0.05
+    yield span((-s.x, 0.06, -s.z), (s.x, s.h - 0.02, face), "main", bevel=0.004)
+    yield span((-s.x + 0.03, 0, -s.z), (s.x - 0.03, 0.06, face - 0.04), "dark", solid=False)
+    yield span((-s.x, s.h - 0.02, -s.z), (s.x, s.h, face + 0.02), "second", bevel=0.004)
+    low, high = 0.24 * s.h, 0.84 * s.h
+    yield span((-s.x + 0.01, low, face), (s.x - 0.01, high, face + 0.018), "main", bevel=0.006, solid=False)
+    yield span(
+        (-0.62 * s.x, low + 0.12 * s.h, face + 0.01),
+        (0.62 * s.x, high - 0.16 * s.h, face + 0.02),
+        "dark",
+        bevel=0.003,
+        solid=False,
+    )
+    yield span((-s.x + 0.01, 0.07, face), (s.x - 0.01, low - 0.01, face + 0.018), "main", bevel=0.006, solid=False)
+    yield from handle(0.0, high - 0.05, face + 0.018, s.style, False, 1.5 * s.x, 0.03)
+    yield span((-s.x + 0.01, high + 0.01, face), (s.x - 0.01, s.h - 0.03, face + 0.012), "dark", bevel=0.003, solid=False)
+    for i in range(5):
+        x = (i - 2) * 0.36 * s.x
+        yield rod(
+            (x, 0.5 * (high + s.h) - 0.01, face), (x, 0.5 * (high + s.h) - 0.01, face + 0.03), 0.02, "metal", solid=False
+        ).but(rotation=about("x", 90.0))

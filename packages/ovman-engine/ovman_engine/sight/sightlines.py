@@ -1,0 +1,162 @@
+"""Lines of sight through a world: what a straight look from a point meets first, on the very triangles that pictures show.
+
+What lies where the floor plan has it is one Embree scene per floor plan, never made anew: looks go on through what is not there
+any more. What was displaced is a second, small one. World frame as in `floorplan`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from ovman_engine.picture import rays, scene_mesh
+from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh
+
+NOTHING, GONE = -1, -2
+"""Owners of the void, and of triangles that are not there any more."""
+ONWARDS_M = np.float32(1e-4)
+"""A look that passes something goes on this far behind it."""
+TRANSPARENT = frozenset(["Window", "ShowerDoor", "ShowerGlass"])
+"""Types that are seen through, though nothing behind them can be reached."""
+POINTS = 32
+"""Points on the surface of each object that are looked at."""
+_STEPS = np.arange(POINTS) + 0.5
+_ROOT = np.sqrt(_STEPS * 0.7548776662466927 % 1.0)
+_WEIGHTS = np.stack([1 - _ROOT, _ROOT * (1 - _STEPS * 0.5698402909980532 % 1.0), _ROOT * (_STEPS * 0.5698402909980532 % 1.0)], 1)
+"""(POINTS, 3) barycentric coordinates, evenly spread over a triangle."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What sight has to know of a mesh: N instances, P parts."""
+
+    owner: np.ndarray
+    """(T,) int32 instance of each triangle"""
+    points: np.ndarray
+    """(N, POINTS, 3) float32 points spread evenly over each instance's surface; NaN for what has none"""
+    frames: np.ndarray
+    """(P, 3, 4) world point -> point in the frame of a part"""
+    halves: np.ndarray
+    """(P, 3) half extents of the parts"""
+    part_owner: np.ndarray
+    """(P,) int instance of each part; -1 for parts without triangles"""
+
+    @staticmethod
+    def of(mesh: SceneMesh) -> Surface:
+        """`mesh` as sight needs it."""
+        part_owner = np.full(len(mesh.frames), NOTHING)
+        part_owner[mesh.part] = mesh.instance
+        return Surface(mesh.instance, _spread(mesh), mesh.frames, mesh.extents, part_owner)
+
+    def gaps(self, x: float, z: float, low: float, high: float, chosen: slice | np.ndarray = slice(None)) -> np.ndarray:
+        """Distance from the vertical segment at (x, z) between heights `low` and `high` to the boxes of the parts `chosen`: (P,)
+        metres."""
+        turn, shift, halves = self.frames[chosen, :, :3], self.frames[chosen, :, 3], self.halves[chosen]
+        middle = -np.einsum("pi,pi->p", turn[:, :, 1], shift)
+        reach = np.einsum("pi,pi->p", np.abs(turn[:, :, 1]), halves)
+        beside = turn[:, :, 0] * x + turn[:, :, 2] * z + shift
+        gap = np.full(len(middle), np.inf)
+        for height in (middle, middle - reach, middle + reach):
+            local = beside + turn[:, :, 1] * np.clip(height, low, high)[:, None]
+            gap = np.minimum(gap, (np.maximum(np.abs(local) - halves, 0.0) ** 2).sum(axis=1))
+        return np.sqrt(gap)
+
+
+def _spread(mesh: SceneMesh) -> np.ndarray:
+    """Points of the instances' surfaces, (N, POINTS, 3): so many to the square metre as `POINTS` allow, over the triangles in
+    their order."""
+    points = np.full((len(mesh.names), POINTS, 3), np.nan, dtype=np.float32)
+    if len(mesh.triangles) == 0:
+        return points
+    corners = mesh.vertices[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(float), axis=1)
+    total = np.cumsum(np.maximum(area, 1e-12))
+    starts = np.flatnonzero(np.diff(mesh.instance, prepend=NOTHING))
+    before, after = total[starts] - np.maximum(area[starts], 1e-12), total[np.append(starts[1:], len(area)) - 1]
+    at = before[:, None] + (after - before)[:, None] * _STEPS / POINTS
+    triangle = np.minimum(np.searchsorted(total, at), len(area) - 1)
+    points[mesh.instance[starts]] = np.einsum(
+        "nka,nkai->nki", np.broadcast_to(_WEIGHTS, (len(starts), POINTS, 3)), corners[triangle]
+    )
+    return points
+
+
+class Sightlines:
+    """Looks through a world as it is at one moment."""
+
+    def __init__(self, world) -> None:
+        plan_meshes = scene_mesh.of_plan(world.plan, world.room)
+        now = scene_mesh.changes(world)
+        moved = plan_meshes.posed(now.placements)
+        fixed = plan_meshes.untouched
+        self.names = moved.names
+        """(N,) instances: objectIds of the floor plan, structures, copies"""
+        self.index = {name: i for i, name in enumerate(self.names)}
+        gone = [plan_meshes.index(o) for o in now.displaced]
+        standing = _standing(plan_meshes)
+        is_gone = np.zeros(len(self.names) + 1, dtype=bool)
+        is_gone[gone] = True
+        owner = np.where(is_gone[standing.owner], np.int32(GONE), standing.owner)
+        self._owner = np.concatenate([owner, moved.instance, np.array([NOTHING], dtype=np.int32)])
+        self._caster = rays.Caster(rays.untouched(plan_meshes), len(fixed.triangles), moved)
+        self.points = np.full((len(self.names), POINTS, 3), np.nan, dtype=np.float32)
+        self.points[: len(standing.points)] = standing.points
+        self.points[gone] = np.nan
+        kept = ~is_gone[standing.part_owner]
+        surface = Surface.of(moved)
+        there = np.unique(moved.instance)
+        self.points[there] = surface.points[there]
+        self._parts = Surface(
+            owner,
+            self.points,
+            np.concatenate([standing.frames[kept], surface.frames]),
+            np.concatenate([standing.halves[kept], surface.halves]),
+            np.concatenate([standing.part_owner[kept], surface.part_owner]),
+        )
+
+    def distances(self, x: float, z: float, low: float, high: float) -> np.ndarray:
+        """Distance from a vertical segment to each instance (N,) metres: to the boxes around its parts."""
+        known = self._parts.part_owner >= 0
+        nearest = np.full(len(self.names), np.inf)
+        np.minimum.at(nearest, self._parts.part_owner[known], self._parts.gaps(x, z, low, high)[known])
+        return nearest
+
+    def distance(self, instance: int, x: float, z: float, low: float, high: float) -> float:
+        """One of the `distances`."""
+        own = np.flatnonzero(self._parts.part_owner == instance)
+        return float(self._parts.gaps(x, z, low, high, own).min(initial=np.inf))
+
+    def bounds(self, instance: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of an instance that has points, (3,) metres."""
+        own = np.flatnonzero(self._parts.part_owner == instance)
+        turn, shift = self._parts.frames[own, :, :3], self._parts.frames[own, :, 3]
+        middle = -np.einsum("pji,pj->pi", turn, shift)
+        reach = np.einsum("pji,pj->pi", np.abs(turn), self._parts.halves[own])
+        return (middle - reach).min(axis=0), (middle + reach).max(axis=0)
+
+    def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The instance that each look (K, 3), along unit vectors `ways` (K, 3), meets first: (K,) int, NOTHING for the void; and
+        how far away, (K,) metres. Looks pass the instances that are `passed` (N,) bool."""
+        origins, ways = np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(ways, np.float32)
+        triangle, distance = self._caster.closest(origins, ways)[:2]
+        owner = self._owner[triangle]
+        skips = np.concatenate([passed, [True, False]])
+        going = np.flatnonzero(skips[owner])
+        while len(going):
+            begun = distance[going] + ONWARDS_M
+            triangle, further = self._caster.closest(origins[going] + ways[going] * begun[:, None], ways[going])[:2]
+            distance[going], owner[going] = begun + further, self._owner[triangle]
+            going = going[skips[owner[going]]]
+        return owner, distance
+
+
+_surfaces: WeakKeyDictionary[PlanMeshes, Surface] = WeakKeyDictionary()
+
+
+def _standing(meshes: PlanMeshes) -> Surface:
+    """Surface of the untouched scene, made once."""
+    if meshes not in _surfaces:
+        _surfaces[meshes] = Surface.of(meshes.untouched)
+    return _surfaces[meshes]

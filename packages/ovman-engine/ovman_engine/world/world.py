@@ -1,0 +1,331 @@
+"""A floor plan and everything that has changed in it since Reset.
+
+World frame as in `floorplan`. What the changes do, and the messages when they are refused, are AI2-THOR's (5.0.0).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ovman_engine.bodies.arrangement import arranged, named
+from ovman_engine.bodies.body import Agent, Body, Pose
+from ovman_engine.bodies.carrying import load_of, move, resting
+from ovman_engine.bodies.passage import Obstacles
+from ovman_engine.bodies.setting import Setting
+from ovman_engine.physics.dynamics import Dynamics
+from ovman_engine.plan.floorplan import Box, FloorPlan
+from ovman_engine.world.way import Way
+
+if TYPE_CHECKING:
+    from ovman_engine.physics.physics import Model
+
+__all__ = ["Agent", "Body", "Pose", "Refused", "World"]
+
+DROP_M = 10.0
+"""How far below a point a surface is looked for."""
+GAP_M = 0.005
+"""An object is put this far above its surface."""
+CLEAR_M = 0.001
+"""Deepest overlap with anything at which an object still counts as clear of it."""
+SETTLE_S = 1.0
+"""How long a placed object is watched coming to rest."""
+
+
+RESTLESS = 0.01
+"""v**2 + w**2 (m/s and rad/s) above which a placed object has not come to rest."""
+
+
+class Refused(Exception):
+    """An action did not succeed; the message is AI2-THOR's."""
+
+
+class Unsettled(Refused):
+    """A placed object is in its place but has not come to rest there."""
+
+
+class World:
+    """The state of one scene. `version` grows whenever a body moves, comes or goes."""
+
+    def __init__(self, plan: FloorPlan, seed: int = 0) -> None:
+        self.plan, self.seed = plan, seed
+        self._setting = Setting.of(plan)
+        self.room = self._setting.room
+        self.agent = Agent(plan.start.copy())
+        self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
+        self.version = 0
+        for part, carrier in self._setting.carriers.items():
+            self.bodies[part].carrier = carrier
+        self._loose: set[str] = set()
+        """Disabled objects that nothing holds where they are."""
+        self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
+        self._way = Way(self._setting, self.bodies, self.agent)
+
+    # What is where
+
+    def box(self, object_id: str) -> Box:
+        """Current oriented box of an object. KeyError if there is none."""
+        return self.bodies[object_id].box
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing is falling, rolling or about to."""
+        return not self._dynamics.awake
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the untouched scene, metres."""
+        return self._setting.bounds
+
+    # The agent's way
+
+    def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
+        """Name of what blocks the agent's straight way between two points (2,) of the floor plane; see `Way.blocker`."""
+        return self._way.blocker(self.version, start_xz, end_xz, ignore)
+
+    def reachable(self, step_m: float = 0.25, yaw_deg: float = 0.0) -> list[tuple[float, float, float]]:
+        """Positions (x, y, z) that moves of `step_m` take the agent to; see `Way.reachable`."""
+        return self._way.reachable(self.version, step_m, yaw_deg)
+
+    def obstacles(self) -> tuple[Obstacles, list[str]]:
+        """What may stand in the agent's way, and the names of that; see `Way.obstacles`."""
+        return self._way.obstacles(self.version)
+
+    # Changes
+
+    def place(
+        self,
+        object_id: str,
+        position: Sequence[float],
+        rotation: np.ndarray | None = None,
+        kinematic: bool = False,
+        settle: bool = True,
+    ) -> np.ndarray:
+        """PlaceObjectAtPoint: on the first surface below `position` (3,), turned by `rotation` (3, 3) or as it is.
+
+        It settles for up to a second unless `kinematic` or not to `settle`. Returns the position of its pivot then, (3,) metres.
+        Refused, with everything as it was, if it would overlap anything; refused as well, where it has got to, if it has not
+        come to rest or has left the scene.
+        """
+        body = self._known(object_id)
+        point = np.array(position, dtype=float)
+        low, high = self.bounds()
+        if not _inside(point, low, high):
+            middle, extents = (low + high) / 2, (high - low) / 2
+            bounds = f"Center: {_text(middle)}, Extents: {_text(extents)}"
+            raise Refused(f"Position coordinate ({_text(point)}) is not within scene bounds ({bounds})")
+        load = self._load(body)
+        surface = self._dynamics.probe(object_id, load).below(point, DROP_M, but=object_id)
+        pose = Pose(point, body.pose.rotation if rotation is None else rotation)
+        lift = (point[1] if surface is None else surface[0]) + GAP_M - body.box_at(pose).bounds()[0][1]
+        pose = Pose(point + [0.0, lift, 0.0], pose.rotation)
+        hit = self._overlap(body, pose, load)
+        if hit is not None:
+            raise Refused(f"Spawn area not clear ({hit}) is in the way), can't place object at that point")
+        self._put(body, pose, kinematic, load)
+        if settle and object_id in self._dynamics.awake:
+            self._advance(SETTLE_S, object_id)
+            if self._dynamics.speed(object_id) > RESTLESS or not _inside(body.box.centre, low, high):
+                raise Unsettled("object couldn't come to rest")
+        return body.pose.position
+
+    def teleport(
+        self,
+        object_id: str,
+        position: Sequence[float],
+        rotation: np.ndarray | None = None,
+        force: bool = False,
+        kinematic: bool = False,
+    ) -> None:
+        """TeleportObject: pivot exactly at `position` (3,), turned by `rotation` (3, 3) or as it is."""
+        body = self._known(object_id)
+        pose = Pose(np.array(position, dtype=float), body.pose.rotation if rotation is None else rotation)
+        load = self._load(body)
+        if not force and (hit := self._overlap(body, pose, load)) is not None:
+            raise Refused(f"{object_id} is colliding with {hit} after teleport.")
+        self._put(body, pose, kinematic, load)
+
+    def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
+        """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...].
+
+        Every other movable object leaves the scene for good; an object listed again in place i is there again, as name_copy_i;
+        objectIds follow the positions. Nothing is checked for overlaps. Refused, after the others are placed, if a name is none
+        of a movable object that is in the scene.
+        """
+        self._collect()
+        here = [b for b in self.bodies.values() if not b.removed]
+        listed, copies, unknown = arranged(here, poses, lambda body: self._dynamics.parts(body.object_id))
+        for body in listed:
+            body.kinematic = stationary
+        self._collect()
+        self._rename([*self.bodies.values(), *copies])
+        if not stationary:
+            self._dynamics.wake(b.object_id for b in listed)
+        self.version += 1
+        if unknown is not None:
+            raise Refused(f"No Pickupable or Moveable object of name {unknown} found in scene.")
+
+    def set_active(self, object_id: str, active: bool) -> None:
+        """EnableObject, DisableObject: a disabled object keeps its pose. Refused (no message) if there is no such object.
+
+        What has lost its support meanwhile, or was put somewhere, falls as soon as it is there again.
+        """
+        body = self.bodies.get(object_id)
+        if body is None or body.removed:
+            raise Refused("")
+        if body.active != active:
+            self._come_or_go([body], active=active)
+
+    def remove(self, *object_ids: str) -> None:
+        """RemoveFromScene: gone until Reset, and with it all that is disabled. Refused before anything is gone if there is no
+        such object."""
+        found = [self.bodies.get(object_id) for object_id in object_ids]
+        bodies = [b for b in found if b is not None and not b.removed]
+        if len(bodies) < len(found):
+            raise Refused(
+                "NullReferenceException: Object reference not set to an instance of an object. trace:   at RemoveFromScene"
+            )
+        self._come_or_go(bodies, removed=True)
+        self._collect()
+
+    @contextmanager
+    def trial(self, object_ids: Sequence[str]) -> Iterator[Model]:
+        """The scene as physics has it, to put bodies anywhere in and ask what they touch. Leaves the world as it is."""
+        try:
+            yield self._dynamics.probe(object_ids[0], object_ids)
+        finally:
+            self._dynamics.bodies_changed()
+
+    def rearrange(self, poses: Mapping[str, Pose], stationary: bool) -> None:
+        """Put bodies at `poses`, by objectId, all at once and unchecked. What they alone carried and is not among them falls."""
+        loads = {name for object_id in poses for name in self._load(self.bodies[object_id])} - poses.keys()
+        standing = [b for b in self.bodies.values() if b.present and b.object_id not in loads and b.object_id not in poses]
+        carried = [self.bodies[name] for name in sorted(loads)]
+        loads = loads.difference(*(resting(self._dynamics.surfaces(b), carried, self.plan.floor_y) for b in standing))
+        for object_id, pose in poses.items():
+            body = self.bodies[object_id]
+            self._move(body, pose)
+            body.kinematic = stationary
+            self._dynamics.still(object_id)
+        self._let_go(sorted(loads))
+        if not stationary:
+            self._let_go(sorted(poses))
+        self.version += 1
+
+    def duplicate(self, body: Body, number: int) -> Body:
+        """Another object like `body`, where that is: to be rearranged or discarded at once. Named as AI2-THOR's random copies."""
+        twin = Body.of(body.obj)
+        twin.object_id, twin.name, twin.pose = f"{body.object_id}_copy_{number}", f"{body.name}_random_copy_{number}", body.pose
+        while twin.object_id in self.bodies:
+            twin.object_id, twin.name = f"{twin.object_id}_copy", f"{twin.name}_copy"
+        self.bodies[twin.object_id] = twin
+        self._dynamics.bodies_changed()
+        return twin
+
+    def discard(self, bodies: Iterable[Body]) -> None:
+        """Forget duplicates that found no place."""
+        for body in bodies:
+            del self.bodies[body.object_id]
+            self._dynamics.bodies_changed()
+
+    def advance(self, seconds: float) -> None:
+        """Let physics run. Costs nothing while everything is at rest."""
+        self._advance(seconds)
+
+    # How changes come about
+
+    def _known(self, object_id: str) -> Body:
+        body = self.bodies.get(object_id)
+        if body is None or body.removed:
+            raise Refused(f"Cannot find object with id {object_id}.")
+        if body.carrier is not None or body.obj.type == "Floor":
+            raise Refused(f"{object_id} cannot be moved: it is a part of {body.carrier or 'the room'}.")
+        return body
+
+    def _load(self, body: Body) -> list[str]:
+        """objectIds of what a body carries, and of what that carries in turn."""
+        return load_of(body, self.bodies, self._dynamics.surfaces, self._dynamics.parts, self.plan.floor_y)
+
+    def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
+        """Name of what `body` would overlap at `pose`; what it carries will fall, and the floor is stood on."""
+        model = self._dynamics.probe(body.object_id, load)
+        model.set_box(body.object_id, body.box_at(pose))
+        model.forward()
+        touching = model.touching(body.object_id)
+        self._dynamics.forget(body.object_id)
+        return next((name for name, depth in touching if depth > CLEAR_M), None)
+
+    def _put(self, body: Body, pose: Pose, kinematic: bool, load: Collection[str]) -> None:
+        self._move(body, pose)
+        body.kinematic = kinematic
+        self._dynamics.still(body.object_id)
+        self._let_go(load)
+        if body.dynamic and not kinematic:
+            self._let_go([body.object_id])
+        self.version += 1
+
+    def _let_go(self, names: Collection[str]) -> None:
+        """Let bodies fall: now, or when they are there again."""
+        self._dynamics.wake(name for name in names if self.bodies[name].present)
+        self._loose |= {name for name in names if not self.bodies[name].present}
+
+    def _move(self, body: Body, pose: Pose) -> None:
+        move(body, self._dynamics.parts(body.object_id), pose)
+
+    def _come_or_go(self, bodies: Sequence[Body], **state: bool) -> None:
+        loads = [self._load(body) for body in bodies]
+        for body in bodies:
+            for one in (body, *self._dynamics.parts(body.object_id)):
+                for name, value in state.items():
+                    setattr(one, name, value)
+        for body, load in zip(bodies, loads, strict=True):
+            if body.present:
+                self._dynamics.make_room()
+                if body.object_id in self._loose:
+                    self._loose.discard(body.object_id)
+                    self._dynamics.wake([body.object_id])
+            else:
+                self._dynamics.still(body.object_id)
+                self._let_go(load)
+        if any(body.carrier is not None for body in bodies):
+            self._dynamics.bodies_changed()
+        self.version += 1
+
+    def _collect(self) -> None:
+        """List the scene's objects anew: what is not active is no more found, nor are copies of what is there no more."""
+        for body in self.bodies.values():
+            body.removed |= not body.active
+        gone = [object_id for object_id, b in self.bodies.items() if b.removed and b.name != b.obj.name]
+        for object_id in gone:
+            self._dynamics.still(object_id)
+            del self.bodies[object_id]
+        if gone:
+            self._dynamics.bodies_changed()
+
+    def _advance(self, seconds: float, until_asleep: str | None = None) -> None:
+        moved = self._dynamics.advance(seconds, lambda name: self._load(self.bodies[name]), until_asleep)
+        for name in sorted(moved):
+            self._move(self.bodies[name], self.bodies[name].pose)
+        if moved:
+            self.version += 1
+
+    def _rename(self, bodies: Sequence[Body]) -> None:
+        """Make `bodies` the world's, by the objectIds of their positions."""
+        for object_id in list(self._dynamics.awake):
+            self._dynamics.still(object_id)
+        found = named(bodies)
+        self.bodies.clear()
+        self.bodies.update(found)
+        self._loose.clear()
+        self._dynamics.bodies_changed()
+
+
+def _inside(point: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
+    return bool(((point >= low) & (point <= high)).all())
+
+
+def _text(vector: np.ndarray) -> str:
+    """As Unity writes it."""
+    return f"({vector[0]:.1f}, {vector[1]:.1f}, {vector[2]:.1f})"

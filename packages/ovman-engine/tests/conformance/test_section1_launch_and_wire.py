@@ -1,0 +1,371 @@
+"""Contract, section 1: how the engine is started, what it says on the pipes, and what the client's event is made of."""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+import os
+import shlex
+import signal
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import msgpack
+import numpy as np
+import pytest
+
+from ovman_engine import executable
+
+# fmt: off
+METADATA_KEYS = {
+    "objects", "isSceneAtRest", "agent", "heldObjectPose", "arm", "fov", "cameraPosition", "cameraOrthSize",
+    "thirdPartyCameras", "collided", "collidedObjects", "inventoryObjects", "sceneName", "lastAction", "errorMessage",
+    "errorCode", "lastActionSuccess", "screenWidth", "screenHeight", "agentId", "colors", "colorBounds", "flatSurfacesOnGrid",
+    "distances", "normals", "isOpenableGrid", "segmentedObjectIds", "objectIdsInBox", "actionIntReturn", "actionFloatReturn",
+    "actionStringsReturn", "actionFloatsReturn", "actionVector3sReturn", "visibleRange", "currentTime", "sceneBounds",
+    "actionReturn", "depthFormat",
+}
+# fmt: on
+OBJECT_KEYS = 42
+INSTANCE, CLASSES, NORMALS = "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage"
+
+
+class Raw:
+    """A client of a few lines, to see the frames themselves."""
+
+    def __init__(self, environment, *options):
+        self.paths = environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"]
+        self.process = subprocess.Popen(
+            [*shlex.split(executable()), *options], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        self.reader = open(self.paths[0], "rb")  # noqa: SIM115
+        self.first = self.receive()
+        self.writer = open(self.paths[1], "wb")  # noqa: SIM115
+
+    def receive(self):
+        frames = []
+        while True:
+            kind, length = struct.unpack("!BI", self.reader.read(5))
+            if kind == 255:
+                assert length == 0
+                return frames
+            frames.append((kind, self.reader.read(length)))
+
+    def ask(self, **request):
+        body = json.dumps(request).encode()
+        self.writer.write(struct.pack("!BI", 2, len(body)) + body + struct.pack("!BI", 255, 0))
+        self.writer.flush()
+        return self.receive()
+
+    def close(self):
+        self.reader.close()
+        self.writer.close()
+        try:
+            assert self.process.wait(20) == 0
+        finally:
+            self.process.kill()
+            self.process.wait()
+
+
+@pytest.fixture
+def raw(engine_environment):
+    client = Raw(
+        engine_environment, "-screen-fullscreen", "0", "-screen-quality", "7", "-screen-width", "64", "-screen-height", "48"
+    )
+    yield client
+    client.close()
+
+
+@pytest.mark.contract("1.1", "1.4", "1.5", "1.6", "1.10", "1.14")
+def test_frames(raw):
+    """Size from the command line; first message unprompted and of metadata alone; metadata first and once; bodies of the right
+    length; alpha 255; the sequence number echoed; end at the end of the pipe."""
+    ((kind, body),) = raw.first
+    first = msgpack.unpackb(body)
+    assert kind == 1 and first["sequenceId"] == 0 and first["activeAgentId"] == 0 and len(first["agents"]) == 1
+    assert (first["agents"][0]["screenWidth"], first["agents"][0]["screenHeight"]) == (64, 48)
+
+    raw.ask(action="Reset", sceneName="FloorPlan3_physics", sequenceId=0)
+    flags = {"renderDepthImage": True, INSTANCE: True, CLASSES: True, NORMALS: True}
+    frames = raw.ask(action="Initialize", sequenceId=1, **flags)
+    sizes = {4: (3, 4), 5: (4,), 6: (3, 4), 8: (3, 4), 9: (3, 4)}
+    assert frames[0][0] == 1 and sorted(k for k, _ in frames[1:]) == sorted(sizes)
+    for kind, image in frames[1:]:
+        assert len(image) / (64 * 48) in sizes[kind], kind
+        if kind in (8, 9) and len(image) == 4 * 64 * 48:
+            assert (np.frombuffer(image, np.uint8).reshape(-1, 4)[:, 3] == 255).all()
+
+    (kind, body), *_ = raw.ask(action="RotateRight", sequenceId=1234567)
+    assert kind == 1 and msgpack.unpackb(body)["sequenceId"] == 1234567
+    for patched in raw.ask(action="Pass", sequenceId=5), raw.ask(action="Done", sequenceId=6):
+        assert [k for k, _ in patched if k in (1, 11)] == [patched[0][0]]
+        if patched[0][0] == 11:
+            keys = {"agentId", "lastAction", "lastActionSuccess", "errorMessage", "errorCode", "actionReturn"}
+            assert set(msgpack.unpackb(patched[0][1])) >= keys
+
+
+@pytest.mark.contract("1.3")
+def test_first_message_waits_for_no_world(raw):
+    """The client opens the server pipe without a time limit: nothing that takes long is loaded before."""
+    loaded = Path(f"/proc/{raw.process.pid}/maps").read_text()
+    assert "numpy" not in loaded and "mujoco" not in loaded and "embree" not in loaded
+    raw.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    assert "numpy" in Path(f"/proc/{raw.process.pid}/maps").read_text()
+
+
+@pytest.mark.contract("1.1", "1.2", "1.7", "4 ChangeResolution", "4 GetScenesInBuild")
+def test_launch_through_the_client(start):
+    """Frame size of the command line, the log in its place, planes taken over, the first iTHOR scene if none is named."""
+    with start(width=320, height=310, cameraFarPlane=30.0) as controller:
+        assert controller.last_event.frame.shape == (310, 320, 3)
+        assert controller.scene == "FloorPlan10_physics" == controller.last_event.metadata["sceneName"]
+        assert (controller.server.camera_near_plane, controller.server.camera_far_plane) == pytest.approx((0.1, 30.0))
+        assert {f"FloorPlan{n}_physics" for r in (1, 201, 301, 401) for n in range(r, r + 30)} <= controller.scenes_in_build
+        assert Path("~/.ai2thor/log/unity.log").expanduser().exists()
+
+
+@pytest.mark.contract("1.2", "1.8")
+def test_headless_sends_no_images(start):
+    with start(scene="FloorPlan403", headless=True, renderDepthImage=True, renderInstanceSegmentation=True) as controller:
+        event = controller.step("RotateRight")
+        assert event and event.frame is None and event.depth_frame is None and event.instance_segmentation_frame is None
+        assert event.metadata["objects"] and controller.step("GetReachablePositions").metadata["actionReturn"]
+
+
+@pytest.mark.contract("1.7")
+def test_command_with_arguments_and_blanks(tmp_path):
+    """The path is split as a shell would; a wrapper that execs the engine is as good as the engine."""
+    script = tmp_path / "an engine.sh"
+    script.write_text(f'#!/bin/sh\nexec {executable()} "$@"\n')
+    script.chmod(0o755)
+    from ai2thor.controller import Controller
+
+    controller = Controller(local_executable_path=shlex.quote(str(script)), scene="FloorPlan403", renderImage=False)
+    try:
+        assert controller.last_event
+    finally:
+        controller.stop()
+
+
+@pytest.mark.contract("1.6")
+def test_sequence_number_given_by_the_caller(thor):
+    thor.ok("Pass", sequenceId=77)
+    assert thor.controller.server.sequence_id == 77
+    thor.ok("RotateRight")
+    assert thor.controller.server.sequence_id == 78
+
+
+@pytest.mark.contract("1.6")
+def test_fast_emit(thor):
+    """Nothing changed: the objects may be those of the event before, the outcome is the new one. Turned off, all is sent anew."""
+    before = thor.ok("RotateRight").metadata
+    patched = thor.ok("GetReachablePositions").metadata
+    assert patched["lastAction"] == "GetReachablePositions" and patched["actionReturn"]
+    after = thor.ok("RotateRight").metadata
+    assert after["actionReturn"] is None and after["agent"]["rotation"]["y"] != before["agent"]["rotation"]["y"]
+    thor.reset(fastActionEmit=False)
+    one, two = thor.ok("Pass").metadata, thor.ok("Pass").metadata
+    assert one["objects"] is not two["objects"]
+
+
+@pytest.mark.contract("1.7")
+def test_unknown_scene_never_reaches_the_engine(thor):
+    with pytest.raises(ValueError, match="not contained in build"):
+        thor.controller.reset("FloorPlan31")
+    thor.ok("Pass")
+
+
+@pytest.mark.contract("1.7", "4 ChangeResolution")
+@pytest.mark.scenes(1)
+def test_reset_with_another_size(thor):
+    controller = thor.controller
+    controller.initialization_parameters.pop("renderImage")
+    event = controller.reset(thor.scene, width=96, height=310)
+    assert event.frame.shape == (310, 96, 3) and event.depth_frame.shape == (310, 96)
+    assert (event.metadata["screenWidth"], event.metadata["screenHeight"]) == (96, 310)
+    event = controller.step("ChangeResolution", x=128, y=64)
+    assert event and event.frame.shape == (64, 128, 3) and event.instance_segmentation_frame.shape == (64, 128, 3)
+
+
+@pytest.mark.contract("1.7")
+def test_parameters_of_a_reset_are_kept_for_the_next(thor):
+    thor.controller.reset(thor.scene, gridSize=0.5)
+    thor.controller.reset(thor.scene)
+    cells = np.array([[p["x"], p["z"]] for p in thor.reachable()])
+    assert np.allclose((cells - cells[0]) / 0.5, np.round((cells - cells[0]) / 0.5), atol=1e-3)
+
+
+@pytest.mark.contract("1.8")
+def test_images_on_demand(thor):
+    """Deprecated names too; the client copies them."""
+    thor.reset(renderDepthImage=False, renderInstanceSegmentation=False)
+    event = thor.controller.step("Pass")
+    assert event.frame is not None and event.depth_frame is None and event.instance_segmentation_frame is None
+    assert thor.controller.step("Pass", renderObjectImage=True).instance_segmentation_frame is not None
+    assert thor.controller.step("RotateRight", renderClassImage=True).semantic_segmentation_frame is not None
+    assert thor.controller.step("RotateRight", renderInstanceSegmentation=True).instance_masks
+    thor.reset(renderObjectImage=True, renderClassImage=True, renderInstanceSegmentation=False)
+    event = thor.controller.step("Pass")
+    assert event.instance_segmentation_frame is not None and event.semantic_segmentation_frame is not None
+
+
+@pytest.mark.contract("1.8")
+def test_rotation_may_be_a_number(thor):
+    assert thor.ok("Teleport", rotation=90).metadata["agent"]["rotation"]["y"] == pytest.approx(90, abs=1e-3)
+
+
+@pytest.mark.contract("1.9")
+def test_metadata_keys(thor):
+    metadata = thor.look().metadata
+    assert not METADATA_KEYS - set(dict.keys(metadata))
+    agent = metadata["agent"]
+    assert {"name", "position", "rotation", "cameraHorizon", "isStanding", "inHighFrictionArea"} <= set(agent)
+    assert {"position", "rotation", "localPosition", "localRotation"} <= set(metadata["heldObjectPose"])
+    assert metadata["errorMessage"] == "" and metadata["errorCode"] in (None, "") and metadata["cameraOrthSize"] == -1
+    bounds = metadata["sceneBounds"]
+    assert set(bounds) == {"center", "size", "cornerPoints"} and len(bounds["cornerPoints"]) == 8
+    corners = np.array([list(c.values()) if isinstance(c, dict) else c for c in bounds["cornerPoints"]])
+    size = [bounds["size"][k] for k in "xyz"]
+    assert np.allclose(np.ptp(corners, axis=0), size, atol=1e-4)
+    for record in metadata["objects"]:
+        keys = set(record) - {"visibleBounds2D"}
+        assert len(keys) == OBJECT_KEYS, sorted(keys)
+        json.dumps(record, allow_nan=False)
+
+
+@pytest.mark.contract("1.10", "2 camera")
+def test_images_are_the_right_way_up_and_round(thor):
+    """Depth of a mask carried back into the room by the contract's camera lies in the object's box: rows, columns, signs and
+    scale."""
+    thor.reset(snapToGrid=False)
+    checked = 0
+    for _ in range(6):
+        event = thor.look(position=thor.free_cell(), rotation=thor.random.uniform(0, 360), horizon=20, standing=True)
+        assert event.frame.dtype == np.uint8 and event.frame.shape == (150, 200, 3)
+        assert event.depth_frame.dtype == np.float32 and event.depth_frame.shape == (150, 200)
+        assert event.metadata["depthFormat"] == "Meters"
+        yaw, pitch = (
+            math.radians(event.metadata["agent"][k]["y"] if k == "rotation" else event.metadata["agent"][k])
+            for k in ("rotation", "cameraHorizon")
+        )
+        forward = np.array([math.sin(yaw) * math.cos(pitch), -math.sin(pitch), math.cos(yaw) * math.cos(pitch)])
+        right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
+        up = np.cross(forward, right)
+        eye = np.array([event.metadata["cameraPosition"][k] for k in "xyz"])
+        rows, columns = np.mgrid[0:150, 0:200]
+        half = math.tan(math.radians(event.metadata["fov"]) / 2)
+        across, above = ((columns + 0.5) / 100 - 1) * half * 200 / 150, (1 - (rows + 0.5) / 75) * half
+        rays = forward + across[..., None] * right + above[..., None] * up
+        points = eye + event.depth_frame[..., None] * rays
+        for object_id, mask in event.instance_masks.items():
+            record = event.get_object(object_id)
+            if record is None or mask.sum() < 60:
+                continue
+            box = record["axisAlignedBoundingBox"]
+            centre, size = (np.array([box[k][a] for a in "xyz"]) for k in ("center", "size"))
+            out = np.abs(points[mask] - centre) > size / 2 + 0.03
+            assert out.any(axis=1).mean() < 0.1, object_id
+            checked += 1
+    assert checked >= 5
+
+
+@pytest.mark.contract("1.10")
+def test_pictures_show_something_and_repeat(thor):
+    one, two = thor.look(), thor.look()
+    assert one.frame.std() > 5 and np.array_equal(one.frame, two.frame) and np.array_equal(one.depth_frame, two.depth_frame)
+    thor.ok("RotateRight")
+    other = thor.look()
+    assert np.abs(other.frame.astype(int) - one.frame).mean() > 5
+
+
+@pytest.mark.contract("1.11")
+def test_colours_name_instances_and_classes(thor):
+    """MD5 of the id or type gives the colour; masks are found by it, classes too."""
+    thor.reset(renderSemanticSegmentation=True)
+    event = thor.look(position=thor.free_cell(), rotation=0, horizon=30, standing=True)
+    names = {c["name"]: tuple(c["color"]) for c in event.metadata["colors"]}
+    assert set(thor.objects) <= set(names)
+    assert {o["objectType"] for o in thor.metadata["objects"]} <= set(names)
+    for name in (*thor.objects, *(o["objectType"] for o in thor.metadata["objects"])):
+        assert names[name] == tuple(hashlib.md5(name.encode()).digest()[:3]), name
+    shown = {tuple(c) for c in event.instance_segmentation_frame.reshape(-1, 3).tolist()}
+    assert shown & {names[i] for i in thor.objects}
+    for object_id in list(event.instance_masks)[:8]:
+        mask = event.instance_masks[object_id]
+        assert (event.instance_segmentation_frame[mask] == names[object_id]).all()
+    classes = {tuple(c) for c in event.semantic_segmentation_frame.reshape(-1, 3).tolist()}
+    assert classes & {names[o["objectType"]] for o in thor.metadata["objects"]}
+    assert any("|" not in name for name in event.class_masks if name in names) or not len(event.class_masks)
+
+
+@pytest.mark.contract("1.11")
+def test_no_colours_without_an_ids_image(thor):
+    thor.reset(renderInstanceSegmentation=False)
+    assert not thor.look().color_to_object_id
+
+
+@pytest.mark.contract("1.12")
+def test_codes_become_value_errors_and_the_rest_falsy_events(thor):
+    with pytest.raises(ValueError):
+        thor.step("NoSuchAction")
+    event = thor.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00")
+    assert not event and event.metadata["errorCode"] not in ("InvalidAction", "MissingArguments", "InvalidArgument")
+    thor.ok("Pass")
+
+
+@pytest.mark.contract("1.12")
+@pytest.mark.scenes(1)
+def test_failures_raise_on_request(start, scene):
+    with start(scene=scene, renderImage=False) as controller, pytest.raises(RuntimeError):
+        controller.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00", raise_for_failure=True)
+
+
+def _killed(pid, number):
+    os.kill(pid, number)
+    end = time.monotonic() + 10
+    while time.monotonic() < end:
+        with open(f"/proc/{pid}/stat") as file:
+            if file.read().rsplit(")", 1)[1].split()[0] == "Z":
+                return
+        time.sleep(0.01)
+
+
+def _patient(scene):
+    from ai2thor.controller import Controller
+
+    return Controller(local_executable_path=executable(), scene=scene, server_timeout=None, renderImage=False)
+
+
+@pytest.mark.contract("1.13")
+def test_kill_is_noticed():
+    controller = _patient("FloorPlan403")
+    try:
+        _killed(controller.unity_pid, signal.SIGKILL)
+        with pytest.raises((RuntimeError, BrokenPipeError)):
+            controller.step("Pass")
+    finally:
+        with contextlib.suppress(BrokenPipeError):
+            controller.stop()
+
+
+@pytest.mark.contract("1.14")
+def test_stop_leaves_no_process(start, alive):
+    with start(scene="FloorPlan403", renderImage=False) as controller:
+        pid = controller.unity_pid
+        assert alive(pid)
+    assert not alive(pid)
+
+
+@pytest.mark.contract("1.14")
+def test_two_engines_at_once(start):
+    """Neither knows of the other."""
+    with start(scene="FloorPlan403", renderImage=False) as one, start(scene="FloorPlan302", renderImage=False) as two:
+        assert one.unity_pid != two.unity_pid
+        before = two.last_event.metadata["agent"]
+        one.step("RotateRight", renderImage=False)
+        assert two.step("Pass", renderImage=False).metadata["agent"] == before
+        assert one.last_event.metadata["sceneName"] != two.last_event.metadata["sceneName"]

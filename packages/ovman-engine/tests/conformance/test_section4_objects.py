@@ -1,0 +1,408 @@
+"""Contract, section 4: putting objects in places, taking them away, and time."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from conformance.conftest import xyz
+
+NOTHING = "Nothing|+00.00|+00.00|+00.00"
+
+
+def near_surface(record, thor, rise=0.6):
+    """A point above the middle of a table-like object."""
+    box = record["axisAlignedBoundingBox"]
+    return {"x": box["center"]["x"], "y": box["center"]["y"] + box["size"]["y"] / 2 + rise, "z": box["center"]["z"]}
+
+
+def open_floor(thor, margin=0.5, count=1):
+    """Reachable cells at least `margin` from the agent and from each other, and clear of the edge of the grid."""
+    cells = thor.reachable()
+    known = {(round(c["x"], 2), round(c["z"], 2)) for c in cells}
+    inner = [
+        c
+        for c in cells
+        if all((round(c["x"] + i, 2), round(c["z"] + j, 2)) in known for i in (-0.25, 0, 0.25) for j in (-0.25, 0, 0.25))
+    ]
+    thor.random.shuffle(inner)
+    chosen = []
+    for c in inner or cells:
+        others = [thor.position, *map(xyz, chosen)]
+        if all(np.hypot(c["x"] - o[0], c["z"] - o[2]) > margin for o in others):
+            chosen.append(c)
+        if len(chosen) == count:
+            return chosen
+    pytest.skip("the floor is too small")
+
+
+def by_name(thor):
+    return {o["name"]: o for o in thor.metadata["objects"]}
+
+
+def settled(thor, limit=100):
+    for _ in range(limit):
+        if thor.ok("Pass").metadata["isSceneAtRest"]:
+            return
+    pytest.fail("never at rest")
+
+
+# SetObjectPoses
+
+
+@pytest.mark.contract("4 SetObjectPoses")
+@pytest.mark.scenes(4)
+def test_set_object_poses_as_they_are(thor):
+    """The poses of the metadata are the poses."""
+    before = by_name(thor)
+    thor.ok("SetObjectPoses", objectPoses=thor.poses())
+    after = by_name(thor)
+    assert set(after) == set(before)
+    for name, record in after.items():
+        assert np.allclose(xyz(record["position"]), xyz(before[name]["position"]), atol=2e-2), name
+
+
+@pytest.mark.contract("4 SetObjectPoses")
+def test_set_object_poses_takes_away_what_is_not_listed(thor):
+    """Pickupable and moveable objects that are not named drop out of the metadata; the rest of the scene stays."""
+    movables, fixed = [o["name"] for o in thor.movables()], {o["name"] for o in thor.metadata["objects"]}
+    fixed -= set(movables)
+    poses = thor.poses()
+    keep = {p["objectName"] for p in thor.random.sample(poses, len(poses) // 2)}
+    thor.ok("SetObjectPoses", objectPoses=[p for p in poses if p["objectName"] in keep])
+    left = set(by_name(thor))
+    assert keep <= left <= keep | fixed
+    assert all(name.startswith(("Drawer", "Cabinet", "Shelf")) for name in fixed - left), "parts go with the whole"
+    thor.reset()
+    assert set(by_name(thor)) == set(movables) | fixed
+
+
+@pytest.mark.contract("4 SetObjectPoses", "2 objectId")
+def test_set_object_poses_moves_without_asking_and_renames_ids(thor):
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target = {"x": cell["x"], "y": 1.4, "z": cell["z"]}
+    poses = [p if p["objectName"] != record["name"] else {**p, "position": target} for p in thor.poses()]
+    thor.ok("SetObjectPoses", objectPoses=poses, placeStationary=True)
+    moved = by_name(thor)[record["name"]]
+    assert np.allclose(xyz(moved["position"]), xyz(target), atol=2e-2)
+    assert moved["objectId"] != record["objectId"] and moved["objectId"].startswith(record["objectType"] + "|")
+    for _ in range(5):
+        thor.ok("Pass")
+    assert np.allclose(xyz(by_name(thor)[record["name"]]["position"]), xyz(target), atol=2e-2)
+
+
+@pytest.mark.contract("4 SetObjectPoses")
+def test_set_object_poses_dynamic_falls(thor):
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target = {"x": cell["x"], "y": 1.4, "z": cell["z"]}
+    poses = [p if p["objectName"] != record["name"] else {**p, "position": target} for p in thor.poses()]
+    thor.ok("SetObjectPoses", objectPoses=poses, placeStationary=False)
+    settled(thor)
+    assert by_name(thor)[record["name"]]["position"]["y"] < 1.0
+
+
+@pytest.mark.contract("4 SetObjectPoses")
+def test_set_object_poses_twice_makes_a_copy(thor):
+    (record,) = thor.pickupable()
+    one, two = open_floor(thor, count=2)
+    extra = [
+        {"objectName": record["name"], "position": {"x": c["x"], "y": 1.2, "z": c["z"]}, "rotation": record["rotation"]}
+        for c in (one, two)
+    ]
+    others = [p for p in thor.poses() if p["objectName"] != record["name"]]
+    thor.ok("SetObjectPoses", objectPoses=others + extra)
+    copies = [o for o in thor.metadata["objects"] if o["name"].startswith(f"{record['name']}_copy_")]
+    assert record["name"] in by_name(thor) and len(copies) == 1
+    assert copies[0]["objectType"] == record["objectType"] and copies[0]["objectId"] != by_name(thor)[record["name"]]["objectId"]
+
+
+@pytest.mark.contract("4 SetObjectPoses")
+def test_set_object_poses_with_an_unknown_name(thor):
+    """It fails, and still places the others."""
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target = {"x": cell["x"], "y": 1.3, "z": cell["z"]}
+    poses = [p if p["objectName"] != record["name"] else {**p, "position": target} for p in thor.poses()]
+    poses.append({"objectName": "Nothing_1", "position": target, "rotation": record["rotation"]})
+    thor.refused("SetObjectPoses", "No Pickupable or Moveable object of name Nothing_1 found in scene.", objectPoses=poses)
+    assert np.allclose(xyz(by_name(thor)[record["name"]]["position"]), xyz(target), atol=2e-2)
+
+
+# PlaceObjectAtPoint
+
+
+def _place(thor, points, objects=10):
+    """First success of placing some object at one of the points."""
+    for record in thor.random.sample(thor.movables(), min(objects, len(thor.movables()))):
+        for point in points:
+            before = record
+            event = thor.step("PlaceObjectAtPoint", objectId=record["objectId"], position=point)
+            if event:
+                return before, point, event
+    pytest.fail(f"nothing could be placed: {event.metadata['errorMessage']}")
+
+
+@pytest.mark.contract("4 PlaceObjectAtPoint")
+@pytest.mark.scenes(4)
+def test_place_object_on_the_floor(thor):
+    """It comes to lie on what is below the point, keeps its id, and the return value is where it is."""
+    cells = open_floor(thor, count=2)
+    floor = thor.position[1] - 0.9
+    before, point, event = _place(thor, [{**c, "y": floor + 0.4} for c in cells])
+    record = thor.objects[before["objectId"]]
+    box = record["axisAlignedBoundingBox"]
+    assert abs(box["center"]["y"] - box["size"]["y"] / 2 - floor) < 0.1
+    assert np.hypot(box["center"]["x"] - point["x"], box["center"]["z"] - point["z"]) < 0.4
+    assert set(event.metadata["actionReturn"]) >= {"x", "y", "z"}
+    position = xyz(record["position"])
+    for _ in range(10):
+        thor.ok("Pass")
+    assert np.allclose(xyz(thor.objects[before["objectId"]]["position"]), position, atol=0.05)
+    assert any(thor.objects[before["objectId"]]["name"] == before["name"] for _ in (0,))
+
+
+@pytest.mark.contract("4 PlaceObjectAtPoint")
+def test_place_object_in_the_first_place_that_is_free(thor):
+    cells = open_floor(thor, count=2)
+    floor = thor.position[1] - 0.9
+    outside = {"x": 70.0, "y": 1.0, "z": 70.0}
+    for record in thor.pickupable(4):
+        positions = [outside, *({**c, "y": floor + 0.4} for c in cells)]
+        if thor.step("PlaceObjectAtPoint", objectId=record["objectId"], positions=positions):
+            after = xyz(thor.objects[record["objectId"]]["position"])
+            assert min(np.hypot(after[0] - c["x"], after[2] - c["z"]) for c in cells) < 0.4
+            return
+    pytest.fail(thor.metadata["errorMessage"])
+
+
+@pytest.mark.contract("4 PlaceObjectAtPoint")
+@pytest.mark.scenes(4)
+def test_place_object_where_there_is_no_room(thor):
+    """The obstacle is named and the object stays where it was."""
+    first, second = thor.pickupable(2)
+    (cell,) = open_floor(thor)
+    spot = {"x": cell["x"], "y": thor.position[1] - 0.9 + 0.4, "z": cell["z"]}
+    if not thor.step("PlaceObjectAtPoint", objectId=first["objectId"], position=spot):
+        pytest.skip("the first does not stay")
+    there = thor.objects[first["objectId"]]["axisAlignedBoundingBox"]["center"]
+    blocked = {"x": there["x"], "y": there["y"], "z": there["z"]}
+    before = thor.objects[second["objectId"]]["position"]
+    event = thor.step("PlaceObjectAtPoint", objectId=second["objectId"], position=blocked)
+    if not event:
+        assert event.metadata["errorMessage"]
+        assert np.allclose(xyz(thor.objects[second["objectId"]]["position"]), xyz(before), atol=2e-2)
+    else:
+        pytest.skip("there was room")
+
+
+@pytest.mark.contract("4 PlaceObjectAtPoint")
+@pytest.mark.scenes(3)
+def test_place_object_on_the_agent(thor):
+    (record,) = thor.pickupable()
+    spot = {"x": thor.position[0], "y": thor.position[1] - 0.4, "z": thor.position[2]}
+    before = record["position"]
+    event = thor.step("PlaceObjectAtPoint", objectId=record["objectId"], position=spot)
+    if not event:
+        assert event.metadata["errorMessage"] and thor.objects[record["objectId"]]["position"] == before
+
+
+@pytest.mark.contract("4 PlaceObjectAtPoint")
+def test_place_object_refusals(thor):
+    (record,) = thor.pickupable()
+    inside = thor.agent["position"]
+    thor.refused("PlaceObjectAtPoint", f"Cannot find object with id {NOTHING}", objectId=NOTHING, position=inside)
+    before = record["position"]
+    thor.refused(
+        "PlaceObjectAtPoint", "is not within scene bounds", objectId=record["objectId"], position={"x": 70.0, "y": 1.0, "z": 70.0}
+    )
+    assert thor.objects[record["objectId"]]["position"] == before
+
+
+# TeleportObject
+
+
+@pytest.mark.contract("4 TeleportObject")
+@pytest.mark.scenes(3)
+def test_teleport_object(thor):
+    """Exactly there, with its id; with forceKinematic it stays in the air."""
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target, rotation = {"x": cell["x"], "y": 1.5, "z": cell["z"]}, {"x": 0.0, "y": 45.0, "z": 0.0}
+    event = thor.ok("TeleportObject", objectId=record["objectId"], position=target, rotation=rotation, forceKinematic=True)
+    moved = {o["objectId"]: o for o in event.metadata["objects"]}[record["objectId"]]
+    assert np.allclose(xyz(moved["position"]), xyz(target), atol=1e-3)
+    assert moved["rotation"]["y"] == pytest.approx(45, abs=0.1)
+    for _ in range(5):
+        thor.ok("Pass")
+    assert np.allclose(xyz(thor.objects[record["objectId"]]["position"]), xyz(target), atol=1e-3)
+
+
+@pytest.mark.contract("4 TeleportObject")
+def test_teleported_object_falls(thor):
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target = {"x": cell["x"], "y": 1.5, "z": cell["z"]}
+    thor.ok("TeleportObject", objectId=record["objectId"], position=target, rotation=record["rotation"])
+    settled(thor)
+    assert thor.objects[record["objectId"]]["position"]["y"] < 1.2
+
+
+@pytest.mark.contract("4 TeleportObject")
+@pytest.mark.scenes(3)
+def test_teleport_object_into_another(thor):
+    """Refused by name and undone, unless it is forced."""
+    record = thor.pickupable()[0]
+    big = max(
+        (o for o in thor.metadata["objects"] if o["objectType"] not in ("Floor", "Window", "Wall") and not o["pickupable"]),
+        key=lambda o: np.prod(list(o["axisAlignedBoundingBox"]["size"].values())),
+    )
+    target = big["axisAlignedBoundingBox"]["center"]
+    before = record["position"]
+    event = thor.step("TeleportObject", objectId=record["objectId"], position=target, rotation=record["rotation"])
+    if not event:
+        assert f"{record['objectId']} is colliding with " in event.metadata["errorMessage"]
+        assert event.metadata["errorMessage"].endswith("after teleport.")
+        assert thor.objects[record["objectId"]]["position"] == before
+    thor.ok("TeleportObject", objectId=record["objectId"], position=target, rotation=record["rotation"], forceAction=True)
+
+
+@pytest.mark.contract("4 TeleportObject")
+def test_teleport_object_refusals(thor):
+    thor.refused("TeleportObject", objectId=NOTHING, position=thor.agent["position"], rotation={"x": 0, "y": 0, "z": 0})
+
+
+# DisableObject, EnableObject, RemoveFromScene
+
+
+@pytest.mark.contract("4 DisableObject", "4 EnableObject")
+@pytest.mark.scenes(4)
+def test_disable_and_enable(thor):
+    """No image, no collision, still in the metadata and not visible; twice is as good as once; back at the same pose."""
+    record = max(thor.movables(), key=lambda o: np.prod(list(o["axisAlignedBoundingBox"]["size"].values())))
+    for _ in range(2):
+        thor.ok("DisableObject", objectId=record["objectId"])
+        kept = thor.objects[record["objectId"]]
+        assert kept["visible"] is False and kept["position"] == record["position"] and kept["name"] == record["name"]
+    for _ in range(2):
+        thor.ok("EnableObject", objectId=record["objectId"])
+        assert np.allclose(xyz(thor.objects[record["objectId"]]["position"]), xyz(record["position"]), atol=2e-2)
+
+
+@pytest.mark.contract("4 DisableObject", "4 EnableObject")
+def test_disabled_object_is_not_seen(thor):
+    for record in thor.pickupable(10):
+        poses = thor.ok("GetInteractablePoses", objectId=record["objectId"], maxPoses=3).metadata["actionReturn"]
+        for pose in poses:
+            event = thor.look(**pose)
+            if event.instance_masks.mask(record["objectId"]) is None or event.instance_masks.mask(record["objectId"]).sum() < 5:
+                continue
+            picture = event.frame.copy()
+            thor.ok("DisableObject", objectId=record["objectId"])
+            event = thor.look()
+            mask = event.instance_masks.mask(record["objectId"])
+            assert (mask is None or not mask.any()) and not thor.objects[record["objectId"]]["visible"]
+            assert not np.array_equal(event.frame, picture)
+            thor.ok("EnableObject", objectId=record["objectId"])
+            assert np.array_equal(thor.look().frame, picture)
+            return
+    pytest.skip("nothing small was to be seen")
+
+
+@pytest.mark.contract("4 DisableObject", "4 EnableObject")
+@pytest.mark.parametrize("action", ["DisableObject", "EnableObject"])
+def test_disable_nothing(thor, action):
+    event = thor.refused(action, objectId=NOTHING)
+    assert event.metadata["errorMessage"] == ""
+
+
+@pytest.mark.contract("4 RemoveFromScene")
+def test_remove_from_scene(thor):
+    one, two, three = (r["objectId"] for r in thor.pickupable(3))
+    count = len(thor.objects)
+    thor.ok("RemoveFromScene", objectId=one)
+    assert one not in thor.objects and len(thor.objects) == count - 1
+    thor.ok("RemoveFromScene", objectIds=[two, three])
+    assert not {one, two, three} & set(thor.objects)
+    thor.refused("RemoveFromScene", objectId=one)
+    thor.refused("DisableObject", objectId=two)
+    thor.reset()
+    assert {one, two, three} <= set(thor.objects) and len(thor.objects) == count
+
+
+@pytest.mark.contract("4 RemoveFromScene")
+def test_remove_nothing(thor):
+    event = thor.refused("RemoveFromScene", objectId=NOTHING)
+    assert event.metadata["errorMessage"]
+
+
+@pytest.mark.contract("4 RemoveFromScene")
+@pytest.mark.scenes(1)
+def test_ids_of_another_scene_are_unknown(thor):
+    foreign = thor.pickupable()[0]["objectId"]
+    thor.reset("FloorPlan412" if thor.scene != "FloorPlan412" else "FloorPlan413")
+    for action, arguments in (
+        ("RemoveFromScene", {}),
+        ("DisableObject", {}),
+        ("GetInteractablePoses", {}),
+        ("GetShortestPath", {}),
+        ("PlaceObjectAtPoint", {"position": thor.agent["position"]}),
+        ("TeleportObject", {"position": thor.agent["position"], "rotation": {"x": 0, "y": 0, "z": 0}}),
+    ):
+        thor.refused(action, objectId=foreign, **arguments)
+
+
+# Time
+
+
+@pytest.mark.contract("4 PausePhysicsAutoSim", "4 UnpausePhysicsAutoSim", "4 AdvancePhysicsStep")
+@pytest.mark.scenes(3)
+def test_physics_by_hand(thor):
+    """Paused, a thing in the air stays there however many actions pass; steps move it; unpaused, it falls by itself."""
+    (record,) = thor.pickupable()
+    (cell,) = open_floor(thor)
+    target = {"x": cell["x"], "y": 1.6, "z": cell["z"]}
+    thor.ok("PausePhysicsAutoSim")
+    thor.ok("TeleportObject", objectId=record["objectId"], position=target, rotation=record["rotation"])
+
+    def height():
+        return thor.objects[record["objectId"]]["position"]["y"]
+
+    for _ in range(3):
+        thor.ok("Pass")
+    assert height() == pytest.approx(1.6, abs=1e-3)
+    heights = [height()]
+    for _ in range(8):
+        thor.ok("AdvancePhysicsStep", timeStep=0.02)
+        heights.append(height())
+    assert all(a >= b for a, b in zip(heights, heights[1:], strict=False)) and heights[-1] < 1.6 - 0.05
+    assert heights[0] - heights[-1] < 0.5 * 9.81 * (9 * 0.02) ** 2 + 0.05
+    thor.ok("UnpausePhysicsAutoSim")
+    settled(thor)
+    assert height() < heights[-1]
+
+
+@pytest.mark.contract("4 AdvancePhysicsStep")
+def test_advance_refusals(thor):
+    thor.refused(
+        "AdvancePhysicsStep", "AdvancePhysicsStep can only be called if Physics AutoSimulation is currently paused", timeStep=0.01
+    )
+    thor.ok("PausePhysicsAutoSim")
+    for step in (0, -0.1, 0.051, 1.0):
+        assert thor.refused("AdvancePhysicsStep", "", timeStep=step).metadata["errorMessage"]
+    thor.ok("AdvancePhysicsStep", timeStep=0.05)
+    thor.ok("AdvancePhysicsStep", timeStep=0.01, simSeconds=0.1)
+
+
+@pytest.mark.contract("4 PausePhysicsAutoSim", "4 Initialize")
+def test_initialised_without_auto_simulation(thor):
+    thor.reset(autoSimulation=False)
+    thor.ok("AdvancePhysicsStep", timeStep=0.01)
+
+
+@pytest.mark.contract("4 PausePhysicsAutoSim")
+def test_reset_unpauses(thor):
+    thor.ok("PausePhysicsAutoSim")
+    thor.reset()
+    thor.refused("AdvancePhysicsStep", "can only be called if Physics AutoSimulation is currently paused", timeStep=0.01)

@@ -1,0 +1,113 @@
+"""The real ai2thor Controller in front of the engine's own process, and the engine without its process."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import msgpack
+import pytest
+
+from ovman_engine import executable
+from ovman_engine.client.wire import Field
+from ovman_engine.engine import Engine
+
+BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
+"""What the benchmark initialises the engine with."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def display(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """What the client insists on: some display, no GPU, a home to put its log in."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("DISPLAY", ":0")
+        patch.delenv("CUDA_VISIBLE_DEVICES", raising=False)
+        patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
+        yield
+
+
+@contextmanager
+def started(**options: Any) -> Iterator[Any]:
+    from ai2thor.controller import Controller
+
+    controller = Controller(local_executable_path=executable(), server_timeout=60, **options)
+    try:
+        yield controller
+    finally:
+        controller.stop()
+
+
+@pytest.fixture(scope="session")
+def start() -> Callable[..., Any]:
+    """Context manager: `with start(scene=..., ...) as controller`."""
+    return started
+
+
+@pytest.fixture(scope="module")
+def shared() -> Iterator[Any]:
+    """A Controller on FloorPlan201 as the benchmark starts it. Whoever uses it resets it first."""
+    with started(scene="FloorPlan201", **BARS) as controller:
+        yield controller
+
+
+@pytest.fixture
+def controller(shared: Any) -> Any:
+    """The shared Controller, on the untouched FloorPlan201."""
+    shared.reset("FloorPlan201", renderImage=False, **BARS)
+    return shared
+
+
+class InProcess:
+    """The engine without pipes: answers as the client would decode them."""
+
+    def __init__(self, scene: str = "FloorPlan201", **initialize: Any) -> None:
+        self.engine = Engine(300, 300, draws=False)
+        self.agent: dict[str, Any] = {}
+        self.do("Reset", sceneName=f"{scene}_physics")
+        self.do("Initialize", **{**BARS, **initialize})
+
+    def do(self, action: str, **arguments: Any) -> dict[str, Any]:
+        """The metadata after an action."""
+        frames = self.engine.answer(json.dumps({"action": action, **arguments}).encode())
+        field, body = frames[0]
+        metadata = msgpack.unpackb(body)
+        self.agent = metadata["agents"][0] if field == Field.METADATA else {**self.agent, **metadata}
+        return self.agent
+
+    def object(self, object_id: str) -> dict[str, Any]:
+        return next(o for o in self.agent["objects"] if o["objectId"] == object_id)
+
+
+@pytest.fixture(scope="session")
+def engine() -> Callable[..., InProcess]:
+    """`engine("FloorPlan1", gridSize=...)`: the engine on a scene, in this process and without images."""
+    return InProcess
+
+
+def pid_alive(pid: int) -> bool:
+    """Whether a process runs; a zombie does not."""
+    try:
+        with open(f"/proc/{pid}/stat") as file:
+            return file.read().rsplit(")", 1)[1].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
+@pytest.fixture(scope="session")
+def alive() -> Callable[[int], bool]:
+    return pid_alive
+
+
+@pytest.fixture
+def engine_environment(tmp_path: Any) -> dict[str, str]:
+    """Environment of an engine process whose pipes are in the test's own directory."""
+    pipes = {
+        "AI2THOR_FIFO_SERVER_PIPE_PATH": str(tmp_path / "server.pipe"),
+        "AI2THOR_FIFO_CLIENT_PIPE_PATH": str(tmp_path / "client.pipe"),
+    }
+    for path in pipes.values():
+        os.mkfifo(path)
+    return {**os.environ, **pipes}

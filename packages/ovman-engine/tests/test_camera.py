@@ -1,0 +1,427 @@
+"""Pictures against geometry: depth, ids, and that a frame is a function of the world and the view alone."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman_engine.paint import materials, textures
+from ovman_engine.picture import camera, corners, lights, painter, rays, scene_mesh, shading
+from ovman_engine.picture.camera import Renderer, View
+from ovman_engine.plan import floorplan
+from ovman_engine.shapes import Part
+from ovman_engine.world.world import World
+
+FEW = settings(max_examples=20, deadline=None, derandomize=True)
+SCENES = ("FloorPlan201", "FloorPlan7", "FloorPlan311", "FloorPlan410")
+LOW, HIGH = np.array([-2.0, 0.0, -3.0]), np.array([4.0, 2.5, 5.0])
+
+
+class Stage:
+    """A world without objects: structures alone, in world coordinates."""
+
+    def __init__(self, *boxes: tuple[str, np.ndarray, np.ndarray]) -> None:
+        paint = {"main": materials.Material(np.array([0.5, 0.4, 0.3]))}
+        self.plan = floorplan.FloorPlan("Stage", "none", (), np.zeros(3), 0.0)
+        self.room, self.bodies, self.version = self, {}, 0
+        self._parts = tuple((name, (Part("box", (low + high) / 2, high - low),), paint) for name, low, high in boxes)
+
+    def parts(self):
+        return self._parts
+
+
+def hall() -> Stage:
+    """The inside of one box."""
+    return Stage(("hall", LOW, HIGH))
+
+
+def rays_of(view: View) -> np.ndarray:
+    """(H, W, 3) directions through pixel centres, of length 1 along the view direction, by the camera model's definition."""
+    a, p = np.radians(view.yaw_deg), np.radians(view.horizon_deg)
+    forward = np.array([np.sin(a) * np.cos(p), -np.sin(p), np.cos(a) * np.cos(p)])
+    right = np.array([np.cos(a), 0, -np.sin(a)])
+    up = np.cross(forward, right)
+    tall = np.tan(np.radians(view.fov_deg) / 2)
+    y = (1 - 2 * (np.arange(view.height) + 0.5) / view.height) * tall
+    x = (2 * (np.arange(view.width) + 0.5) / view.width - 1) * tall * view.width / view.height
+    return forward + x[None, :, None] * right + y[:, None, None] * up
+
+
+def view_of(world: World, number: int, **fields) -> View:
+    """One of many views of a world: a reachable cell, a heading and a pitch that only the number decides."""
+    cells = world.reachable()
+    cell = np.array(cells[number * 37 % len(cells)])
+    return View(cell + [0, 0.675, 0], float(number * 70 % 360), float([0, 30, 0, 60][number % 4]), **fields)
+
+
+@FEW
+@given(
+    st.floats(0, 360), st.floats(-30, 60), st.floats(30, 110), st.integers(8, 40), st.integers(8, 40),
+    st.floats(0.1, 0.9), st.floats(0.2, 0.9), st.floats(0.1, 0.9),
+)  # fmt: skip
+def test_depth_inside_a_box_is_the_distance_to_its_walls(yaw, horizon, fov, width, height, x, y, z):
+    view = View(LOW + np.array([x, y, z]) * (HIGH - LOW), yaw, horizon, fov, width, height)
+    ways = rays_of(view)
+    with np.errstate(divide="ignore"):
+        expected = np.where(ways > 0, (HIGH - view.position) / ways, (LOW - view.position) / ways).min(axis=2)
+    depth = Renderer(hall()).frame(view, rgb=False, depth=True).depth
+    seen = (expected > view.near_m + 1e-3) & (expected < view.far_m - 1e-3)
+    assert depth.dtype == np.float32
+    np.testing.assert_allclose(depth[seen], expected[seen], rtol=3e-5)
+
+
+def test_the_camera_looks_where_its_angles_say():
+    eye = np.array([0.0, 1.5, 0.0])
+    boxes = {"+z": (0, 1.5, 3), "+x": (3, 1.5, 0), "-z": (0, 1.5, -3), "-x": (-3, 1.5, 0), "down": (0, 0, 3)}
+    stage = Stage(*((name, np.array(at, float) - 0.3, np.array(at, float) + 0.3) for name, at in boxes.items()))
+    renderer = Renderer(stage)
+
+    def middle(**view):
+        ids = renderer.frame(View(eye, **view, width=31, height=21), rgb=False, ids=True).ids
+        return renderer.names[ids[10, 15]] if ids[10, 15] >= 0 else None
+
+    assert [middle(yaw_deg=a) for a in (0, 90, 180, 270)] == ["+z", "+x", "-z", "-x"]
+    assert middle(yaw_deg=0, horizon_deg=26.6) == "down"
+    ids = renderer.frame(View(eye, 45, fov_deg=120, width=41, height=21), rgb=False, ids=True).ids
+    columns = {renderer.names[i]: np.nonzero(ids == i)[1].mean() for i in np.unique(ids[ids >= 0])}
+    assert columns["+z"] < 20 < columns["+x"]
+    ids = renderer.frame(View(eye, 0, width=21, height=41), rgb=False, ids=True).ids
+    assert np.nonzero(ids == renderer.names.index("down"))[0].min() > np.nonzero(ids == renderer.names.index("+z"))[0].mean()
+
+
+def test_near_and_far_bound_what_is_seen():
+    stage = Stage(
+        ("near", np.array([-1.0, -1, 1]), np.array([1.0, 1, 1.2])), ("far", np.array([-9.0, -9, 30]), np.array([9.0, 9, 31]))
+    )
+    renderer = Renderer(stage)
+    frame = renderer.frame(View(np.zeros(3), 0, width=9, height=9, near_m=0.5), rgb=False, depth=True, ids=True)
+    assert frame.ids[4, 4] == 0 and frame.depth[4, 4] == pytest.approx(1.0, abs=1e-6)
+    beyond = renderer.frame(View(np.array([0, 0, 2.0]), 0, width=9, height=9), rgb=False, depth=True, ids=True)
+    assert (beyond.ids == -1).all() and (beyond.depth == 20).all()
+    inside = renderer.frame(View(np.array([0, 0, 0.9]), 0, width=9, height=9, near_m=0.15), rgb=False, depth=True, ids=True)
+    assert inside.depth[4, 4] == pytest.approx(0.3, abs=1e-6), "what is nearer than the near plane is not drawn"
+
+
+def test_an_orthographic_view_from_above_measures_heights_and_lengths():
+    stage = Stage(
+        ("floor", np.array([-2.0, -0.1, -2]), np.array([2.0, 0, 2])), ("box", np.array([0.0, 0, 0]), np.array([1.0, 0.5, 1]))
+    )
+    view = View(np.array([0.0, 3, 0]), 0, 90, width=80, height=80, orthographic_size=2.0)
+    frame = Renderer(stage).frame(view, depth=True, ids=True)
+    np.testing.assert_allclose(frame.depth, np.where(frame.ids == 1, 2.5, 3.0), atol=1e-5)
+    assert (frame.ids == 1).sum() == 20 * 20 and (frame.ids[20:40, 40:60] == 1).all()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_what_is_seen_of_an_object_lies_in_its_box(scene):
+    world = World(floorplan.load(scene))
+    renderer = Renderer(world)
+    inside = total = 0
+    for number in range(4):
+        view = view_of(world, number, width=120, height=120)
+        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+        assert set(np.unique(frame.ids)) <= set(range(-1, len(renderer.names)))
+        assert ((frame.depth < view.far_m) == (frame.ids >= 0)).all()
+        points = view.position + rays_of(view) * frame.depth[..., None]
+        for i in np.unique(frame.ids[frame.ids >= 0]):
+            if renderer.names[i] in world.bodies:
+                box = world.box(renderer.names[i])
+                local = np.abs((points[frame.ids == i] - box.centre) @ box.rotation)
+                if renderer.names[i].startswith("CounterTop"):
+                    local[:, 1] = 0  # the recorded box is the slab; what carries it is drawn too
+                inside += (local <= box.half + 0.02).all(axis=1).sum()
+                total += len(local)
+    assert total > 5000
+    assert inside / total >= 0.99
+
+
+def test_a_closed_room_has_no_holes():
+    for scene in SCENES:
+        world = World(floorplan.load(scene))
+        ids = Renderer(world).frame(view_of(world, 4, width=150, height=150), rgb=False, ids=True).ids
+        assert (ids >= 0).mean() > 0.999
+
+
+def test_frames_are_the_same_to_the_byte_from_renderer_to_renderer():
+    world = World(floorplan.load("FloorPlan201"))
+    view = view_of(world, 2, width=150, height=130)
+    first = Renderer(world).frame(view, depth=True, ids=True, normals=True)
+    camera._plans.clear()
+    scene_mesh._plans.clear()
+    second = Renderer(World(floorplan.load("FloorPlan201"))).frame(view, depth=True, ids=True, normals=True)
+    for name in ("rgb", "depth", "ids", "normals"):
+        assert getattr(first, name).tobytes() == getattr(second, name).tobytes()
+    assert first.rgb.shape == (130, 150, 3) and first.rgb.dtype == np.uint8
+    assert len(np.unique(first.rgb.reshape(-1, 3), axis=0)) > 200
+
+
+def seen_objects(renderer: Renderer, view: View) -> list[str]:
+    ids = renderer.frame(view, rgb=False, ids=True).ids
+    return [renderer.names[i] for i in np.unique(ids[ids >= 0]) if (ids == i).sum() > 40]
+
+
+def test_moving_an_object_and_back_restores_the_frame():
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    view = view_of(world, 1, width=150, height=150)
+    name = next(n for n in seen_objects(renderer, view) if n in world.bodies and world.bodies[n].dynamic)
+    before = renderer.frame(view, depth=True, ids=True)
+    home = world.bodies[name].pose
+    turned = floorplan.rotation_matrix(np.array([0.0, 33.0, 0.0])) @ home.rotation
+    world.teleport(name, home.position + [0.3, 0.2, -0.4], turned, force=True, kinematic=True)
+    away = renderer.frame(view, depth=True, ids=True)
+    assert (away.ids != before.ids).sum() > 40
+    again = floorplan.rotation_matrix(floorplan.euler_degrees(home.rotation))
+    world.teleport(name, home.position.copy(), again, force=True, kinematic=True)
+    back = renderer.frame(view, depth=True, ids=True)
+    for image in ("rgb", "depth", "ids"):
+        assert getattr(back, image).tobytes() == getattr(before, image).tobytes()
+
+
+def test_a_displaced_object_is_drawn_as_if_all_were_one_scene():
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    view = view_of(world, 1, width=150, height=150)
+    names = [n for n in seen_objects(renderer, view) if n in world.bodies and world.bodies[n].dynamic][:3]
+    for k, name in enumerate(names):
+        pose = world.bodies[name].pose
+        world.teleport(name, pose.position + [0.1 * k, 0.25, -0.1], pose.rotation, force=True, kinematic=True)
+    frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+    mesh = scene_mesh.build(world)
+    whole = rays.committed(mesh)
+    ways = rays_of(view).reshape(-1, 3).astype(np.float32)
+    starts = (view.position.astype(np.float32) + np.float32(view.near_m) * ways).astype(np.float32)
+    nothing = scene_mesh.of_plan(world.plan, world.room).posed([])
+    triangle, _, _, _ = rays.Caster(whole, 0, nothing).closest(starts, ways)
+    expected = np.where(triangle >= 0, mesh.instance[triangle], -1).reshape(frame.ids.shape)
+    assert (frame.ids == expected).mean() > 0.998, "apart from faces that lie in one plane"
+    assert all((frame.ids == mesh.names.index(n)).any() for n in names)
+
+
+def test_what_is_disabled_is_not_drawn():
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    view = view_of(world, 1, width=100, height=100)
+    name = next(n for n in seen_objects(renderer, view) if n in world.bodies and world.bodies[n].dynamic)
+    before = renderer.frame(view, ids=True)
+    world.set_active(name, False)
+    assert name not in seen_objects(renderer, view)
+    world.set_active(name, True)
+    after = renderer.frame(view, ids=True)
+    assert (after.ids == before.ids).all() and (after.rgb == before.rgb).all()
+
+
+def test_nothing_is_drawn_that_is_not_asked_for(monkeypatch):
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    view = view_of(world, 0, width=40, height=40)
+
+    def refuse(*_args, **_fields):
+        raise AssertionError("drawn")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(rays.Caster, "view", refuse)
+        assert renderer.frame(view, rgb=False) == camera.Frame()
+        with pytest.raises(AssertionError, match="drawn"):
+            renderer.frame(view, rgb=False, ids=True)
+    monkeypatch.setattr(rays.Caster, "occluded", refuse)
+    monkeypatch.setattr(shading, "shade", refuse)
+    frame = renderer.frame(view, rgb=False, depth=True, ids=True, normals=True)
+    assert frame.rgb is None and frame.depth is not None and frame.ids is not None
+    with pytest.raises(AssertionError, match="drawn"):
+        renderer.frame(view)
+
+
+def test_normals_are_unit_and_face_the_viewer():
+    world = World(floorplan.load("FloorPlan311"))
+    view = view_of(world, 3, width=90, height=90)
+    frame = Renderer(world).frame(view, rgb=False, ids=True, normals=True)
+    normals, seen = frame.normals, frame.ids >= 0
+    np.testing.assert_allclose(np.linalg.norm(normals[seen], axis=1), 1, atol=1e-4)
+    assert (np.einsum("ijk,ijk->ij", normals, rays_of(view))[seen] <= 1e-4).all()
+
+
+def test_a_mirror_shows_what_it_faces():
+    """The wall behind the viewer is bright at one side; so is the mirror, on the same side as it would be in a photograph."""
+    paint = {
+        "mirror": materials.Material(np.array([0.1, 0.1, 0.1]), gloss=1.0),
+        "red": materials.Material(np.array([0.9, 0.02, 0.02]), gloss=0.0),
+        "blue": materials.Material(np.array([0.02, 0.02, 0.9]), gloss=0.0),
+    }
+    stage = hall()
+    slabs = {"mirror": ((-2, 0, 2), (2, 2.5, 2.1)), "red": ((-2, 0, -2), (0, 2.5, -1.9)), "blue": ((0, 0, -2), (2, 2.5, -1.9))}
+    for name, (low, high) in slabs.items():
+        low, high = np.array(low, float), np.array(high, float)
+        stage._parts += ((name, (Part("box", (low + high) / 2, high - low, slot=name),), paint),)
+    rgb = Renderer(stage).frame(View(np.array([0, 1.2, 0]), 0, fov_deg=60, width=40, height=40)).rgb.astype(int)
+    left, right = rgb[20, 10], rgb[20, 30]
+    assert left[0] > left[2] + 60 and right[2] > right[0] + 60
+
+
+def test_light_and_shadow_shape_the_picture():
+    """Under a lamp, what is below a slab gets less light than what is beside it, and contact darkens where walls meet."""
+    slab = ("slab", np.array([0.0, 1.0, 0.0]), np.array([1.5, 1.05, 1.5]))
+    view = View(np.array([0.75, 0.9, 0.75]), 0, 90, width=60, height=60, orthographic_size=0.3)
+    open_, under = (Renderer(Stage(("hall", LOW, HIGH), *more)).frame(view).rgb for more in ((), (slab,)))
+    assert under.mean() < 0.9 * open_.mean()
+    corner = Renderer(hall()).frame(View(np.array([3.2, 1.0, 4.2]), 0, 90, width=80, height=80, orthographic_size=0.8)).rgb
+    assert corner[2:10, 70:78].mean() < 0.9 * corner[60:78, 2:20].mean()
+
+
+@pytest.mark.parametrize("bad", [{"fov_deg": 0.0}, {"fov_deg": 180.0}, {"width": 0}])
+def test_impossible_views_are_refused(bad):
+    with pytest.raises(ValueError):
+        View(np.zeros(3), 0, **bad)
+
+
+def soup(rng: np.random.Generator, count: int) -> scene_mesh.SceneMesh:
+    """Triangles anywhere, each an instance of its own."""
+    numbers = np.arange(count, dtype=np.int32)
+    vertices = rng.uniform(-1, 1, (3 * count, 3)).astype(np.float32)
+    corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    flat = np.zeros((count, 3), np.float32)
+    names = tuple(map(str, numbers))
+    return scene_mesh.SceneMesh(
+        vertices, corners, np.zeros((count, 3, 3), np.float32), numbers, numbers, numbers, numbers,
+        np.zeros((count, 3, 4), np.float32), flat, names, (),
+    )  # fmt: skip
+
+
+def met(mesh: scene_mesh.SceneMesh, origins: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """(N, T) distances at which rays meet triangles, infinite where they miss, by solving for each pair."""
+    a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(float) for k in range(3))
+    matrix = np.stack(np.broadcast_arrays(-ways[:, None].astype(float), (b - a)[None], (c - a)[None]), axis=-1)
+    found = np.linalg.solve(matrix, (origins[:, None] - a)[..., None])[..., 0]
+    distance, u, v = np.moveaxis(found, -1, 0)
+    return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 0), distance, np.inf)
+
+
+@FEW
+@given(st.integers(0, 2**32 - 1), st.integers(0, 8), st.integers(0, 4), st.integers(0, 40))
+def test_rays_meet_the_nearest_triangle_of_what_stays_and_what_was_displaced(seed, fixed, displaced, count):
+    rng = np.random.default_rng(seed)
+    stays, moved = soup(rng, fixed), soup(rng, displaced)
+    caster = rays.Caster(rays.committed(stays), fixed, moved)
+    origins = rng.uniform(-2, 2, (count, 3)).astype(np.float32)
+    ways = rng.normal(size=(count, 3)).astype(np.float32)
+    reach = rng.uniform(0.1, 5, count).astype(np.float32)
+    expected = np.concatenate([met(stays, origins, ways), met(moved, origins, ways), np.full((count, 1), np.inf)], axis=1)
+    nearest = expected.min(axis=1)
+    triangle, distance, u, v = caster.closest(origins, ways)
+    assert triangle.dtype == np.int32 and ((triangle >= 0) == (distance < rays.FAR)).all()
+    same = triangle == np.where(np.isfinite(nearest), expected.argmin(axis=1), -1)
+    assert same.sum() >= count - 1, "but for a ray that grazes the rim of a triangle"
+    np.testing.assert_allclose(distance[same & (triangle >= 0)], nearest[same & (triangle >= 0)], rtol=1e-3)
+    blocked = caster.occluded(origins, ways, reach)
+    assert (blocked == (nearest < reach)).sum() >= count - 1
+    assert (blocked >= (distance < reach - 1e-4)).all()
+
+
+def test_the_rays_of_a_view_are_those_through_its_pixels():
+    """Pictures are cast in squares of pixels; those that stick out over the rim see nothing twice and leave nothing out."""
+    world = World(floorplan.load("FloorPlan201"))
+    renderer = Renderer(world)
+    for width, height in ((1, 1), (3, 5), (18, 13), (16, 16)):
+        view = view_of(world, 3, width=width, height=height)
+        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+        ways = rays_of(view).reshape(-1, 3).astype(np.float32)
+        starts = (view.position + view.near_m * ways).astype(np.float32)
+        triangle, distance, _, _ = renderer._caster.closest(starts, ways)
+        depth = np.where(triangle >= 0, distance + view.near_m, view.far_m).reshape(height, width)
+        np.testing.assert_allclose(frame.depth, depth, atol=1e-3)
+
+
+def test_textures_move_with_the_object():
+    """The colour at a point of an object is the same wherever the object is."""
+    world = World(floorplan.load("FloorPlan201"))
+    meshes = scene_mesh.of_plan(world.plan, world.room)
+    looks = painter.Looks.of(meshes.materials)
+    movable = [o for o in world.plan.objects if o.dynamic]
+    turn = floorplan.rotation_matrix(np.array([10.0, 77.0, -20.0]))
+
+    def colours(placements):
+        mesh = meshes.posed(placements)
+        corners = mesh.vertices[mesh.triangles]
+        points = corners.mean(axis=1)
+        out = np.empty_like(points)
+        textures.albedo(
+            np.arange(len(points), dtype=np.int32), points, np.full(len(points), 0.01, np.float32), mesh.material, mesh.part,
+            mesh.axis, mesh.frames, mesh.extents, looks.colours, looks.kinds, looks.scales, looks.seeds, looks.emissions,
+            textures.noise(), out,
+        )  # fmt: skip
+        return out
+
+    here = colours([scene_mesh.Placement(o.object_id, o.object_id, o.box) for o in movable])
+    moved = [floorplan.Box(turn @ o.box.centre + [1, 2, 3], o.box.half, turn @ o.box.rotation) for o in movable]
+    there = colours([scene_mesh.Placement(o.object_id, o.object_id, b) for o, b in zip(movable, moved, strict=True)])
+    assert np.isfinite(here).all() and (here >= 0).all()
+    assert (np.abs(here - there).max(axis=1) < 0.02).mean() > 0.98, "all but points on the border of two tiles"
+
+
+@pytest.mark.parametrize("kind", range(len(textures.KINDS)), ids=textures.KINDS)
+def test_textures_are_colours_and_fade_with_distance(kind):
+    rng = np.random.default_rng(kind)
+    u, v = rng.uniform(-0.5, 0.5, (2, 800)).astype(np.float32)
+    base = np.array([0.5, 0.35, 0.2], dtype=np.float32)
+
+    def painted(footprint):
+        half = np.float32(0.5)
+        return np.array(
+            [
+                textures._texel(
+                    kind, a, b, half, half, np.float32(0.1), 7, np.float32(footprint), *base, np.float32(0), textures.noise()
+                )
+                for a, b in zip(u, v, strict=True)
+            ]
+        )
+
+    near, far = painted(0.001), painted(1.0)
+    assert np.isfinite(near).all() and near.min() >= 0 and near.max() <= 1.05
+    if textures.KINDS[kind] not in ("picture", "screen", "plain", "cardboard", "outdoors", "text", "label"):
+        assert far.std(axis=0).max() < 0.12
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_texture_of_a_scene_can_be_painted(scene):
+    world = World(floorplan.load(scene))
+    used = {m.texture for m in scene_mesh.of_plan(world.plan, world.room).materials}
+    assert len(used) > 3 and used <= set(textures.KINDS)
+
+
+def corner_normals(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Corners (T, 3, 3) of a part's triangles, their normals, and the axes (T,) that they face."""
+    from ovman_engine.shapes import mesh
+
+    vertices, triangles = mesh(part)
+    one = np.zeros(len(triangles), np.int32)
+    return vertices[triangles], *corners.of_parts(vertices, triangles, one, np.asarray(part.rotation, float)[None])
+
+
+def test_corner_normals_keep_edges_and_smooth_curves():
+    _, normals, axis = corner_normals(Part("box", (0, 0, 0), (1, 2, 3)))
+    np.testing.assert_allclose(np.abs(normals).max(axis=2), 1, atol=1e-9)
+    assert (np.abs(normals).argmax(axis=2) == axis[:, None]).all()
+    points, normals, _ = corner_normals(Part("ellipsoid", (0, 0, 0), (1, 1, 1)))
+    radial = points / np.linalg.norm(points, axis=2, keepdims=True)
+    assert np.einsum("ijk,ijk->ij", normals, radial).min() > 0.95
+
+
+def test_the_faces_of_a_turned_part_face_its_own_axes():
+    turn = floorplan.rotation_matrix(np.array([20.0, 40.0, -70.0]))
+    _, normals, axis = corner_normals(Part("box", (1, 2, 3), (0.3, 0.2, 0.1), rotation=turn))
+    own = normals.mean(axis=1) @ turn
+    assert sorted(axis.tolist()) == sorted([0, 1, 2] * (len(axis) // 3)) and (np.abs(own).argmax(axis=1) == axis).all()
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_shadow_samples_share_the_lights_fairly(scene):
+    world = World(floorplan.load(scene))
+    boxes = {o.object_id: o.box for o in world.plan.objects}
+    low, high = world.bounds()
+    rig = lights.rig(lights.of_plan(world.plan, low, high, boxes), low, high)
+    assert rig.samples.shape == (shading.PHASES, 6) and rig.exposure > 0
+    assert 0 < rig.shadowed <= len(rig.lights)
+    for k in range(rig.shadowed):
+        assert rig.samples[rig.samples[:, 4] == k, 5].sum() == pytest.approx(1.0, rel=1e-6)

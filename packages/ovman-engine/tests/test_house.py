@@ -1,0 +1,274 @@
+"""ProcTHOR houses: rooms and walls as the JSON has them, seen, walked and handled through the real Controller.
+Contract, section 1 item 7 and section 4 (CreateHouse)."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+
+from ovman_engine.plan.assets import asset
+from ovman_engine.plan.blueprint import Malformed, read
+from ovman_engine.plan.houseplan import plan_of
+from ovman_engine.world.world import Pose, World
+
+HEIGHT = 2.7
+WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]
+"""Floors of two rooms, the second L-shaped, with a wall between them at x = 5."""
+
+
+def point(x, z, y=0.0):
+    return {"x": x, "y": y, "z": z}
+
+
+def room(number, kind, polygon):
+    return {
+        "id": f"room|{number}",
+        "roomType": kind,
+        "floorMaterial": {"name": f"Floor{number}"},
+        "floorPolygon": [point(*p) for p in polygon],
+    }
+
+
+def walls(number, polygon):
+    out = []
+    for a, b in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+        (x_0, x_1), (z_0, z_1) = sorted((a[0], b[0])), sorted((a[1], b[1]))
+        corners = [point(*a), point(*b), point(*a, HEIGHT), point(*b, HEIGHT)]
+        name = f"wall|{number}|{x_0:.2f}|{z_0:.2f}|{x_1:.2f}|{z_1:.2f}"
+        out.append({"id": name, "roomId": f"room|{number}", "polygon": corners, "material": {"name": f"Wall{number}"}})
+    return out
+
+
+def thing(name, asset_id, x, z, below=0.0, **more):
+    """An object that stands on what is `below` metres high."""
+    size = asset(asset_id).size
+    return {"id": name, "assetId": asset_id, "position": point(x, z, below + float(size[1]) / 2), "rotation": point(0, 0), **more}
+
+
+def house(openness=1):
+    """Two rooms and a door between them, 1 to 2 m from the end of the wall at z = 4."""
+    table = "Dining_Table_16_1"
+    top = float(asset(table).size[1])
+    return {
+        "rooms": [room(2, "LivingRoom", WEST), room(3, "Bedroom", EAST)],
+        "walls": [*walls(2, WEST), *walls(3, EAST)],
+        "doors": [
+            {
+                "id": "door|2|3",
+                "assetId": "Doorway_1",
+                "openable": True,
+                "openness": openness,
+                "room0": "room|2",
+                "room1": "room|3",
+                "wall0": "wall|2|5.00|0.00|5.00|4.00",
+                "wall1": "wall|3|5.00|0.00|5.00|4.00",
+                "holePolygon": [point(1, 0), point(2, 0, 2.1)],
+            }
+        ],
+        "windows": [
+            {
+                "id": "window|2|0",
+                "assetId": "Window_Hung_48x44",
+                "room0": "room|2",
+                "room1": "room|2",
+                "wall0": "wall|2|0.00|4.00|5.00|4.00",
+                "holePolygon": [point(2, 0, 1.0), point(3.2, 0, 2.1)],
+            }
+        ],
+        "objects": [
+            thing("DiningTable|2|0", table, 1.5, 2.5, kinematic=True, children=[thing("Apple|2|1", "Apple_1", 1.5, 2.5, top)]),
+            thing("Bed|3|0", "Bed_1", 8.1, 2.9, kinematic=True),
+        ],
+        "metadata": {"agent": {"position": point(3.5, 2.0, 0.95), "rotation": point(0, 0, 270), "horizon": 30, "standing": True}},
+    }
+
+
+@pytest.fixture(scope="module")
+def homely(start):
+    with start(scene=house(), snapToGrid=False, renderDepthImage=True, renderInstanceSegmentation=True) as controller:
+        yield controller
+
+
+@pytest.fixture
+def home(homely):
+    homely.reset(house())
+    return homely
+
+
+def reached(controller):
+    found = controller.step("GetReachablePositions").metadata["actionReturn"]
+    return np.array([(p["x"], p["z"]) for p in found])
+
+
+def test_controller_starts_in_a_house(home):
+    metadata = home.last_event.metadata
+    assert metadata["lastActionSuccess"] and metadata["lastAction"] == "CreateHouse" and metadata["sceneName"] == "Procedural"
+    agent = metadata["agent"]
+    assert (agent["position"]["x"], agent["position"]["z"]) == (3.5, 2.0)
+    assert agent["rotation"]["y"] == 270 and agent["cameraHorizon"] == pytest.approx(30) and agent["isStanding"]
+    assert home.step("TeleportFull", **house()["metadata"]["agent"]).metadata["lastActionSuccess"]
+
+
+def test_metadata(home):
+    """Objects with their own ids where the house has them; the floors are the rooms'."""
+    objects = {o["objectId"]: o for o in home.last_event.metadata["objects"]}
+    assert set(objects) == {"room|2", "room|3", "door|2|3", "window|2|0", "DiningTable|2|0", "Apple|2|1", "Bed|3|0"}
+    types = {name: o["objectType"] for name, o in objects.items()}
+    assert types["room|2"] == "Floor" and types["door|2|3"] == "Doorway" and types["Apple|2|1"] == "Apple"
+    assert all(len(o) == 42 for o in objects.values())
+    for given in (*house()["objects"], *house()["objects"][0]["children"]):
+        box = objects[given["id"]]["axisAlignedBoundingBox"]
+        assert [box["center"][a] for a in "xyz"] == pytest.approx([given["position"][a] for a in "xyz"], abs=1e-6)
+        assert [box["size"][a] for a in "xyz"] == pytest.approx(asset(given["assetId"]).size, abs=1e-6)
+    assert objects["Apple|2|1"]["parentReceptacles"] == ["DiningTable|2|0"]
+    assert objects["DiningTable|2|0"]["receptacleObjectIds"] == ["Apple|2|1"]
+    assert objects["Apple|2|1"]["pickupable"] and objects["Bed|3|0"]["moveable"] and objects["DiningTable|2|0"]["receptacle"]
+    assert objects["Bed|3|0"]["parentReceptacles"] == ["room|3"]
+    assert objects["door|2|3"]["isOpen"] and objects["door|2|3"]["openable"]
+
+
+def test_walls_stop_and_doors_let_through(home):
+    """All of both rooms that is free is reached, no point is in a wall, and the way leads through the door."""
+    found = reached(home)
+    assert (found[:, 0] < 4.5).sum() > 100 and (found[:, 0] > 5.5).sum() > 50
+    assert not ((found[:, 0] > 7) & (found[:, 1] < 2)).any()
+    assert (found >= 0.2).all() and (found[:, 0] <= 8.8).all() and (found[:, 1] <= 3.8).all()
+    between = found[np.abs(found[:, 0] - 5.0) < 0.2]
+    assert len(between) and (between[:, 1] > 2.0).all() and (between[:, 1] < 3.0).all()
+    step = home.step("TeleportFull", position=point(4.5, 1.0, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
+    assert step.metadata["lastActionSuccess"]
+    blocked = home.step("MoveAhead", moveMagnitude=0.5)
+    assert not blocked.metadata["lastActionSuccess"] and "wall|" in blocked.metadata["errorMessage"]
+
+
+def test_a_shut_door_is_a_wall(home):
+    home.reset(house(openness=0))
+    assert (reached(home)[:, 0] < 5).all()
+    home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
+    assert home.last_event.instance_segmentation_frame is not None
+    assert "room|3" not in home.last_event.instance_masks and "door|2|3" in home.last_event.instance_masks
+
+
+def test_every_piece_of_a_wall_stands():
+    """On both sides of a door, over it, and for bodies as for the agent."""
+    world = World(plan_of(read(house())))
+    names = [w.name for w in world.room.solids]
+    assert len(set(names)) == len(names)
+    apple = world.bodies["Apple|2|1"]
+    for z, stopped in ((0.5, True), (3.5, True), (2.5, False)):
+        at = world.box("Apple|2|1").centre
+        with world.trial(["Apple|2|1"]) as model:
+            pose = Pose(apple.pose.position + [5.0 - at[0], 1.0 - at[1], z - at[2]], apple.pose.rotation)
+            model.set_box("Apple|2|1", apple.box_at(pose))
+            model.forward()
+            assert any(name.startswith("wall|") for name, _ in model.touching("Apple|2|1")) == stopped, z
+
+
+def test_pictures(home):
+    """Every pixel shows something of the house; the depth of a wall is its distance; through the door the other room is seen."""
+    event = home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
+    assert event.frame.std() > 10
+    assert {"door|2|3", "room|2", "room|3", "wall|2|5.00|0.00|5.00|4.00"} <= set(event.instance_masks)
+    assert sum(mask.sum() for mask in event.instance_masks.values()) > 0.999 * 300 * 300
+    wall = event.instance_masks["wall|2|5.00|0.00|5.00|4.00"]
+    assert event.depth_frame[wall] == pytest.approx(2.0, abs=0.01)
+    event = home.step("TeleportFull", position=point(2.6, 2.5, 0.9), rotation=point(0, 0, 0), horizon=0, standing=True)
+    assert "window|2|0" in event.instance_masks
+
+
+def test_things_are_handled(home):
+    """The floor is in both rooms, tables hold what is put on them, walls let nothing through."""
+    placed = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position=point(6.0, 1.0, 1.0))
+    assert placed.metadata["lastActionSuccess"], placed.metadata["errorMessage"]
+    apple = next(o for o in placed.metadata["objects"] if o["objectId"] == "Apple|2|1")
+    assert apple["parentReceptacles"] == ["room|3"]
+    spots = home.step("GetSpawnCoordinatesAboveReceptacle", objectId="DiningTable|2|0").metadata["actionReturn"]
+    assert len(spots) > 10
+    back = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position=spots[len(spots) // 2])
+    apple = next(o for o in back.metadata["objects"] if o["objectId"] == "Apple|2|1")
+    assert apple["parentReceptacles"] == ["DiningTable|2|0"]
+    assert home.step("InitialRandomSpawn", randomSeed=1).metadata["lastActionSuccess"]
+    plain = home.step("Pass").frame
+    assert (home.step("RandomizeMaterials").frame != plain).any() and (home.step("ResetMaterials").frame == plain).all()
+
+
+def test_other_scenes_before_and_after(home):
+    event = home.reset("FloorPlan201", renderImage=False)
+    assert event.metadata["sceneName"] == "FloorPlan201_physics" and len(event.metadata["objects"]) > 20
+    refusal = home.step("CreateHouse", house=house())
+    assert not refusal.metadata["lastActionSuccess"] and "Procedural" in refusal.metadata["errorMessage"]
+    assert len(home.reset(house()).metadata["objects"]) == 7
+
+
+def test_no_agent_in_the_house(engine):
+    """It stands in a room, clear of everything."""
+    plain = house()
+    del plain["metadata"]
+    world = World(plan_of(read(plain)))
+    here = world.agent.position[[0, 2]]
+    assert world.blocker(here, here) is None
+    assert any(r.contains(here) for r in world.plan.house.rooms)
+
+
+def test_the_older_format_of_holes():
+    """A hole as a box, as in the pip package's own houses."""
+    older = house()
+    for opening in (*older["doors"], *older["windows"]):
+        low, high = opening.pop("holePolygon")
+        opening["boundingBox"] = {"min": low, "max": high}
+    newer, old = plan_of(read(house())), plan_of(read(older))
+    for o in newer.objects:
+        assert old[o.object_id].box.centre == pytest.approx(o.box.centre)
+
+
+def test_rooms_open_to_each_other():
+    """An empty wall neither stops nor is seen."""
+    open_plan = house()
+    for wall in open_plan["walls"]:
+        if "5.00|0.00|5.00|4.00" in wall["id"]:
+            wall["empty"] = True
+    world = World(plan_of(read(open_plan)))
+    found = np.array(world.reachable())
+    assert (np.abs(found[:, 0] - 5.0) < 0.1).sum() > 5
+    assert not any("5.00|0.00|5.00|4.00" in name for name, _, _ in world.room.parts())
+
+
+@pytest.mark.parametrize(
+    ("broken", "message"),
+    [
+        (lambda h: h.pop("rooms"), "rooms is empty"),
+        (lambda h: h["rooms"][0].pop("floorPolygon"), "house.rooms[0] has no 'floorPolygon'"),
+        (lambda h: h["rooms"][1].update(id="room|2"), "two things have the id 'room|2'"),
+        (lambda h: h["rooms"][0].update(floorPolygon=[point(0, 0), point(1, 1), point(2, 2)]), "encloses nothing"),
+        (lambda h: h["walls"][0].update(polygon=[]), "house.walls[0].polygon is a list of at least three points"),
+        (lambda h: h["walls"][0]["polygon"][1].update(x="far"), "house.walls[0].polygon[1].x is a number"),
+        (lambda h: h["walls"][0]["polygon"][1].update(x=1e30), "house.walls[0].polygon[1].x is a number within 1000"),
+        (lambda h: h["doors"][0].update(wall0="wall|9"), "house.doors[0].wall0 is the id of none of its walls"),
+        (lambda h: h["objects"][0].update(assetId="Unicorn_1"), "house.objects[0].assetId: there is no asset 'Unicorn_1'"),
+        (lambda h: h["objects"][0]["children"][0].pop("position"), "house.objects[0].children[0] has no 'position'"),
+        (lambda h: h.update(objects={"a": 1}), "house.objects is a list"),
+    ],
+)
+def test_what_is_no_house(engine, broken, message):
+    """Refused with what is wrong and where; the scene stays as it is."""
+    given = copy.deepcopy(house())
+    broken(given)
+    with pytest.raises(Malformed) as caught:
+        read(given)
+    assert message in str(caught.value)
+    world = engine()
+    world.do("Reset", sceneName="Procedural")
+    before = [o["objectId"] for o in world.agent["objects"]]
+    answer = world.do("CreateHouse", house=given)
+    assert not answer["lastActionSuccess"] and message in answer["errorMessage"]
+    assert [o["objectId"] for o in world.agent["objects"]] == before
+
+
+@pytest.mark.parametrize("given", [None, 3, "house", [], [1]])
+def test_what_is_nothing_like_a_house(engine, given):
+    world = engine()
+    world.do("Reset", sceneName="Procedural")
+    assert not world.do("CreateHouse", house=given)["lastActionSuccess"]
+    assert world.do("GetReachablePositions")["lastActionSuccess"]

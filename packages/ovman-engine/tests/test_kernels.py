@@ -1,0 +1,62 @@
+"""What draws is compiled before a client waits for a picture."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ovman_engine import kernels
+
+LATER = """
+import json, pathlib, sys
+from ovman_engine import kernels
+from ovman_engine.engine import Engine
+
+def compiled():
+    return {p.name for p in pathlib.Path(sys.argv[1]).rglob("*.nbc")}
+
+assert not kernels.ready()
+kernels.compile_all()
+assert kernels.ready()
+before = compiled()
+engine = Engine(200, 150)
+for scene in ("FloorPlan1", "FloorPlan305", "FloorPlan410", "FloorPlan214"):
+    for action in (
+        {"action": "Reset", "sceneName": f"{scene}_physics"},
+        {"action": "Initialize", "agentMode": "locobot", **dict.fromkeys(kernels.KINDS, True)},
+        *({"action": "RotateRight", "degrees": 77},) * 3,
+        {"action": "InitialRandomSpawn", "randomSeed": 3},
+        {"action": "RandomizeMaterials"},
+        {"action": "RandomizeLighting"},
+        {"action": "ToggleMapView"},
+    ):
+        engine.answer(json.dumps(action).encode())
+assert before, "nothing was compiled"
+assert compiled() == before, compiled() - before
+"""
+
+
+def test_loops_are_where_they_are_looked_for() -> None:
+    engine = Path(kernels.__file__).parent
+    rooms = {p.relative_to(engine).parts[0] for p in engine.rglob("*.py") if "njit" in p.read_text()}
+    assert rooms == set(kernels.ROOMS)
+
+
+def test_a_mark_says_that_all_is_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
+    assert not kernels.ready()
+    kernels._mark().parent.mkdir()
+    kernels._mark().touch()
+    assert kernels.ready()
+    monkeypatch.setattr(kernels, "_processor", lambda: "another processor")
+    assert not kernels.ready(), "what one processor runs, another may not"
+
+
+@pytest.mark.soak
+def test_nothing_is_compiled_later(tmp_path: Path) -> None:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    subprocess.run([sys.executable, "-c", LATER, str(tmp_path)], env=environment, check=True, timeout=500)

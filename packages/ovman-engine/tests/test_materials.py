@@ -1,0 +1,180 @@
+"""Finishes: complete, reproducible, plausible, and varied within a type."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from ovman_engine import shapes
+from ovman_engine.paint import materials, textures
+from ovman_engine.plan import floorplan
+
+SCENES = floorplan.names()
+
+
+@pytest.fixture(scope="module")
+def looks() -> list[tuple[str, str, str, np.ndarray]]:
+    """(scene, type, asset or make, display RGB of the slot that covers most) of every object but floors."""
+    found = []
+    widest: dict[tuple[str, str], str] = {}
+    for name in SCENES:
+        plan = floorplan.load(name)
+        for o in plan.objects:
+            if o.type == "Floor":
+                continue
+            if (o.type, o.asset_id) not in widest:
+                area: Counter = Counter()
+                for part in shapes.compound(o, plan):
+                    if part.drawn:
+                        x, y, z = part.size
+                        area[part.slot] += x * y + y * z + z * x
+                widest[o.type, o.asset_id] = area.most_common(1)[0][0]
+            colour = materials.palette(o, plan)[widest[o.type, o.asset_id]].colour
+            found.append((name, o.type, materials.make(o, plan), np.asarray(colour) ** (1 / 2.2)))
+    return found
+
+
+def test_every_slot_that_is_drawn_has_a_finish_that_the_camera_knows():
+    for name in SCENES[::9]:
+        plan = floorplan.load(name)
+        for o in plan.objects:
+            palette = materials.palette(o, plan)
+            for part in shapes.compound(o, plan):
+                finish = palette[part.slot]
+                assert finish.texture in textures.KINDS
+                assert finish.colour.shape == (3,) and (finish.colour >= 0).all() and (finish.colour <= 1).all()
+                assert finish.scale_m > 0 and 0 <= finish.gloss <= 1 and 0 <= finish.emission <= 1 and 0 <= finish.seed < 2**31
+
+
+def test_a_palette_is_the_same_when_it_is_drawn_again():
+    plan = floorplan.load("FloorPlan201")
+    for o in plan.objects:
+        first, again = materials.palette(o, plan), materials.palette(o, plan)
+        assert all(np.array_equal(first[s].colour, again[s].colour) and first[s].seed == again[s].seed for s in first)
+
+
+def test_instances_of_one_asset_differ_a_little_and_assets_more():
+    plan = floorplan.load("FloorPlan230")
+    repeated = [a for a, n in Counter(o.asset_id for o in plan.objects if o.asset_id).items() if n > 1]
+    assert repeated
+    for asset in repeated:
+        colours = [materials.palette(o, plan)["main"].colour for o in plan.objects if o.asset_id == asset]
+        spread = max(np.abs(a - b).max() for a in colours for b in colours)
+        assert 0 < spread < 0.25
+
+
+def test_the_same_asset_is_painted_anew_in_every_scene():
+    seen: dict[str, list[np.ndarray]] = {}
+    for name in SCENES:
+        plan = floorplan.load(name)
+        for o in plan.objects:
+            if o.asset_id and o.type in ("Mug", "Pen", "CD", "TissueBox"):
+                seen.setdefault(o.asset_id, []).append(materials.palette(o, plan)["main"].colour)
+    for colours in seen.values():
+        assert len({tuple(np.round(c, 4)) for c in colours}) > 0.9 * len(colours) or len(colours) < 5
+
+
+def test_drawers_match_the_furniture_that_they_belong_to():
+    matched = 0
+    for name in SCENES[30:60]:
+        plan = floorplan.load(name)
+        for o in plan.objects:
+            owner = materials.surroundings.host(o, plan)
+            if owner is not None:
+                matched += 1
+                assert materials.make(o, plan) == materials.make(owner, plan)
+    assert matched > 20
+
+
+FURNITURE = (
+    "Chair",
+    "SideTable",
+    "DiningTable",
+    "Dresser",
+    "Desk",
+    "Shelf",
+    "Sofa",
+    "ArmChair",
+    "Stool",
+    "CoffeeTable",
+    "TVStand",
+    "Ottoman",
+    "ShelvingUnit",
+    "Cabinet",
+)
+"""Types that are made of the same stuffs: wood, paint, cloth."""
+
+
+def nearest_in_colour(rows: list[tuple[str, str, str, np.ndarray]]) -> tuple[float, float]:
+    """How often the instance of another scene that is nearest in colour is of the same type, and how often by chance."""
+    scenes, labels, colours = np.array([r[0] for r in rows]), np.array([r[1] for r in rows]), np.array([r[3] for r in rows])
+    nearest = np.empty(len(rows), dtype=int)
+    for i in range(0, len(rows), 500):
+        block = slice(i, i + 500)
+        distance = ((colours[block, None] - colours[None]) ** 2).sum(axis=2)
+        distance[scenes[block, None] == scenes[None]] = np.inf
+        nearest[block] = distance.argmin(axis=1)
+    rng = np.random.default_rng(0)
+    chance = np.mean([(labels[nearest] == shuffled).mean() for shuffled in (rng.permutation(labels) for _ in range(20))])
+    return float((labels[nearest] == labels).mean()), float(chance)
+
+
+def test_colour_names_few_things(looks):
+    """Colour alone names fewer than one in five things: food and washbasins have their colours, most others share them."""
+    common = {t for t, n in Counter(t for _, t, _, _ in looks).items() if n >= 30}
+    assert len(common) > 50
+    accuracy, _ = nearest_in_colour([row for row in looks if row[1] in common])
+    assert accuracy < 0.2
+
+
+def test_colour_does_not_tell_one_piece_of_furniture_from_another(looks):
+    accuracy, chance = nearest_in_colour([row for row in looks if row[1] in FURNITURE])
+    assert accuracy < chance + 0.05
+
+
+def test_a_category_comes_in_many_colours(looks):
+    """Instances of a type in different scenes differ: their colours spread over the display's range by type and channel."""
+    for category in (
+        "Chair",
+        "SideTable",
+        "Vase",
+        "Statue",
+        "Pillow",
+        "GarbageCan",
+        "DeskLamp",
+        "Sofa",
+        "ArmChair",
+        "Mug",
+        "Book",
+    ):
+        own = np.array([c for _, t, _, c in looks if t == category])
+        assert own.std(axis=0).min() > 0.09, category
+
+
+def test_food_has_its_own_colours():
+    """Tomatoes are red, lettuce is green, eggs are pale."""
+    for name in SCENES[:30]:
+        plan = floorplan.load(name)
+        for o in plan.objects:
+            slots = materials.palette(o, plan)
+            red, green, blue = slots["leaf" if o.type == "Lettuce" else "main"].colour
+            if o.type == "Tomato":
+                assert red > 3 * green and red > 3 * blue
+            elif o.type == "Lettuce":
+                assert green > red > blue
+            elif o.type == "Egg":
+                assert red >= green >= blue - 0.06 and red > 0.3
+
+
+def test_the_bowl_of_a_sink_is_of_the_stuff_of_its_rim():
+    pairs = 0
+    for name in SCENES:
+        plan = floorplan.load(name)
+        rims = [materials.palette(o, plan)["main"] for o in plan.objects if o.type == "Sink"]
+        bowls = [materials.palette(o, plan)["metal"] for o in plan.objects if o.type == "SinkBasin"]
+        if len(rims) == 1 and bowls:
+            pairs += 1
+            assert np.allclose(rims[0].colour, bowls[0].colour, atol=0.1) and rims[0].texture == bowls[0].texture
+    assert pairs > 40

@@ -1,0 +1,239 @@
+"""Metadata: all of AI2-THOR's keys, the recorded numbers where nothing was touched, and consistency where something was."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from ovman_engine.bodies.body import Body, Pose
+from ovman_engine.client.images import BACKGROUND, colour, colour_table
+from ovman_engine.client.metadata import object_record
+from ovman_engine.plan import floorplan
+from ovman_engine.plan.floorplan import rotation_matrix
+
+SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan311", "FloorPlan423")
+AGENT_KEYS = """
+objects isSceneAtRest agent heldObjectPose arm fov cameraPosition cameraOrthSize thirdPartyCameras collided collidedObjects
+inventoryObjects sceneName lastAction errorMessage errorCode lastActionSuccess screenWidth screenHeight agentId colors colorBounds
+flatSurfacesOnGrid distances normals isOpenableGrid segmentedObjectIds objectIdsInBox actionIntReturn actionFloatReturn
+actionStringsReturn actionFloatsReturn actionVector3sReturn visibleRange currentTime sceneBounds actionReturn depthFormat
+"""
+SEEN = {"distance", "visible", "isInteractable"}
+"""What depends on where the agent is."""
+
+
+def xyz(vector):
+    return np.array([vector["x"], vector["y"], vector["z"]])
+
+
+def corners(record):
+    return np.array(record["cornerPoints"])
+
+
+def test_all_keys(engine):
+    agent = engine().agent
+    assert set(agent) == set(AGENT_KEYS.split())
+    assert set(agent["agent"]) == {"name", "position", "rotation", "cameraHorizon", "isStanding", "inHighFrictionArea"}
+    assert set(agent["sceneBounds"]) == {"center", "size", "cornerPoints"} and len(agent["sceneBounds"]["cornerPoints"]) == 8
+    assert agent["depthFormat"] == "Meters" and agent["cameraOrthSize"] == -1 and agent["errorMessage"] == ""
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_untouched_objects_are_reported_as_recorded(engine, scene):
+    agent = engine(scene).agent
+    plan = floorplan.load(scene)
+    assert len(agent["objects"]) == len(plan.objects)
+    for reported, obj in zip(agent["objects"], plan.objects, strict=True):
+        assert set(reported) == set(obj.record) and len(reported) == 42
+        assert {k: v for k, v in reported.items() if k not in SEEN} == {k: v for k, v in obj.record.items() if k not in SEEN}
+        assert reported["distance"] == pytest.approx(obj.record["distance"], abs=2e-3)
+    low, high = corners(agent["sceneBounds"]).min(axis=0), corners(agent["sceneBounds"]).max(axis=0)
+    assert (low <= xyz(agent["agent"]["position"])).all() and (xyz(agent["agent"]["position"]) <= high).all()
+
+
+@settings(max_examples=30, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(data=st.data())
+def test_an_object_that_was_put_somewhere_is_the_same_body_there(teleporting, data):
+    """Boxes move rigidly with the pose, the aligned one holds the oriented one, and nothing else is touched."""
+    plan = floorplan.load("FloorPlan201")
+    obj = data.draw(st.sampled_from([o for o in plan.objects if o.dynamic]))
+    position = np.array([data.draw(st.floats(-4, 0)), data.draw(st.floats(0.5, 2)), data.draw(st.floats(0.5, 6))])
+    euler = np.array([data.draw(st.floats(-60, 60)), data.draw(st.floats(0, 360)), data.draw(st.floats(-60, 60))])
+    before = {o["objectId"]: o for o in teleporting.do("Pass")["objects"]}
+    after = teleporting.do(
+        "TeleportObject",
+        objectId=obj.object_id,
+        position=dict(zip("xyz", position.tolist(), strict=True)),
+        rotation=dict(zip("xyz", euler.tolist(), strict=True)),
+        forceAction=True,
+        forceKinematic=True,
+    )
+    assert after["lastActionSuccess"], after["errorMessage"]
+    moved = teleporting.object(obj.object_id)
+    assert np.allclose(xyz(moved["position"]), position)
+    assert np.allclose(rotation_matrix(xyz(moved["rotation"])), rotation_matrix(euler), atol=1e-6)
+    oriented, aligned = moved["objectOrientedBoundingBox"]["cornerPoints"], moved["axisAlignedBoundingBox"]
+    recorded = np.array(obj.record["objectOrientedBoundingBox"]["cornerPoints"])
+    gaps = np.linalg.norm(np.diff(oriented, axis=0), axis=1)
+    assert np.allclose(gaps, np.linalg.norm(np.diff(recorded, axis=0), axis=1), atol=1e-4)
+    low, high = corners(aligned).min(axis=0), corners(aligned).max(axis=0)
+    assert (low - 2e-3 <= np.min(oriented, axis=0)).all() and (np.max(oriented, axis=0) <= high + 2e-3).all()
+    assert np.allclose((low + high) / 2, xyz(aligned["center"])) and np.allclose(high - low, xyz(aligned["size"]))
+    distance = np.linalg.norm(xyz(after["agent"]["position"]) - position)
+    assert moved["distance"] == pytest.approx(distance, abs=1e-6)
+    bystanders = [
+        o for o in after["objects"] if o["objectType"] in ("Window", "Sofa", "Painting") and o["objectId"] != obj.object_id
+    ]
+    assert bystanders
+    for other in bystanders:
+        assert other["position"] == before[other["objectId"]]["position"]
+
+
+@pytest.fixture(scope="module")
+def teleporting(engine):
+    return engine("FloorPlan201")
+
+
+def receptacles_agree(agent):
+    objects = {o["objectId"]: o for o in agent["objects"]}
+    for name, record in objects.items():
+        for parent in record["parentReceptacles"] or ():
+            assert name in objects[parent]["receptacleObjectIds"], (name, parent)
+        for child in record["receptacleObjectIds"] or ():
+            assert name in objects[child]["parentReceptacles"], (name, child)
+        assert record["parentReceptacles"] != [] and (record["receptacleObjectIds"] is not None) == record["receptacle"]
+
+
+def test_receptacles_follow_what_moves(engine):
+    scene = engine("FloorPlan201", autoSimulation=False)
+    recorded = {o["objectId"]: (o["parentReceptacles"], o["receptacleObjectIds"]) for o in scene.agent["objects"]}
+    book = next(o for o in scene.agent["objects"] if o["objectType"] == "Book")
+    table = next(o for o in scene.agent["objects"] if o["objectType"] == "CoffeeTable")
+    top = corners(table["axisAlignedBoundingBox"]).max(axis=0)[1]
+    spot = {**table["axisAlignedBoundingBox"]["center"], "y": float(top) + 0.4}
+    for other in table["receptacleObjectIds"] or ():
+        scene.do("RemoveFromScene", objectId=other)
+    agent = scene.do("PlaceObjectAtPoint", objectId=book["objectId"], position=spot, forceKinematic=True)
+    assert agent["lastActionSuccess"], agent["errorMessage"]
+    assert table["objectId"] in scene.object(book["objectId"])["parentReceptacles"]
+    assert book["objectId"] in scene.object(table["objectId"])["receptacleObjectIds"]
+    for parent in book["parentReceptacles"]:
+        assert book["objectId"] not in (scene.object(parent)["receptacleObjectIds"] or ())
+    receptacles_agree(agent)
+    agent = scene.do("Reset", sceneName="FloorPlan201_physics")
+    assert {o["objectId"]: (o["parentReceptacles"], o["receptacleObjectIds"]) for o in agent["objects"]} == recorded
+
+
+def test_a_disabled_object_stays_listed_unseen_and_comes_back_as_it_was(engine):
+    scene = engine("FloorPlan311")
+    before = scene.do("Pass")["objects"]
+    lamp = next(o for o in before if o["moveable"] or o["pickupable"])
+    scene.do("PausePhysicsAutoSim")
+    hidden = scene.do("DisableObject", objectId=lamp["objectId"])
+    assert hidden["lastActionSuccess"] and len(hidden["objects"]) == len(before)
+    assert scene.object(lamp["objectId"])["visible"] is False
+    assert all(lamp["objectId"] not in (o["receptacleObjectIds"] or ()) for o in hidden["objects"])
+    assert scene.do("EnableObject", objectId=lamp["objectId"])["objects"] == before
+
+
+def test_time_passes_the_same_for_every_action(engine):
+    scene = engine()
+    times = [scene.do(name)["currentTime"] for name in ("Pass", "Nonsense", "RotateRight", "GetReachablePositions", "Done")]
+    assert np.allclose(np.diff(times), np.diff(times)[0]) and np.diff(times)[0] > 0
+
+
+def test_scene_bounds_hold_every_object(engine):
+    for name in SCENES:
+        agent = engine(name).agent
+        low, high = corners(agent["sceneBounds"]).min(axis=0), corners(agent["sceneBounds"]).max(axis=0)
+        for obj in agent["objects"]:
+            points = corners(obj["axisAlignedBoundingBox"])
+            assert (points >= low - 1e-3).all() and (points <= high + 1e-3).all()
+
+
+def test_colours_tell_all_instances_and_classes_of_a_scene_apart():
+    for name in floorplan.names():
+        table = colour_table(tuple(o.object_id for o in floorplan.load(name).objects))
+        colours = [tuple(entry["color"]) for entry in table]
+        assert len(set(colours)) == len(colours) and (0, 0, 0) not in colours
+        assert {entry["name"] for entry in table if "|" not in entry["name"]} == {o.type for o in floorplan.load(name).objects}
+    assert colour("Chair") == colour("Chair") and BACKGROUND == 0xFF000000
+
+
+def test_bodies_of_all_scenes_are_where_the_records_have_them():
+    """What would be reported of an object that was put where it is: its box to 1 mm and its rotation to 0.1 degrees."""
+    for name in floorplan.names():
+        for obj in floorplan.load(name).objects:
+            body = Body.of(obj)
+            body.pose = Pose(obj.position.copy(), obj.rotation.copy())
+            assert not body.untouched
+            now, then = object_record(body), obj.record
+            assert set(now) == set(then) and now["objectId"] == then["objectId"]
+            assert np.allclose(xyz(now["position"]), xyz(then["position"]), atol=1e-3)
+            turn = rotation_matrix(xyz(now["rotation"])).T @ rotation_matrix(xyz(then["rotation"]))
+            assert np.trace(turn) > 1 + 2 * np.cos(np.radians(0.1)), obj.object_id
+            if then["objectOrientedBoundingBox"] is not None:
+                assert np.allclose(
+                    now["objectOrientedBoundingBox"]["cornerPoints"], then["objectOrientedBoundingBox"]["cornerPoints"], atol=1e-3
+                )
+            if then["objectOrientedBoundingBox"] is None:
+                assert np.allclose(
+                    xyz(now["axisAlignedBoundingBox"]["center"]), xyz(then["axisAlignedBoundingBox"]["center"]), atol=1e-3
+                )
+
+
+def test_the_scene_is_at_rest_if_nothing_moves(engine):
+    """What falls is moving until it lies; what was let go while time stands still is not."""
+    scene = engine("FloorPlan206", fastActionEmit=False)
+    book = next(o for o in scene.agent["objects"] if o["pickupable"])
+    above = {**scene.agent["agent"]["position"], "y": scene.agent["agent"]["position"]["y"] + 0.6}
+    scene.do(
+        "TeleportFull",
+        position=scene.do("GetReachablePositions")["actionReturn"][-1],
+        rotation={"y": 0},
+        horizon=0,
+        standing=True,
+    )
+    scene.do("PausePhysicsAutoSim")
+    scene.do("TeleportObject", objectId=book["objectId"], position=above, forceAction=True)
+    assert scene.agent["isSceneAtRest"] and not scene.object(book["objectId"])["isMoving"]
+    moved = scene.do("AdvancePhysicsStep", timeStep=0.05)
+    assert not moved["isSceneAtRest"] and scene.object(book["objectId"])["isMoving"]
+    scene.do("UnpausePhysicsAutoSim")
+    for _ in range(60):
+        agent = scene.do("Pass")
+        assert agent["isSceneAtRest"] is not any(o["isMoving"] for o in agent["objects"])
+    assert agent["isSceneAtRest"] and scene.object(book["objectId"])["position"]["y"] < above["y"] - 0.1
+
+
+def test_a_filter_leaves_out_objects_but_not_what_is_known_of_them(engine):
+    scene = engine("FloorPlan311")
+    whole = {o["objectId"]: o for o in scene.agent["objects"]}
+    chosen = sorted(whole)[:3]
+    some = scene.do("SetObjectFilter", objectIds=chosen)["objects"]
+    assert {o["objectId"] for o in some} == set(chosen) and all(o == whole[o["objectId"]] for o in some)
+    assert scene.do("SetObjectFilter", objectIds=[])["objects"] == []
+    assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
+    turned = scene.do("RotateRight")["objects"]
+    scene.do("RotateLeft")
+    scene.do("SetObjectFilter", objectIds=[])
+    scene.do("RotateRight")
+    assert scene.do("ResetObjectFilter")["objects"] == turned
+
+
+def test_renamed_objects_leave_nothing_behind(engine):
+    """SetObjectPoses gives new ids; what was known under the old ones is forgotten."""
+    scene = engine("FloorPlan311")
+    movable = [o for o in scene.agent["objects"] if o["moveable"] or o["pickupable"]]
+    for shift in (0.0, 0.1, 0.2):
+        poses = [
+            {"objectName": o["name"], "position": {**o["position"], "x": o["position"]["x"] + shift}, "rotation": o["rotation"]}
+            for o in movable
+        ]
+        agent = scene.do("SetObjectPoses", objectPoses=poses)
+        assert agent["lastActionSuccess"], agent["errorMessage"]
+        ids = [o["objectId"] for o in agent["objects"]]
+        assert len(set(ids)) == len(ids)
+        receptacles_agree(agent)

@@ -1,0 +1,283 @@
+"""An engine that is treated badly: it answers in AI2-THOR's form or ends, and leaves nothing behind."""
+
+from __future__ import annotations
+
+import json
+import os
+import shlex
+import signal
+import struct
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import msgpack
+import pytest
+
+from ovman_engine import executable
+from ovman_engine.client import log
+from ovman_engine.client.event import thrown
+from ovman_engine.client.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
+
+DEADLINE_S = 20.0
+END = struct.pack("!BI", 255, 0)
+
+
+class Client:
+    """The client's end of the pipes; `log` is where the engine's output goes."""
+
+    def __init__(self, environment, log=subprocess.DEVNULL, directory=None):
+        self.process = subprocess.Popen(
+            shlex.split(executable()),
+            env=environment,
+            stdout=log,
+            stderr=log,
+            stdin=subprocess.DEVNULL,
+            cwd=directory,
+            # Under nohup the tests, and with them the engine, would be deaf to it.
+            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
+        )
+        self.reader = open(environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0)  # noqa: SIM115
+        self.receive()
+        self.writer = open(environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"], "wb", buffering=0)  # noqa: SIM115
+
+    def read(self, size):
+        data = b""
+        while len(data) < size:
+            part = self.reader.read(size - len(data))
+            assert part, "the engine has gone"
+            data += part
+        return data
+
+    def receive(self):
+        frames = []
+        while True:
+            kind, length = struct.unpack("!BI", self.read(5))
+            if kind == 255:
+                return frames
+            frames.append((kind, self.read(length)))
+
+    def send(self, **request):
+        body = json.dumps(request).encode()
+        self.writer.write(struct.pack("!BI", 2, len(body)) + body + END)
+
+    def ask(self, **request):
+        self.send(**request)
+        (_, body), *_ = self.receive()
+        answer = msgpack.unpackb(body)
+        return answer["agents"][0] if "agents" in answer else answer
+
+    def gone(self):
+        """Exit status, once the engine has ended by itself."""
+        return self.process.wait(DEADLINE_S)
+
+    def close(self):
+        self.reader.close()
+        self.writer.close()
+        self.process.kill()
+        self.process.wait()
+
+
+@pytest.fixture
+def connect(engine_environment):
+    clients = []
+
+    def make(**options):
+        clients.append(Client(engine_environment, **options))
+        return clients[-1]
+
+    yield make
+    for made in clients:
+        made.close()
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [struct.pack("!BI", 2, 0xFFFFFFFF) + b"{}", b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 4096, struct.pack("!BI", 2, 10) + b"{"],
+    ids=["four gigabytes", "another protocol", "noise", "cut short"],
+)
+def test_garbage_on_the_pipe(connect, garbage):
+    """However it is cut, the engine ends at the end of the pipe at the latest."""
+    client = connect()
+    try:
+        client.writer.write(garbage)
+        client.writer.close()
+    except BrokenPipeError:
+        pass
+    client.reader.close()
+    assert client.gone() == 0
+
+
+def test_large_requests_are_answered(connect):
+    client = connect()
+    body = b'{"action": ' + b"[" * 500_000
+    client.writer.write(struct.pack("!BI", 2, len(body)) + body + END)
+    (_, answer), *_ = client.receive()
+    assert "nested too deeply" in msgpack.unpackb(answer)["agents"][0]["errorMessage"]
+    long = client.ask(action="Pass", sequenceId=2, blank="x" * (2 << 20))
+    assert not long["lastActionSuccess"] and "'blank'" in long["errorMessage"]
+
+
+def test_client_that_dies_while_it_reads_an_image(connect):
+    client = connect()
+    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.ask(action="ChangeResolution", x=1600, y=1200, sequenceId=1, renderImage=False)
+    client.send(action="Initialize", sequenceId=2, renderDepthImage=True)
+    client.read(100_000)
+    client.reader.close()
+    assert client.gone() == 0
+
+
+def test_pipes_that_somebody_else_holds_open(engine_environment, alive):
+    """The client is killed while the engine writes an image to it, a fork of it still has the pipes: no end of file comes."""
+    program = f"import subprocess, time; print(subprocess.Popen({shlex.split(executable())!r}).pid, flush=True); time.sleep(600)"
+    starter = subprocess.Popen([sys.executable, "-c", program], env=engine_environment, stdout=subprocess.PIPE, text=True)
+    pid = int(starter.stdout.readline())
+    with (
+        open(engine_environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0) as reader,
+        open(engine_environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"], "wb", buffering=0) as writer,
+    ):
+        requests = (
+            {"action": "Reset", "sceneName": "FloorPlan403_physics"},
+            {"action": "ChangeResolution", "x": 1600, "y": 1200},
+        )
+        for number, request in enumerate(requests):
+            body = json.dumps({**request, "sequenceId": number}).encode()
+            writer.write(struct.pack("!BI", 2, len(body)) + body + END)
+        time.sleep(1.0)
+        assert alive(pid)
+        starter.kill()
+        starter.wait()
+        end = time.monotonic() + DEADLINE_S
+        while alive(pid) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert not alive(pid)
+        assert reader
+    starter.stdout.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_ends_when_it_is_told_to(connect, number):
+    client = connect()
+    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.process.send_signal(number)
+    assert client.gone() in (0, -number)
+    assert client.reader.read(1) == b""
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk to write to")
+def test_log_on_a_full_disk(connect):
+    with open("/dev/full", "w") as full:
+        client = connect(log=full)
+        assert not client.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)["lastActionSuccess"]
+        assert client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)["lastActionSuccess"]
+        client.writer.close()
+        client.reader.close()
+        assert client.gone() == 0
+
+
+def test_log_that_nobody_reads(connect):
+    read, write = os.pipe()
+    client = connect(log=write)
+    os.close(write)
+    os.close(read)
+    assert client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)["lastActionSuccess"]
+    client.writer.close()
+    client.reader.close()
+    assert client.gone() == 0
+
+
+def test_log_has_an_end(tmp_path, monkeypatch):
+    """However many actions throw."""
+    monkeypatch.setattr(log, "_left", log.LIMIT_BYTES)
+    with (tmp_path / "log").open("w") as file:
+        monkeypatch.setattr(sys, "stderr", file)
+        for n in range(2000):
+            assert thrown(ValueError(f"{n} " + "x" * (n % 5) * 10_000)).message.startswith(f"ValueError: {n}")
+    size = (tmp_path / "log").stat().st_size
+    assert log.LIMIT_BYTES / 2 < size <= log.LIMIT_BYTES + log.ENTRY_BYTES + 200
+    monkeypatch.setattr(log, "_left", log.LIMIT_BYTES)
+    monkeypatch.setattr(sys, "stderr", None)
+    log.note("nowhere to go")
+    monkeypatch.setattr(sys, "stderr", file)
+    log.note("closed")
+
+
+def test_leaves_no_files(connect, tmp_path):
+    directory = tmp_path / "here"
+    directory.mkdir()
+    client = connect(directory=directory)
+    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.ask(action="Initialize", sequenceId=1, renderDepthImage=True)
+    metadata = client.ask(action="PausePhysicsAutoSim", sequenceId=2)
+    thing = next(o for o in client.ask(action="RotateRight", sequenceId=3)["objects"] if o["pickupable"])
+    target = {**metadata.get("agent", {}).get("position", thing["position"]), "y": 1.5}
+    client.ask(action="TeleportObject", objectId=thing["objectId"], position=target, rotation=thing["rotation"], forceAction=True)
+    client.ask(action="AdvancePhysicsStep", timeStep=0.02, sequenceId=5)
+    client.writer.close()
+    client.reader.close()
+    assert client.gone() == 0 and list(directory.iterdir()) == []
+
+
+@pytest.mark.parametrize(("width", "height"), [(10_000, 10_000), (8000, 8000)])
+def test_sizes_that_no_picture_can_have(width, height):
+    """The Controller raises, with a message that says why, and no engine is left."""
+    from ai2thor.controller import Controller
+
+    with pytest.raises(RuntimeError, match="Screen resolution must be within"):
+        Controller(
+            local_executable_path=executable(),
+            scene="FloorPlan403",
+            width=width,
+            height=height,
+            server_timeout=60,
+            renderImage=False,
+        )
+
+
+def test_resolution_that_is_refused_is_not_taken(controller):
+    before = controller.step("Pass").frame.shape
+    for x, y in ((0, 0), (-1, 300), (300, -5), (10_000, 10_000), (LONGEST_SIDE_PX + 1, 1), (2**31, 1), (1e300, 1)):
+        try:
+            event = controller.step("ChangeResolution", x=x, y=y)
+        except ValueError:
+            event = controller.last_event
+        assert not event and event.metadata["errorMessage"]
+        assert controller.step("Pass").frame.shape == before
+
+
+def test_events_of_many_large_pictures_are_refused(controller):
+    """Before they are drawn."""
+    arguments = {"position": {"x": 0, "y": 1, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0}, "renderImage": False}
+    assert controller.step("ChangeResolution", x=4096, y=2048, renderImage=False)
+    added = [bool(controller.step("AddThirdPartyCamera", **arguments)) for _ in range(5)]
+    assert added == [True] * (LARGEST_EVENT_PX // LARGEST_PICTURE_PX - 1) + [False] * 2
+    assert controller.step("ChangeResolution", x=300, y=300, renderImage=False)
+
+
+def test_objections():
+    assert not objection(1, 1) and not objection(300, 300, 60) and not objection(3840, 2160, 2)
+    assert objection(LONGEST_SIDE_PX + 1, 1) and objection(4097, 2048) and objection(4096, 2048, 5) and objection(0, 1)
+
+
+def test_memory_of_hostile_sessions_is_bounded(connect):
+    """Hundreds of scenes, objects that do not exist and images asked for: the engine's memory does not grow with them."""
+    client = connect()
+
+    def resident():
+        return int(Path(f"/proc/{client.process.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def visit(n):
+        client.ask(action="Reset", sceneName=f"FloorPlan{401 + n % 3}_physics", sequenceId=0)
+        client.ask(action="Initialize", sequenceId=1)
+        for k in range(10):
+            client.ask(action="RemoveFromScene", objectId="x" * 50_000 + str(k), sequenceId=2, renderImage=False)
+        client.ask(action="RotateRight", sequenceId=3)
+
+    for n in range(6):
+        visit(n)
+    before = resident()
+    for n in range(15):
+        visit(n)
+    assert resident() < before + 40

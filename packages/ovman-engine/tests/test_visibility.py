@@ -1,0 +1,271 @@
+"""What an agent sees: what its picture shows, if it is near; not through anything, and through glass without reaching it."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from ovman_engine.picture.camera import Renderer
+from ovman_engine.sight.sightlines import TRANSPARENT
+from ovman_engine.sight.visibility import directions
+
+SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
+NEAR_M = 1.5
+LARGE_PX = 50
+"""So many pixels of 90,000 that no look should miss."""
+
+
+def poses(scene, count, seed=0):
+    """Poses over the whole of a scene, each as arguments of TeleportFull."""
+    rng = np.random.default_rng(seed)
+    cells = scene.do("GetReachablePositions")["actionReturn"]
+    for _ in range(count):
+        yield {
+            "position": cells[rng.integers(len(cells))],
+            "rotation": {"x": 0, "y": float(30 * rng.integers(12)), "z": 0},
+            "horizon": float(rng.choice([-30, 0, 30, 60])),
+            "standing": bool(rng.integers(2)),
+        }
+
+
+def seen(metadata, key="visible"):
+    return {o["objectId"] for o in metadata["objects"] if o[key]}
+
+
+def shown(renderer, engine):
+    """objectId -> pixels, and the distance in plan of the nearest of them from the agent, metres."""
+    view = engine.view()
+    frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+    across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
+    x, y = np.meshgrid(across, -across)
+    ways = np.stack([x, y, np.ones_like(x)], axis=-1) @ view.axes()
+    away = np.hypot(*np.moveaxis((ways * frame.depth[..., None])[..., [0, 2]], -1, 0))
+    pixels = {renderer.names[i]: n for i, n in Counter(frame.ids.ravel().tolist()).items() if i >= 0}
+    nearest = np.full(len(renderer.names), np.inf)
+    np.minimum.at(nearest, frame.ids[frame.ids >= 0], away[frame.ids >= 0])
+    return pixels, dict(zip(renderer.names, nearest.tolist(), strict=True))
+
+
+def test_what_is_visible_is_in_the_picture_and_what_is_large_and_near_in_it_is_visible(engine):
+    large = missed = 0
+    for name in SCENES:
+        scene = engine(name, fastActionEmit=False)
+        renderer = Renderer(scene.engine.world)
+        for pose in poses(scene, 8):
+            metadata = scene.do("TeleportFull", **pose)
+            assert metadata["lastActionSuccess"], metadata["errorMessage"]
+            pixels, nearest = shown(renderer, scene.engine)
+            glazed = any(o["objectType"] in TRANSPARENT and pixels.get(o["objectId"]) for o in metadata["objects"])
+            for record in metadata["objects"]:
+                count = pixels.get(record["objectId"], 0)
+                assert count or not record["isInteractable"], record["objectId"]
+                assert count or glazed or not record["visible"], record["objectId"]
+                if count > LARGE_PX and nearest[record["objectId"]] <= NEAR_M - 0.01:
+                    large += 1
+                    missed += not record["visible"]
+    assert large > 50 and missed <= 0.01 * large
+
+
+def test_sight_does_not_depend_on_pictures_or_on_what_was_seen_before(engine):
+    walked = engine("FloorPlan206", fastActionEmit=False)
+    where = list(poses(walked, 6))
+    forth = [seen(walked.do("TeleportFull", **pose)) for pose in where]
+    Renderer(walked.engine.world).frame(walked.engine.view(), depth=True, ids=True)
+    back = [seen(walked.do("TeleportFull", **pose)) for pose in reversed(where)]
+    assert forth == back[::-1]
+    assert seen(engine("FloorPlan206").do("TeleportFull", **where[-1])) == forth[-1]
+
+
+def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
+    near, far = engine("FloorPlan8", visibilityDistance=1.0), engine("FloorPlan8", visibilityDistance=4.0)
+    for pose in poses(near, 6, seed=1):
+        close, wide = near.do("TeleportFull", **pose), far.do("TeleportFull", **pose)
+        assert seen(close) <= seen(wide) and seen(close, "isInteractable") <= seen(close)
+        yaw = np.radians(pose["rotation"]["y"])
+        ahead = np.array([np.sin(yaw), np.cos(yaw)])
+        here = np.array([close["agent"]["position"][k] for k in "xz"])
+        for record in wide["objects"]:
+            if record["visible"] and pose["horizon"] == 0:
+                assert ((np.array(record["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]] - here) @ ahead).max() > 0
+
+
+def test_where_nothing_is_near_enough_nobody_is_looked_for(engine, monkeypatch):
+    """And what is told of the objects is else the same: a client that reads masks saves the looks."""
+    near, none = engine("FloorPlan8"), engine("FloorPlan8", visibilityDistance=0.01)
+    monkeypatch.setattr(none.engine._metadata.sight, "look", lambda *_: pytest.fail("looked"))
+    unseen, found = {"visible": False, "isInteractable": False}, 0
+    for pose in poses(near, 6, seed=2):
+        close, blind = near.do("TeleportFull", **pose), none.do("TeleportFull", **pose)
+        found += len(seen(close))
+        assert [o | unseen for o in close["objects"]] == blind["objects"]
+    assert found
+
+
+def test_the_schemes_differ_in_what_is_near_alone(engine):
+    """From afar both see the same; near by, what the scheme "Distance" sees has a point that near, in plan."""
+    collider, distance = (engine("FloorPlan315", visibilityDistance=50.0, visibilityScheme=s) for s in ("Collider", "Distance"))
+    for pose in poses(collider, 4):
+        assert seen(collider.do("TeleportFull", **pose)) == seen(distance.do("TeleportFull", **pose))
+    near = engine("FloorPlan315", visibilityScheme="distance")
+    for pose in poses(near, 8):
+        metadata = near.do("TeleportFull", **pose)
+        here = np.array([metadata["agent"]["position"][k] for k in "xz"])
+        for record in metadata["objects"]:
+            if record["visible"]:
+                box = np.array(record["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]]
+                gap = np.maximum(np.maximum(box.min(axis=0) - here, here - box.max(axis=0)), 0)
+                assert np.hypot(*gap) <= NEAR_M + 0.01, record["objectId"]
+
+
+def put(scene, object_id, point):
+    position = dict(zip("xyz", map(float, point), strict=True))
+    metadata = scene.do("TeleportObject", objectId=object_id, position=position, forceAction=True, forceKinematic=True)
+    assert metadata["lastActionSuccess"], metadata["errorMessage"]
+
+
+def before_the_camera(scene, metres):
+    view = scene.engine.view()
+    return view.position + metres * view.axes()[2]
+
+
+def test_hidden_by_what_stands_in_the_way_until_it_goes(engine):
+    scene = engine("FloorPlan206", fastActionEmit=False)
+    scene.do("PausePhysicsAutoSim")
+    pillow = next(o for o in scene.agent["objects"] if o["objectType"] in ("Pillow", "Laptop", "Box"))["objectId"]
+    small = next(o for o in scene.agent["objects"] if o["objectType"] in ("RemoteControl", "CreditCard", "KeyChain"))["objectId"]
+    put(scene, small, before_the_camera(scene, 0.9))
+    assert scene.object(small)["visible"] and scene.object(small)["isInteractable"]
+    put(scene, pillow, before_the_camera(scene, 0.5))
+    assert not scene.object(small)["visible"] and scene.object(pillow)["visible"]
+    scene.do("DisableObject", objectId=pillow)
+    assert scene.object(small)["visible"] and not scene.object(pillow)["visible"]
+    scene.do("EnableObject", objectId=pillow)
+    assert not scene.object(small)["visible"]
+    scene.do("RemoveFromScene", objectId=pillow)
+    assert scene.object(small)["visible"]
+
+
+def test_what_was_taken_away_hides_nothing_though_others_are_where_they_were(engine):
+    """Furniture of the untouched scene is looked through once it is gone."""
+    scene = engine("FloorPlan4", fastActionEmit=False)
+    fridge = next(o for o in scene.agent["objects"] if o["objectType"] == "Fridge")["objectId"]
+    inside = [o["objectId"] for o in scene.agent["objects"] if fridge in (o["parentReceptacles"] or ())]
+    assert inside
+    for name in inside:
+        assert scene.do("GetInteractablePoses", objectId=name)["actionReturn"] == [], name
+    scene.do("PausePhysicsAutoSim")
+    scene.do("RemoveFromScene", objectId=fridge)
+    assert any(scene.do("GetInteractablePoses", objectId=name)["actionReturn"] for name in inside)
+
+
+def test_what_is_behind_glass_is_seen_but_cannot_be_reached(engine):
+    scene = engine("FloorPlan418", fastActionEmit=False, visibilityDistance=3.0)
+    scene.do("PausePhysicsAutoSim")
+    panes = [o["objectId"] for o in scene.agent["objects"] if o["objectType"] in ("ShowerGlass", "ShowerDoor")]
+    soap = next(o for o in scene.agent["objects"] if o["objectType"] in ("SoapBar", "ToiletPaper", "SprayBottle"))["objectId"]
+    for pane in panes:
+        for pose in scene.do("GetInteractablePoses", objectId=pane, horizons=[0], standings=[True])["actionReturn"][::5]:
+            scene.do("TeleportFull", **{**pose, "rotation": {"y": pose["rotation"]}})
+            instance, metres, _ = met(scene)
+            if instance == pane and 0.3 < metres < 2:
+                put(scene, soap, before_the_camera(scene, metres + 0.25))
+                record = scene.object(soap)
+                assert record["visible"] and not record["isInteractable"]
+                for other in panes:
+                    scene.do("DisableObject", objectId=other)
+                assert scene.object(soap)["isInteractable"]
+                return
+    pytest.fail("no place looks straight at a pane")
+
+
+def met(scene):
+    """What a look along the middle of the picture meets first, how far away, and what is behind it."""
+    sight, view = scene.engine.sight, scene.engine.view()
+    looks = sight.look(view.position, view.axes()[2:])
+    first, behind = ("" if i < 0 else sight.lines.names[i] for i in (looks.first[0], looks.behind[0]))
+    return first, float(looks.away_m[0][0]), behind
+
+
+def test_looks_go_all_around_evenly():
+    ways = directions()
+    assert np.allclose(np.linalg.norm(ways, axis=1), 1) and len(np.unique(np.round(ways, 9), axis=0)) == len(ways)
+    rng = np.random.default_rng(0)
+    anywhere = rng.normal(size=(200, 3))
+    anywhere /= np.linalg.norm(anywhere, axis=1, keepdims=True)
+    assert np.degrees(np.arccos((anywhere @ ways.T).max(axis=1))).max() < 1.1
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
+    """Within 2 cm, for 99 of 100 pixels."""
+    scene = engine(name, fastActionEmit=False)
+    renderer = Renderer(scene.engine.world)
+    inside = total = 0
+    for pose in poses(scene, 4, seed=2):
+        scene.do("TeleportFull", **pose)
+        view = scene.engine.view()
+        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+        across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
+        x, y = np.meshgrid(across, -across)
+        points = view.position + np.stack([x, y, np.ones_like(x)], axis=-1) @ view.axes() * frame.depth[..., None]
+        for k, obj in enumerate(scene.engine.world.plan.objects):
+            local = (points[frame.ids == k] - obj.box.centre) @ obj.box.rotation
+            inside += (np.abs(local) <= obj.box.half + 0.02).all(axis=1).sum()
+            total += len(local)
+    assert total > 100_000 and inside >= 0.99 * total
+
+
+def test_points_of_the_picture_are_told(engine):
+    """The object at a point of the picture, and where the look through it ends; nothing moves."""
+    scene = engine("FloorPlan8", fastActionEmit=False)
+    renderer = Renderer(scene.engine.world)
+    for pose in poses(scene, 3, seed=4):
+        before = scene.do("TeleportFull", **pose)
+        view = scene.engine.view()
+        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
+        for row, column in ((20, 150), (150, 40), (150, 150), (280, 260)):
+            at = {"x": (column + 0.5) / 300, "y": (row + 0.5) / 300}
+            name = renderer.names[frame.ids[row, column]]
+            found = scene.do("GetObjectInFrame", **at)
+            if name in {o["objectId"] for o in before["objects"]}:
+                assert found["actionReturn"] == name
+                near = scene.do("GetObjectInFrame", **at, checkVisible=True)["lastActionSuccess"]
+                assert near == scene.object(name)["isInteractable"]
+            else:
+                assert not found["lastActionSuccess"] and found["errorMessage"].startswith("no sim objects found at")
+            point = scene.do("GetCoordinateFromRaycast", **at)["actionReturn"]
+            ahead = (np.array([point[k] for k in "xyz"]) - view.position) @ view.axes()[2]
+            assert ahead == pytest.approx(float(frame.depth[row, column]), abs=0.01)
+        assert scene.do("Pass")["objects"] == before["objects"]
+    assert "must be in [0:1]" in scene.do("GetCoordinateFromRaycast", x=1.2, y=0)["errorMessage"]
+    assert "must be in [0:1]" in scene.do("GetObjectInFrame", x=0, y=-0.1)["errorMessage"]
+    low, high = scene.do("GetSceneBounds")["actionReturn"]
+    corners = np.array(scene.do("Pass")["sceneBounds"]["cornerPoints"])
+    assert np.allclose([low[k] for k in "xyz"], corners.min(axis=0)) and np.allclose(
+        [high[k] for k in "xyz"], corners.max(axis=0)
+    )
+
+
+def test_a_filter_changes_nothing_that_is_told_of_what_it_leaves_in(engine):
+    """Looks are then taken only towards what is told of. Things stand anywhere, turned in any way, near and far."""
+    rng = np.random.default_rng(0)
+    told = visible = 0
+    for name, visibility_m, scheme in zip(SCENES, (1.0, 1.5, 3.0), ("Collider", "Distance", "Collider"), strict=True):
+        scene = engine(name, fastActionEmit=False, visibilityDistance=visibility_m, visibilityScheme=scheme)
+        scene.do("PausePhysicsAutoSim")
+        movable = sorted(o["objectId"] for o in scene.agent["objects"] if o["moveable"] or o["pickupable"])
+        for pose in poses(scene, 25):
+            rotation = {"x": float(rng.uniform(-90, 90)), "y": float(rng.uniform(0, 360)), "z": 0}
+            put = {"position": pose["position"], "rotation": rotation, "forceAction": True, "forceKinematic": True}
+            scene.do("TeleportObject", objectId=movable[rng.integers(len(movable))], **put)
+            whole = {o["objectId"]: dict(o) for o in scene.do("TeleportFull", **next(poses(scene, 1, seed=told)))["objects"]}
+            near = sorted(k for k, o in whole.items() if o["visible"])
+            kind = rng.choice(sorted({o["objectType"] for o in whole.values()}))
+            chosen = {k for k, o in whole.items() if o["objectType"] == kind} | set(near[: rng.integers(3)])
+            some = {o["objectId"]: dict(o) for o in scene.do("SetObjectFilter", objectIds=sorted(chosen))["objects"]}
+            assert some == {k: whole[k] for k in chosen}
+            assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
+            told, visible = told + len(some), visible + len(seen({"objects": some.values()}))
+    assert told > 150 and visible > 40

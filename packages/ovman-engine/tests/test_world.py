@@ -1,0 +1,223 @@
+"""Worlds: what is where, what stands in the agent's way, and what changes do. Physics itself: test_physics."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman_engine.bodies.arrangement import object_id
+from ovman_engine.plan import floorplan
+from ovman_engine.world.world import Refused, World
+
+SCENES = ["FloorPlan3", "FloorPlan201", "FloorPlan215", "FloorPlan311", "FloorPlan413", "FloorPlan425"]
+PLANS = {name: floorplan.load(name) for name in SCENES}
+
+
+def named(world: World, kind: str) -> str:
+    return next(name for name in world.bodies if name.startswith(kind + "|"))
+
+
+def poses(world: World) -> np.ndarray:
+    return np.array([np.concatenate([b.pose.position, b.pose.rotation.ravel()]) for b in world.bodies.values()])
+
+
+def free_floor(world: World, index: int = 0) -> np.ndarray:
+    """A reachable point away from the agent."""
+    points = np.array(world.reachable())
+    far = points[np.linalg.norm(points - world.agent.position, axis=1) > 1.0]
+    return far[index % len(far)]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_untouched_boxes_are_those_of_the_metadata(name: str) -> None:
+    world = World(PLANS[name])
+    for obj in PLANS[name].objects:
+        corners = world.box(obj.object_id).corners()
+        oriented = obj.record["objectOrientedBoundingBox"]
+        recorded = np.array((oriented or obj.record["axisAlignedBoundingBox"])["cornerPoints"])
+        apart = np.linalg.norm(corners[:, None] - recorded[None], axis=2)
+        assert apart.min(axis=1).max() < 1e-3 and apart.min(axis=0).max() < 1e-3, obj.object_id
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_nothing_moves_by_itself(name: str) -> None:
+    world = World(PLANS[name])
+    before, version = poses(world), world.version
+    world.advance(5.0)
+    assert world.at_rest and world.version == version and np.array_equal(poses(world), before)
+
+
+@pytest.mark.parametrize("name", floorplan.names())
+def test_start_is_reachable_and_free(name: str) -> None:
+    world = World(floorplan.load(name))
+    start = world.agent.position
+    found = world.reachable()
+    assert found[0] == tuple(start)
+    assert len(found) > 4
+    assert world.blocker(start[[0, 2]], start[[0, 2]]) is None
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_positions_are_reachable_exactly_if_moves_get_there(name: str) -> None:
+    world = World(PLANS[name])
+    found = {(round(x, 3), round(z, 3)) for x, _, z in world.reachable()}
+    joined = {next(iter(found)): 0}
+    for x, z in sorted(found):
+        for dx, dz in ((0.25, 0), (-0.25, 0), (0, 0.25), (0, -0.25)):
+            beside = (round(x + dx, 3), round(z + dz, 3))
+            if world.blocker((x, z), (x + dx, z + dz)) is None:
+                assert beside in found, (x, z, beside)
+                joined[beside] = 1
+    assert set(joined) == found
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_reachable_set_does_not_hang_on_where_in_it_the_agent_is(name: str) -> None:
+    world = World(PLANS[name])
+    found = sorted(world.reachable())
+    for point in found[:: max(1, len(found) // 3)]:
+        world.agent.position = np.array(point)
+        assert np.allclose(sorted(world.reachable()), found)
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(st.sampled_from(SCENES), st.integers(0, 10_000), st.floats(0, 360), st.floats(0.05, 1.0))
+def test_what_blocks_a_way_blocks_it_from_both_ends(name: str, index: int, heading: float, length: float) -> None:
+    world = World(PLANS[name])
+    points = np.array(world.reachable())[:, [0, 2]]
+    start = points[index % len(points)]
+    end = start + length * np.array([np.sin(np.radians(heading)), np.cos(np.radians(heading))])
+    if world.blocker(start, end) is None and world.blocker(end, end) is None:
+        assert world.blocker(end, start) is None
+        middle = (start + end) / 2
+        assert world.blocker(start, middle) is None and world.blocker(middle, middle) is None
+
+
+def test_a_body_in_the_way_blocks_and_a_disabled_one_does_not() -> None:
+    world = World(PLANS["FloorPlan201"])
+    chair, spot = named(world, "Chair"), free_floor(world, 20)
+    world.place(chair, spot)
+    spot = world.box(chair).centre[[0, 2]]
+    away = spot + [0.0, 0.9]
+    assert world.blocker(away, spot, ignore=()) == chair
+    assert world.blocker(away, spot, ignore=(chair,)) != chair
+    cells = len(world.reachable())
+    world.set_active(chair, False)
+    assert world.blocker(away, spot) != chair
+    assert len(world.reachable()) > cells
+    world.set_active(chair, True)
+    assert len(world.reachable()) == cells
+    world.remove(chair)
+    assert world.blocker(away, spot) != chair
+
+
+def test_a_body_that_comes_to_the_agent_does_not_hold_it() -> None:
+    world = World(PLANS["FloorPlan215"])
+    table = named(world, "CoffeeTable")
+    here = world.agent.position[[0, 2]]
+    low, high = world.box(table).bounds()
+    shift = np.array([here[0] + 0.1 - low[0], 0.0, here[1] - (low[2] + high[2]) / 2])
+    world.teleport(table, world.bodies[table].pose.position + shift, force=True, kinematic=True)
+    assert world.blocker(here, here) == table
+    assert world.blocker(here, here + [0.25, 0.0]) == table
+    assert world.blocker(here, here - [0.25, 0.0]) != table
+    assert len(world.reachable()) > 1
+
+
+def test_teleporting_a_mover_wakes_nothing_and_a_carrier_takes_its_parts() -> None:
+    world = World(PLANS["FloorPlan201"])
+    table = "SideTable|-02.11|+00.00|-00.14"
+    drawer = next(b.object_id for b in world.bodies.values() if b.carrier == table)
+    offset = world.box(drawer).centre - world.box(table).centre
+    for contents in [b for b in world.bodies.values() if table in b.obj.parents]:
+        world.remove(contents.object_id)
+    world.advance(1.0)
+    for k in range(5):
+        world.teleport(table, world.bodies[table].pose.position + [0.0, 0.0, 0.1], force=True, kinematic=True)
+        assert world.at_rest
+        assert np.allclose(world.box(drawer).centre - world.box(table).centre, offset, atol=1e-9), k
+    world.set_active(table, False)
+    assert not world.bodies[drawer].active
+
+
+def test_box_keeps_its_place_in_the_object_when_it_is_turned() -> None:
+    world = World(PLANS["FloorPlan215"])
+    statue = named(world, "Statue")
+    body = world.bodies[statue]
+    before = (world.box(statue).centre - body.pose.position) @ body.pose.rotation
+    turned = floorplan.rotation_matrix(np.array([10.0, 77.0, 5.0]))
+    world.teleport(statue, [-3.0, 1.2, 5.0], turned, force=True, kinematic=True)
+    after = (world.box(statue).centre - np.array([-3.0, 1.2, 5.0])) @ turned
+    assert np.allclose(before, after, atol=1e-9)
+    back = body.pose_for(body.box)
+    assert np.allclose(back.position, body.pose.position) and np.allclose(back.rotation, turned)
+
+
+def test_refusals_say_what_ai2thor_says_and_change_nothing() -> None:
+    world = World(PLANS["FloorPlan201"])
+    vase, table = named(world, "Vase"), named(world, "DiningTable")
+    before = poses(world)
+    with pytest.raises(Refused, match=r"^Cannot find object with id Nothing\|1\."):
+        world.place("Nothing|1", [0, 0, 0])
+    with pytest.raises(Refused, match=r"^Position coordinate \(.*\) is not within scene bounds"):
+        world.place(vase, [50.0, 1.0, 0.0])
+    statue = named(world, "Statue")
+    inside = world.box(statue).centre
+    with pytest.raises(Refused, match=rf"^{vase} is colliding with .* after teleport\.".replace("|", r"\|").replace("+", r"\+")):
+        world.teleport(vase, inside)
+    with pytest.raises(Refused, match=r"^Spawn area not clear \(.*\) is in the way\), can't place object at that point"):
+        world.place(table, world.agent.position + [0.0, 0.3, 0.0], kinematic=True)
+    with pytest.raises(Refused) as unknown:
+        world.set_active("Nothing|1", False)
+    assert str(unknown.value) == ""
+    with pytest.raises(Refused, match="NullReferenceException"):
+        world.remove("Nothing|1")
+    world.advance(1.0)
+    assert world.at_rest and np.array_equal(poses(world), before)
+
+
+def test_set_poses_is_the_whole_of_what_is_movable_then() -> None:
+    world = World(PLANS["FloorPlan311"])
+    movable = [b for b in world.bodies.values() if b.dynamic]
+    kept, body = movable[0].name, movable[0]
+    spots = [free_floor(world, k) for k in (0, 40)]
+    pose = [{"objectName": kept, "position": s, "rotation": np.eye(3)} for s in spots]
+    with pytest.raises(Refused, match="^No Pickupable or Moveable object of name Nothing found in scene"):
+        world.set_poses([*pose, {"objectName": "Nothing", "position": spots[0], "rotation": np.eye(3)}])
+    there = [b for b in world.bodies.values() if b.dynamic and b.present]
+    assert sorted(b.name for b in there) == sorted([kept, f"{kept}_copy_1"])
+    for copy, spot in zip(sorted(there, key=lambda b: b.name), spots, strict=True):
+        assert np.allclose(copy.pose.position, spot)
+        assert copy.object_id == object_id(body.obj.type, spot)
+        assert world.bodies[copy.object_id] is copy
+    assert world.at_rest
+    with pytest.raises(Refused, match="^No Pickupable or Moveable object of name"):
+        world.set_poses([{"objectName": b.name, "position": b.obj.position, "rotation": b.obj.rotation} for b in movable])
+    assert [b.name for b in world.bodies.values() if b.dynamic and b.present] == [kept]
+    assert not [b for b in world.bodies.values() if b.name.endswith("_copy_1")]
+
+
+def test_copies_leave_without_a_trace() -> None:
+    world = World(PLANS["FloorPlan311"])
+    body = next(b for b in world.bodies.values() if b.dynamic and b.obj.pickupable)
+    high = {"objectName": body.name, "position": world.agent.position + [0.0, 1.0, 0.0], "rotation": np.eye(3)}
+    before = len(world.bodies)
+    for _ in range(3):
+        world.set_poses([high, {**high, "position": world.agent.position}], stationary=False)
+        world.advance(0.04)
+        assert len(world.bodies) == before + 1 and not world.at_rest
+    copy = next(b for b in world.bodies.values() if b.name == f"{body.name}_copy_1")
+    world.remove(copy.object_id)
+    world.advance(0.1)
+    assert len(world.bodies) == before and copy.object_id not in world.bodies
+
+
+def test_object_ids_follow_positions_as_in_the_metadata() -> None:
+    assert object_id("Sofa", np.array([-2.4, -0.001, 3.415])) == "Sofa|-02.40|00.00|+03.42"
+    assert object_id("Mug", np.array([0.0, 10.125, -0.995])) == "Mug|+00.00|+10.13|-01.00"
+    same = [
+        object_id(o.type, o.position) == o.object_id for p in PLANS.values() for o in p.objects if o.object_id.count("|") == 3
+    ]
+    assert np.mean(same) > 0.97

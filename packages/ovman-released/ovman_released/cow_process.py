@@ -1,0 +1,158 @@
+"""The process in which CoW's released runner works, with the Python of its own environment.
+
+`python -m ovman_released.cow_process JOB.json`; JOB.json is a `Job`. The runner writes one file an episode into `results`,
+the test at the stop one line an episode into `verdicts`. Needs numpy, ai2thor and what the released code needs; of what this
+package requires nothing else.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import queue
+import sys
+import threading
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from importlib import import_module
+from inspect import signature
+from pathlib import Path
+from typing import Any
+
+from ovman.sim.controller import launched
+from ovman.workflow.constants import StageConstants
+from ovman_released import cow_shims
+from ovman_released.cow_controller import EpisodeController
+from ovman_released.cow_episodes import Hidden, exported, vocabulary
+
+RUNNER, AGENT, LOCALIZATION = "robothor_challenge", "src.models.agent_fbe_owl", "src.models.localization.clip_owl"
+PROMPTS, SETTINGS = Path("prompt_templates", "imagenet_template.json"), Path("config_cow.yaml")
+SIZE = ("width", "height")
+
+
+@dataclass(frozen=True)
+class Job:
+    """One call of the released runner.
+
+    root: of the clone; results, verdicts: where to write; canonical: the stage's constants; seed: the runner's; hidden: the
+    episodes in their order.
+    """
+
+    root: Path
+    results: Path
+    verdicts: Path
+    canonical: str
+    seed: int
+    hidden: tuple[Hidden, ...]
+
+    def write(self, path: Path) -> None:
+        record = asdict(self) | {"hidden": [episode.to_json() for episode in self.hidden]}
+        path.write_text(json.dumps(record, default=str) + "\n", encoding="utf-8")
+
+    @staticmethod
+    def load(path: Path) -> Job:
+        given = json.loads(path.read_text(encoding="utf-8"))
+        places = {name: Path(given[name]) for name in ("root", "results", "verdicts")}
+        return Job(**given | places | {"hidden": tuple(map(Hidden.from_json, given["hidden"]))})
+
+
+class _Results:
+    """The runner's queue of results, which are in its files as well."""
+
+    def put(self, result: Sequence[Any]) -> None:
+        print(f"{result[0]}: done", flush=True)
+
+
+def run(job: Job) -> None:
+    """One pass of the unmodified runner over the episodes, with one agent, in their order."""
+    constants = StageConstants(job.canonical)
+    cow_shims.stand_in_for_lost_modules()
+    sys.path.insert(0, str(job.root))
+    os.chdir(job.root)
+    cow_shims.drop_outgrown_override(import_module(LOCALIZATION))
+    factory, runner = import_module(AGENT), import_module(RUNNER)
+    cow_shims.start_no_display(runner)
+    cow_shims.allow_absent_targets(runner)
+    original = runner.ai2thor.controller.Controller
+    job.results.mkdir(parents=True, exist_ok=True)
+    with job.verdicts.open("w", encoding="utf-8") as verdicts:
+
+        def judged(name: str, measured: Mapping[str, Any]) -> None:
+            verdicts.write(json.dumps({"name": name, **measured}, separators=(",", ":")) + "\n")
+            verdicts.flush()
+
+        episodes = {episode.name: episode for episode in job.hidden}
+        launch = partial(launched, original, constants.benchmark.backend)
+        cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, constants, judged))
+        _call(job, constants, factory, runner)
+
+
+def _call(job: Job, constants: Any, factory: Any, runner: Any) -> None:
+    settings = constants.released.cow
+    kinds = {name: type(signature(factory.build).parameters[name].default) for name in ("env_type", "class_type")}
+    world = {"env_type": kinds["env_type"].NORMAL, "class_type": kinds["class_type"].REGULAR}
+    agent, arguments, depth = factory.build(
+        fail_stop=True,
+        prompts_path=str(job.root / PROMPTS),
+        threshold=settings.threshold,
+        device_num=0 if settings.device == "cuda" else -1,
+        center_only=True,
+        **world,
+    )
+    # The released lists are of the same length where there are any; names of categories that it knows stay its own.
+    known = dict(zip(arguments.get("classes") or (), arguments.get("classes_clip") or (), strict=False))
+    names = vocabulary([episode.category for episode in job.hidden], known)
+    arguments["classes"], arguments["classes_clip"] = names
+    waiting: queue.Queue[dict[str, Any]] = queue.Queue()
+    for episode in job.hidden:
+        waiting.put(exported(episode))
+    runner.RobothorChallenge.inference_worker(
+        worker_ind=0,
+        in_queue=waiting,
+        out_queue=_Results(),
+        agent_class=agent,
+        agent_kwargs=arguments,
+        controller_kwargs=parameters(job.root / SETTINGS) | {"renderDepthImage": bool(depth)},
+        max_steps=settings.budget,
+        test=False,
+        device=_device(settings.device),
+        class_remap=None,
+        experiment_name=str(job.results),
+        no_grad=True,
+        seed=job.seed,
+        **world,
+    )
+
+
+def parameters(settings: Path) -> dict[str, Any]:
+    """The Controller's parameters of the released configuration: its body, its camera, its step. ValueError without a size."""
+    import yaml
+
+    read = yaml.safe_load(settings.read_text(encoding="utf-8"))
+    given = dict(read["initialize"]) | {name: read[name] for name in SIZE if name in read}
+    if lost := [name for name in SIZE if name not in given]:
+        raise ValueError(f"{settings}: has no {' and no '.join(lost)}; check out the released code again")
+    return given
+
+
+def _device(name: str) -> Any:
+    import torch
+
+    return torch.device("cuda:0" if name == "cuda" else "cpu")
+
+
+def _end_with_parent() -> None:
+    """End as soon as whoever holds the other end of standard input has: a run that nobody waits for must not go on."""
+
+    def wait() -> None:
+        while os.read(0, 1):
+            pass
+        os._exit(1)
+
+    threading.Thread(target=wait, name="end-with-parent", daemon=True).start()
+
+
+if __name__ == "__main__":
+    _end_with_parent()
+    run(Job.load(Path(sys.argv[1])))

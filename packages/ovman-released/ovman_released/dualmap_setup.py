@@ -1,0 +1,99 @@
+"""Is there all that DualMap's released code needs: clone, environment, weights, GPU?"""
+
+from __future__ import annotations
+
+import os
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ovman_released import interpreter
+from ovman_released.clone import Clone
+
+SYSTEM = "DualMap (released)"
+REPOSITORY = "https://github.com/Eku127/DualMap"
+KEY = "released.dualmap"
+_OWN = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
+OLDEST = (3, 10)
+"""DualMap's own Python; its process imports nothing of this package."""
+WEIGHTS = ("model/yolov8l-world.pt", "model/mobile_sam.pt", "model/FastSAM-s.pt")
+"""Of the detector and the two segmenters, in the clone."""
+TOWERS = "apple/MobileCLIP-S2-OpenCLIP"
+_FETCH = (
+    "import open_clip; from ultralytics import YOLO, SAM, FastSAM; "
+    "YOLO('model/yolov8l-world.pt').set_classes(['chair']); SAM('model/mobile_sam.pt'); FastSAM('model/FastSAM-s.pt'); "
+    "open_clip.create_model_and_transforms('MobileCLIP-S2', pretrained='datacompdr')"
+)
+"""Downloads all weights; the detector fetches the text tower that names its classes when it is given the first."""
+NEEDS = interpreter.Needs(
+    modules={
+        "torch": "torch",
+        "hydra": "hydra-core",
+        "open3d": "open3d",
+        "open_clip": "open_clip_torch",
+        "ultralytics": "ultralytics==8.3.103",
+        "clip": "git+https://github.com/ultralytics/CLIP.git",
+        "supervision": "supervision==0.25.1",
+        "faiss": "faiss-cpu==1.9.0",
+        "rerun": "rerun-sdk==0.22.1",
+        "kornia": "kornia",
+        "natsort": "natsort",
+        "dill": "dill",
+    },
+    versions={},
+    cached={
+        TOWERS: (
+            (("open_clip_model.safetensors", "open_clip_pytorch_model.bin"),),
+            f"-c {shlex.quote(_FETCH)}",
+        )
+    },
+    oldest=OLDEST,
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Installation:
+    """root: of the clone; python: the interpreter of its environment; before: a Python file whose function `before` a run calls
+    before DualMap is built, for networks that stand in for DualMap's, or None.
+    """
+
+    root: Path
+    python: Path
+    before: Path | None = None
+
+
+def lacks(dualmap: Any) -> str | None:
+    """What is missing and how to get it, in one line, given the settings released.dualmap; None where everything is there."""
+    if not dualmap.root:
+        return f"{KEY}.root names no clone; docs/baselines.md says how to make one"
+    root = Path(dualmap.root).absolute()
+    return (
+        Clone(REPOSITORY, root, dualmap.commit).lacks()
+        or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS, environment())
+        or interpreter.lacks(KEY, dualmap.python, "cpu", submodule(root), environment())
+        or missing_weights(root, dualmap.python)
+    )
+
+
+def submodule(root: Path) -> interpreter.Needs:
+    """MobileCLIP's code, from the clone's submodule: without what it depends on, which would replace the environment's torch."""
+    place = shlex.quote(str(root / "3rdparty" / "mobileclip"))
+    return interpreter.Needs({"mobileclip": f"--no-deps --editable {place}"}, {}, {}, OLDEST)
+
+
+def environment() -> dict[str, str]:
+    """Environment variables for a process of DualMap.
+
+    None mixes this one's packages into its own; nothing is downloaded or installed, and no bytecode is written into the clone.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in _OWN}
+    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "YOLO_OFFLINE": "true", "YOLO_AUTOINSTALL": "false"}
+
+
+def missing_weights(root: Path, python: str) -> str | None:
+    """The first file of weights that is not in the clone at `root` and how to get it; None where all are there."""
+    for name in WEIGHTS:
+        if not (root / name).is_file():
+            return f"there is no {name} in {root}; in that folder run {shlex.quote(python)} -c {shlex.quote(_FETCH)}"
+    return None

@@ -1,0 +1,343 @@
+"""CoW's released runner, by a stand-in with its interface: on the real engine, with the Python of an environment of its own."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import pytest
+from ai2thor.controller import Controller
+
+from ovman.sim.change import Alteration
+from ovman.sim.controller import launched
+from ovman.sim.mover import Lane
+from ovman.sim.session import AgentPose
+from ovman.task import Relation
+from ovman.workflow.config import canonical, load
+from ovman.workflow.constants import StageConstants
+from ovman.workflow.journal import Journal
+from ovman_released import cow
+from ovman_released.clone import Clone
+from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
+from ovman_released.cow_episodes import Hidden, exported, vocabulary
+from ovman_released.status import note, read
+
+ROOT = Path(__file__).parents[3]
+STAND_INS = Path(__file__).parent / "stand_ins"
+SCENE = "FloorPlan429"
+GONE, MOVED, PAPER = "SideTable|-01.53|+00.00|-00.17", "SideTable|+00.79|+00.00|-01.82", "ToiletPaper|-00.04|+00.94|-03.87"
+
+REMOVED = Hidden(
+    episode=f"{SCENE}/removed/0000",
+    scene=SCENE,
+    relation=Relation.REMOVED,
+    category="SideTable",
+    target=GONE,
+    second=(Alteration("disable", GONE),),
+    spawn=AgentPose(-1.0, -2.75, 0.0),
+    answer=(-1.526, -0.1725),
+    navigable=(-1.5, -0.5),
+    shortest_m=2.75,
+    mover=None,
+)
+SHIFTED = Hidden(
+    episode=f"{SCENE}/moved/0002",
+    scene=SCENE,
+    relation=Relation.MOVED,
+    category="SideTable",
+    target=MOVED,
+    second=(Alteration("displace", MOVED, (-0.788, -1.98), 0.0494),),
+    spawn=AgentPose(-0.25, -0.5, 180.0),
+    answer=(-0.788, -1.98),
+    navigable=(-0.25, -2.0),
+    shortest_m=1.5,
+    mover=None,
+)
+MOVING = Hidden(
+    episode=f"{SCENE}/moving/0000",
+    scene=SCENE,
+    relation=Relation.MOVING,
+    category="ToiletPaper",
+    target=PAPER,
+    second=(Alteration("motion", PAPER, None, 0.9, Lane(0.0, -2.75, 0.0, -0.75)),),
+    spawn=AgentPose(-0.5, -1.5, 90.0),
+    answer=(0.0, -2.25),
+    navigable=(-0.25, -2.25),
+    shortest_m=1.0,
+    mover={"along_m": 0.5, "direction": 1},
+)
+EPISODES = (SHIFTED, REMOVED, MOVING)
+
+
+def git(directory: Path, *arguments: str) -> str:
+    identity = ("-c", "user.name=n", "-c", "user.email=n@localhost", "-c", "commit.gpgsign=false")
+    return subprocess.run(
+        ["git", *identity, *arguments], cwd=directory, check=True, capture_output=True, text=True
+    ).stdout.strip()
+
+
+def constants(root: Path, commit: str, python: str, **changed):
+    config = load(ROOT / "config.yaml", [ROOT / "config.yaml"])
+    given = {"root": str(root), "commit": commit, "python": python, "device": "cpu", "budget": 6, **changed}
+    released = config.released.model_copy(update={"cow": config.released.cow.model_copy(update=given)})
+    return StageConstants(canonical(config.model_copy(update={"released": released}), "released_cow"))
+
+
+@pytest.fixture(scope="module")
+def set_up(tmp_path_factory):
+    """A clone at a commit, its interpreter, and the weights: what a user sets up. (root, commit, python, site)."""
+    place = tmp_path_factory.mktemp("released")
+    root, site = place / "cow", place / "site"
+    shutil.copytree(STAND_INS / "cow", root, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(STAND_INS / "site", site, ignore=shutil.ignore_patterns("__pycache__"))
+    weights = site / "weights" / "google" / "owlvit-base-patch32"
+    weights.mkdir(parents=True)
+    for name in ("config.json", "model.safetensors", "preprocessor_config.json"):
+        (weights / name).write_text("{}")
+    git(root, "init", "--quiet")
+    git(root, "add", ".")
+    git(root, "commit", "--quiet", "--message", "as released")
+    python = place / "python"
+    python.write_text(f'#!/bin/sh\nPYTHONPATH="{site}:$PYTHONPATH" exec "{sys.executable}" "$@"\n')
+    python.chmod(0o755)
+    return root, git(root, "rev-parse", "HEAD"), str(python), site
+
+
+def trial(hidden: Hidden) -> dict:
+    given = hidden.to_json()
+    candidate = {name: given[name] for name in ("scene", "relation", "category", "target", "second", "spawn")}
+    answer, navigable = ({"x": x, "z": z} for x, z in (hidden.answer, hidden.navigable))
+    measured = {"answer": answer, "nearest_navigable": navigable, "shortest_path_m": hidden.shortest_m, "mover": hidden.mover}
+    return {"candidate": {"id": hidden.episode, **candidate}, "measured": measured}
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    place = tmp_path_factory.mktemp("files")
+    episodes, trials = place / "main.jsonl", place / "trials.jsonl"
+    episodes.write_text("".join(json.dumps({"id": h.episode, "scene": h.scene}) + "\n" for h in EPISODES))
+    trials.write_text("".join(json.dumps(trial(h)) + "\n" for h in EPISODES))
+    return episodes, trials
+
+
+@pytest.fixture(scope="module")
+def ran(set_up, files, tmp_path_factory):
+    """The records of the stage under two seeds, the status, and the journal."""
+    place = tmp_path_factory.mktemp("ran")
+    outputs = {(seed, SCENE): place / f"seed{seed}.jsonl" for seed in (0, 1)}
+    journal = place / "journal.jsonl"
+    cow.run(files[0], [files[1]], constants(*set_up[:3]), outputs, place / "status.json", journal)
+    records = {seed: [json.loads(line) for line in path.read_text().splitlines()] for (seed, _), path in outputs.items()}
+    return records, place / "status.json", journal
+
+
+def test_every_episode_under_every_seed_in_the_order_given(ran):
+    records, status, _ = ran
+    assert read(status).run and note(status) is None
+    for seed, of_seed in records.items():
+        assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.episode, ARM, seed) for h in EPISODES]
+
+
+def test_a_stop_is_measured_where_it_was_made_and_a_spent_budget_is_not(ran):
+    for shifted, removed, moving in ran[0].values():
+        assert [r["outcome"] for r in (shifted, removed, moving)] == ["stopped", "budget", "stopped"]
+        assert removed["actions"] == 6 and removed["path_length_m"] == 0.0 and removed["stop"] is None
+        assert shifted["actions"] == 3 and 0.4 < shifted["path_length_m"] < 0.6
+        stop = shifted["stop"]["x"], shifted["stop"]["z"]
+        assert math.dist(stop, (-0.25, -0.5)) == pytest.approx(shifted["path_length_m"], abs=0.02)
+        assert shifted["answer_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.answer), abs=1e-3)
+        assert shifted["navigable_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.navigable), abs=1e-3)
+        assert set(shifted["visible_px"]) == {"0", "30", "60"}
+
+
+def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
+    shifted, removed, _ = ran[0][0]
+    assert {MOVED, GONE} <= set(shifted["instances"]) and "instances" not in removed
+    own = shifted["instances"][MOVED]
+    assert (own["box_distance_m"], own["visible_px"]) == (shifted["box_distance_m"], shifted["visible_px"])
+    # It stands where it was put, not where it stood: from there its box is nearer than its former place.
+    assert own["box_distance_m"] < math.dist((shifted["stop"]["x"], shifted["stop"]["z"]), (0.79, -1.82))
+
+
+def test_the_runner_is_told_of_all_objects_of_the_changed_world():
+    body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
+    launch = partial(launched, Controller, "embedded")
+    given = constants(ROOT, "0" * 40, sys.executable)
+    stands = EpisodeController(launch, {REMOVED.name: REMOVED}, 0, given, lambda *_: None, **body)
+    try:
+        untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
+        stands.initialization_parameters[IDENTITY] = REMOVED.name
+        assert {o["objectId"] for o in stands.reset(SCENE).metadata["objects"]} == untouched
+        stands.step("SetObjectFilter", objectIds=[MOVED])
+        assert {o["objectId"] for o in stands.step("RotateLeft").metadata["objects"]} == untouched
+    finally:
+        stands.stop()
+
+
+def test_the_mover_goes_on_with_the_agents_actions(ran):
+    """0.1 m an action at most, from where it was when the run began."""
+    for *_, moving in ran[0].values():
+        stop = moving["stop"]["x"], moving["stop"]["z"]
+        begun = math.dist(stop, MOVING.answer)
+        assert 0.0 < abs(moving["answer_distance_m"] - begun) <= 0.3 + 1e-6
+
+
+def test_the_seed_is_the_runners(ran):
+    """Its body's noise differs under another seed, and nowhere else."""
+    first, second = (of_seed[0]["stop"] for of_seed in ran[0].values())
+    assert first != second and math.dist((first["x"], first["z"]), (second["x"], second["z"])) < 0.2
+
+
+def test_a_finished_call_is_not_made_again_wherever_the_clone_is_now(ran, set_up, files, tmp_path):
+    """The journal answers: an interpreter that cannot run anything is enough."""
+    moved = tmp_path / "elsewhere"
+    shutil.copytree(set_up[0], moved)
+    python = tmp_path / "python"
+    python.write_text(f'#!/bin/sh\ncase "$1" in -c) exec "{set_up[2]}" "$@";; esac\nexit 9\n')
+    python.chmod(0o755)
+    journal = tmp_path / "journal.jsonl"
+    shutil.copy(ran[2], journal)
+    outputs = {(1, SCENE): tmp_path / "seed1.jsonl"}
+    cow.run(files[0], [files[1]], constants(moved, set_up[1], str(python)), outputs, tmp_path / "status.json", journal)
+    assert [json.loads(line) for line in outputs[1, SCENE].read_text().splitlines()] == ran[0][1]
+    with pytest.raises(RuntimeError, match="status 9"):
+        cow.run(files[0], [files[1]], constants(moved, set_up[1], str(python), budget=5), outputs, tmp_path / "s.json", journal)
+
+
+def lacking(set_up, **changed) -> str:
+    root, commit, python, _ = set_up
+    said = cow.missing(constants(**{"root": root, "commit": commit, "python": python} | changed))
+    assert said is not None and "\n" not in said
+    return said
+
+
+def test_nothing_is_missing(set_up):
+    assert cow.missing(constants(*set_up[:3])) is None
+
+
+def test_what_is_missing_is_one_line_with_its_remedy(set_up, tmp_path):
+    root, commit, python, site = set_up
+    assert f"git clone {cow.REPOSITORY}" in lacking(set_up, root=tmp_path / "nowhere")
+    (tmp_path / "empty").mkdir()
+    assert "git clone" in lacking(set_up, root=tmp_path / "empty")
+    assert "lies inside another repository" in lacking(set_up, root=root / "src")
+    assert f"checkout {'0' * 40}" in lacking(set_up, commit="0" * 40)
+    assert "released.cow.python" in lacking(set_up, python="")
+    assert "released.cow.python" in lacking(set_up, python=str(tmp_path / "python"))
+    assert "no working Python" in lacking(set_up, python=shutil.which("false"))
+    assert 'released.cow.device to "cpu"' in lacking(set_up, device="cuda")
+    bare = tmp_path / "bare"
+    bare.write_text(f'#!/bin/sh\nexec "{sys.executable}" -S "$@"\n')
+    bare.chmod(0o755)
+    assert "pip install" in lacking(set_up, python=str(bare))
+
+
+def test_a_changed_clone_is_not_the_released_code(set_up, tmp_path):
+    root = tmp_path / "cow"
+    shutil.copytree(set_up[0], root)
+    (root / "weights.bin").write_text("not tracked")
+    assert Clone(cow.REPOSITORY, root, set_up[1]).lacks() is None
+    (root / "config_cow.yaml").write_text("max_steps: 1000\n")
+    said = Clone(cow.REPOSITORY, root, set_up[1]).lacks()
+    assert said.startswith("config_cow.yaml in the clone") and "checkout -- ." in said
+
+
+def test_weights_that_are_not_there_are_named_with_the_command_that_brings_them(set_up, tmp_path):
+    site = tmp_path / "site"
+    shutil.copytree(set_up[3], site, ignore=shutil.ignore_patterns("weights"))
+    python = tmp_path / "python"
+    python.write_text(f'#!/bin/sh\nPYTHONPATH="{site}:$PYTHONPATH" exec "{sys.executable}" "$@"\n')
+    python.chmod(0o755)
+    said = lacking(set_up, python=str(python))
+    assert "google/owlvit-base-patch32" in said and "from_pretrained" in said
+
+
+def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files, tmp_path):
+    outputs = {(seed, SCENE): tmp_path / f"seed{seed}.jsonl" for seed in (0, 1)}
+    given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
+    cow.run(files[0], [files[1]], given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
+    assert [path.read_bytes() for path in outputs.values()] == [b"", b""]
+    assert read(tmp_path / "status.json").says.startswith("there is no clone in")
+    assert note(tmp_path / "status.json").startswith("CoW (released) was not run")
+
+
+@pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
+def test_what_the_evaluator_keeps_survives_a_file(hidden):
+    assert Hidden.from_json(json.loads(json.dumps(hidden.to_json()))) == hidden
+    assert Hidden.of(trial(hidden)) == hidden
+
+
+@pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
+def test_an_exported_episode_has_what_the_runner_asks_for(hidden):
+    episode = exported(hidden)
+    assert episode["id"].split("_")[3] == hidden.category and "." not in episode["id"] and "/" not in episode["id"]
+    assert episode["object_id"] == hidden.target and episode["object_type"] == hidden.category
+    start = episode["initial_position"], episode["initial_orientation"]
+    assert (start[0]["x"], start[0]["z"], start[1]) == (hidden.spawn.x, hidden.spawn.z, hidden.spawn.yaw_deg)
+
+
+def test_names_in_the_runner_tell_episodes_apart():
+    numbers = [replace(SHIFTED, episode=f"{SCENE}/moved/{n:04d}") for n in range(3)]
+    assert len({h.name for h in (*numbers, REMOVED, MOVING)}) == 5
+
+
+def test_released_names_stay_and_others_are_this_projects_nouns():
+    kinds, names = vocabulary(["SideTable", "HousePlant", "SideTable"], {"HousePlant": "plant", "Mug": "mug"})
+    assert kinds == ["HousePlant", "SideTable"] and names == ["plant", "side table"]
+
+
+@pytest.mark.parametrize("processes", [1, 2, 3, 7])
+def test_shares_are_the_episodes_in_their_order(processes):
+    parts = cow.shares(EPISODES, processes)
+    assert [h for part in parts for h in part] == list(EPISODES) and len(parts) == min(processes, 3)
+    assert max(map(len, parts)) - min(map(len, parts)) <= 1
+
+
+def test_where_the_clone_is_does_not_change_what_a_call_is_and_all_else_does(set_up, tmp_path):
+    def key(seed=0, share=EPISODES, **changed):
+        return cow.unit(share, seed, constants(**{"root": set_up[0], "commit": set_up[1], "python": "a"} | changed))
+
+    assert key() == key(root=tmp_path, python="b")
+    others = [key(seed=1), key(share=EPISODES[1:]), key(share=EPISODES[::-1]), key(budget=500), key(commit="0" * 40)]
+    assert len({key(), *others}) == len(others) + 1
+
+
+def test_the_runners_process_needs_no_more_than_numpy_and_the_client():
+    """Its environment is the released system's own."""
+    heavy = ("cv2", "mujoco", "numba", "pandas", "pydantic", "scipy", "torch", "ultralytics", "yaml")
+    program = f"import sys, ovman_released.cow_process; print(*(set({heavy!r}) & set(sys.modules)))"
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
+    assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+
+
+def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):
+    kept = Journal(tmp_path / "journal.jsonl")
+    with pytest.raises(RuntimeError, match="status"):
+        cow.passed(EPISODES[:1], 0, constants(set_up[0], set_up[1], shutil.which("false")), kept)
+    assert not (tmp_path / "journal.jsonl").exists()
+
+
+def test_the_runners_process_ends_with_whoever_waits_for_it():
+    program = (
+        "import time; from ovman_released import cow_process; "
+        "cow_process._end_with_parent(); print(1, flush=True); time.sleep(99)"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", program],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+    )
+    assert process.stdout.readline() == b"1\n" and process.poll() is None
+    process.stdin.close()
+    assert process.wait(30) == 1

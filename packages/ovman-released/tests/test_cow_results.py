@@ -1,0 +1,106 @@
+"""What the released runner wrote, read: stop, path, actions; and a file that it would not have written."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.evaluation.scores import judge
+from ovman.sim.session import AgentPose
+from ovman.task import RecordError, Relation
+from ovman_released.cow_episodes import Hidden
+from ovman_released.cow_results import Walk, collected, imported
+
+SPAWN = AgentPose(0.0, 0.0, 0.0)
+HIDDEN = Hidden(
+    Relation.REMOVED, "Mug", "Mug|1", (), SPAWN, (1.0, 0.0), (1.0, 0.0), None, "FloorPlan1/removed/0003", "FloorPlan1", 1.0
+)
+EPISODE = {"relation": "removed", "shortest_path_m": 1.0}
+COORDINATE = st.floats(-9, 9, allow_nan=False).map(lambda x: round(x, 3))
+
+
+class Task:
+    radius_m, visible_px, sweep_deg = 1.0, 100, (0, 30, 60)
+
+
+def written(path, points, actions):
+    trajectory = [{"x": x, "y": 0.9, "z": z, "rotation": 0.0, "horizon": 0.0} for x, z in points]
+    taken = [{"action": action, "success": True} for action in actions]
+    metrics = {"trajectory": trajectory, "actions_taken": taken, "success": True, "vision_error_in_case_of_fail": False}
+    path.write_text(json.dumps({"episode_metrics": metrics, "episode_result": {"path": trajectory, "success": True}}))
+    return path
+
+
+@given(st.lists(st.tuples(COORDINATE, COORDINATE), min_size=1, max_size=12), st.booleans())
+def test_the_path_is_what_lies_between_the_poses_and_a_stop_is_no_action(tmp_path_factory, points, stops):
+    path = tmp_path_factory.mktemp("walk") / "walk.json"
+    walked = ["MoveAhead"] * (len(points) - 1)
+    walk = Walk.read(written(path, [*points, points[-1]] if stops else points, [*walked, "Stop"] if stops else walked))
+    assert (walk.stopped, walk.actions) == (stops, len(points) - 1)
+    assert walk.path_length_m == pytest.approx(sum(math.dist(a, b) for a, b in zip(points, points[1:], strict=False)))
+    assert walk.path_length_m >= math.dist(points[0], points[-1]) - 1e-9
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("{", "cannot be read"),
+        ("[]", "expected an object"),
+        ('{"episode_metrics": {"trajectory": []}}', "actions_taken"),
+        ('{"episode_metrics": {"trajectory": [], "actions_taken": [{"action": 3}]}}', "expected text"),
+        (
+            '{"episode_metrics": {"trajectory": [{"x": 0, "z": 0}], "actions_taken": [{"action": "Stop"}]}}',
+            "1 poses for 1 actions",
+        ),
+        ('{"episode_metrics": {"trajectory": [{"x": null, "z": 0}], "actions_taken": []}}', "expected a number"),
+    ],
+)
+def test_what_the_runner_would_not_write_is_one_line_with_the_file(tmp_path, text, says):
+    path = tmp_path / "walk.json"
+    path.write_text(text)
+    with pytest.raises(RecordError) as error:
+        Walk.read(path)
+    assert says in str(error.value) and str(path) in str(error.value) and "\n" not in str(error.value)
+
+
+def test_its_own_success_is_not_read(tmp_path):
+    """A file that says success is judged by where the agent stopped."""
+    walk = Walk.read(written(tmp_path / "walk.json", [(0.0, 0.0), (0.0, 3.0), (0.0, 3.0)], ["MoveAhead", "Stop"]))
+    terms = {"box_distance_m": None, "visible_px": None, "answer_distance_m": 3.1623, "navigable_distance_m": 3.1623}
+    verdict = {"stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
+    run = imported(HIDDEN, 2, walk, verdict)
+    assert (run["arm"], run["seed"], run["outcome"], run["path_length_m"], run["actions"]) == (
+        "cow_released",
+        2,
+        "stopped",
+        3.0,
+        1,
+    )
+    assert judge(run, EPISODE, Task(), own_task=True)["success"] is False
+
+
+def test_a_spent_budget_is_a_failure_on_either_task():
+    run = imported(HIDDEN, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), {"stopped": False})
+    judged = judge(run, EPISODE, Task(), own_task=True)
+    assert (judged["outcome"], judged["success"], judged["own_success"], judged["path_length_m"]) == (
+        "budget",
+        False,
+        False,
+        0.25,
+    )
+
+
+@pytest.mark.parametrize("verdict", [{"stopped": False}, {"stopped": True, "stop": {"x": 0.5, "z": 0.0}}])
+def test_a_verdict_on_another_run_is_refused(verdict):
+    with pytest.raises(ValueError, match="run it again"):
+        imported(HIDDEN, 0, Walk(((0.0, 0.0), (0.0, 0.0)), True), verdict)
+
+
+def test_an_episode_without_a_verdict_is_named(tmp_path):
+    (tmp_path / "verdicts.jsonl").write_text("")
+    with pytest.raises(ValueError, match=HIDDEN.episode):
+        collected(tmp_path, tmp_path / "verdicts.jsonl", (HIDDEN,), 0)

@@ -1,0 +1,127 @@
+"""The stage: all maps of a scene, in every run and every way to maintain one, against a clone that stands in for DualMap."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from boxes import Box, spin, view
+
+from ovman.agents.dualmap.mapped import Sort, read, write
+from ovman.workflow.config import constants, load
+from ovman_released.dualmap import CODE, Maintained, Runs, identity
+from ovman_released.dualmap_frames import write_visit
+from ovman_released.dualmap_runner import Policy, RunError
+from ovman_released.dualmap_setup import Installation
+
+ROOT = Path(__file__).parents[3]
+SOFA = Box((0.6, 0.0, 1.6), (1.4, 0.6, 2.2), 0)
+CUP = Box((0.9, 0.6, 1.8), (1.0, 0.75, 1.9), 1)
+LAMP = Box((-2.0, 0.0, -0.2), (-1.7, 1.5, 0.2), 2)
+WORLDS = {"before": [SOFA, CUP], "after": [SOFA, CUP, LAMP]}
+PAIR = ("before", "after")
+
+
+def runs(kept: Path, maintained: Maintained, walk=None) -> Runs:
+    def walked(name: str, directory: Path) -> None:
+        write_visit(directory, (view(WORLDS[name], camera) for camera in spin(0.0, 0.0)), 0.0)
+
+    here = Installation(Path(__file__).parent / "stand_ins" / "dualmap", Path(sys.executable))
+    policy = Policy(maintained.kind, "first_only", "cpu", 60.0, seed=0)
+    return Runs(here, policy, maintained, "FloorPlan1", ["sofa"], {name: [name] for name in WORLDS}, walk or walked, kept)
+
+
+def places(mapped) -> np.ndarray:
+    return np.round(mapped.object_map().p, 1)
+
+
+def test_maps_of_both_visits_and_one_through_both(tmp_path):
+    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
+    maps, nouns = made.maps(0, list(WORLDS), [PAIR])
+    assert {name: len(mapped.entries) for name, mapped in maps.visits.items()} == {"before": 2, "after": 3}
+    assert maps.visits["before"].frames == 12 and maps.maintained[PAIR].frames == 24
+    assert len(maps.maintained[PAIR].entries) == 3, "what came is added to what was there"
+    assert {entry.sort for entry in maps.maintained[PAIR].entries} == {Sort.OBJECT}
+    assert places(maps.visits["after"]).tolist() == places(maps.maintained[PAIR]).tolist()
+    lamp = max(maps.maintained[PAIR].entries, key=lambda entry: entry.first_seen)
+    assert lamp.position[0] < -1.6 and lamp.class_id == 2 and lamp.first_seen > 12
+    assert nouns.keys() == {"sofa"}
+    write(tmp_path / "maps.npz", [maps])
+    (kept,) = read(tmp_path / "maps.npz")
+    assert places(kept.maintained[PAIR]).tolist() == places(maps.maintained[PAIR]).tolist()
+    made.clear()
+    assert not list(tmp_path.glob("frames.*"))
+
+
+@pytest.mark.parametrize("maintained", [Maintained.CONCATENATED_GLOBAL, Maintained.PRELOADED_GLOBAL])
+def test_global_maps_have_anchors_and_what_is_on_them(tmp_path, maintained):
+    maps, _ = runs(tmp_path, maintained).maps(0, [], [PAIR])
+    sorts = [entry.sort for entry in maps.maintained[PAIR].entries]
+    # An anchor of the stand-in is never merged: the preloaded one stands beside that of the second visit.
+    anchors = 2 if maintained is Maintained.PRELOADED_GLOBAL else 1
+    assert sorts.count(Sort.ANCHOR) == anchors and sorts.count(Sort.RELATED) == anchors and Sort.OBJECT not in sorts
+
+
+def test_a_finished_run_is_kept_and_another_number_is_another_run(tmp_path):
+    first, frames = runs(tmp_path, Maintained.CONCATENATED_LOCAL).run(0, ["before"])
+
+    def walked_again(name, directory):
+        raise AssertionError("it was kept")
+
+    again, frames_again = runs(tmp_path, Maintained.CONCATENATED_LOCAL, walked_again).run(0, ["before"])
+    assert again.columns["uid"].tolist() == first.columns["uid"].tolist() and frames_again == frames == 12
+    with pytest.raises(AssertionError, match="it was kept"):
+        runs(tmp_path, Maintained.CONCATENATED_LOCAL, walked_again).run(1, ["before"])
+
+
+def test_what_a_killed_job_left_is_no_run(tmp_path):
+    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
+    made.run(0, ["before"])
+    (done,) = tmp_path.glob("*/done")
+    done.unlink()
+    (done.parent / "objects.npz").write_bytes(b"half")
+    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
+    assert len(made.run(0, ["before"])[0]) == 2
+    assert len(list(tmp_path.glob("frames.*"))) == 1, "the frames of the killed job are gone"
+
+
+def test_an_empty_map_is_no_kept_run(tmp_path):
+    def nothing(name, directory):
+        write_visit(directory, (view([], camera) for camera in spin(0.0, 0.0)), 0.0)
+
+    for _ in range(2):
+        with pytest.raises(RunError, match="FloorPlan1: no object stayed"):
+            runs(tmp_path, Maintained.CONCATENATED_LOCAL, nothing).run(0, ["before"])
+    assert not list(tmp_path.glob("*/done"))
+
+
+def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
+    class One:
+        candidate = "FloorPlan1/moved/0001"
+        recorded = type("Visit", (), {"record": {"scene": "FloorPlan1", "alterations": [], "mover": None, "views": []}})()
+
+    def known(changes, code=("a",), nouns=("sofa",)):
+        config = load(ROOT / "config.yaml").model_copy(deep=True)
+        tree = config.model_dump()
+        for name, value in changes.items():
+            *path, last = name.split(".")
+            here = tree
+            for part in path:
+                here = here[part]
+            here[last] = value
+        return identity({"v": One}, nouns, constants(load(tree), "released_dualmap"), code)["v"][0]
+
+    same = known({})
+    assert same == known({"released.dualmap.root": "/there", "released.dualmap.python": "python", "dualmap.runs": 5})
+    others = [
+        known({"released.dualmap.guard": "every_frame"}),
+        known({"released.dualmap.maintained": "preloaded_global"}),
+        known({"released.dualmap.side_px": 700}),
+        known({"dualmap.walk.turn_deg": 15.0}),
+        known({}, code=("b",)),
+        known({}, nouns=("sofa", "cup")),
+    ]
+    assert len({same, *others}) == 7
+    assert all(Path(module.__file__).is_file() for module in CODE)

@@ -1,0 +1,75 @@
+"""What is missing for DualMap is one line with its remedy, and the page says the same."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from ovman.workflow.config import load
+from ovman_released import dualmap_setup
+from ovman_released.dualmap_setup import NEEDS, WEIGHTS, environment, lacks, missing_weights
+
+ROOT = Path(__file__).parents[3]
+COMMIT = load(ROOT / "config.yaml").released.dualmap.commit
+
+
+@pytest.fixture
+def clone(tmp_path):
+    """A repository with a commit, and that commit."""
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
+    (tmp_path / "file.py").write_text("")
+    for arguments in (["init", "--quiet"], ["add", "file.py"], ["commit", "--quiet", "--message", "a"]):
+        subprocess.run([*git, *arguments], check=True)
+    return tmp_path, subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+
+
+def settings(root="", commit=COMMIT, python=sys.executable, device="cpu"):
+    return SimpleNamespace(root=str(root), commit=commit, python=str(python), device=device)
+
+
+def test_without_a_clone_the_page_is_named():
+    assert lacks(settings()) == "released.dualmap.root names no clone; docs/baselines.md says how to make one"
+
+
+def test_a_clone_elsewhere_in_its_history_is_told_to_go_to_the_pin(clone):
+    root, head = clone
+    assert lacks(settings(root)) == f"the clone in {root} is at {head[:12]}; run: git -C {root} checkout {COMMIT}"
+
+
+def test_then_the_interpreter_is_asked(clone):
+    root, head = clone
+    line = lacks(settings(root, head, root / "python"))
+    assert line.startswith(f"released.dualmap.python is {root / 'python'}")
+    line = lacks(settings(root, head))
+    assert line.startswith("its environment lacks ") and "hydra-core" in line and sys.executable in line and "\n" not in line
+
+
+def test_then_the_weights(clone, monkeypatch):
+    root, head = clone
+    monkeypatch.setattr(dualmap_setup.interpreter, "lacks", lambda *arguments: None)
+    for name in WEIGHTS:
+        assert lacks(settings(root, head)).startswith(f"there is no {name} in {root}; in that folder run {sys.executable} -c ")
+        (root / "model").mkdir(exist_ok=True)
+        (root / name).write_bytes(b"")
+    assert lacks(settings(root, head)) is None and missing_weights(root, "python") is None
+
+
+def test_nothing_of_this_environment_is_handed_on(monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "/somewhere")
+    monkeypatch.setenv("VIRTUAL_ENV", "/somewhere")
+    handed = environment()
+    assert not {"PYTHONPATH", "VIRTUAL_ENV"} & set(handed) and handed["HF_HUB_OFFLINE"] == "1"
+    assert handed["PATH"] == os.environ["PATH"]
+
+
+def test_the_page_sets_up_what_is_looked_for():
+    page = (ROOT / "docs" / "baselines.md").read_text()
+    for what in (*NEEDS.modules.values(), *NEEDS.cached, *WEIGHTS, COMMIT, dualmap_setup.REPOSITORY, "3rdparty/mobileclip"):
+        assert what in page, what
+    for name in ("guard", "maintained", "side_px", "time_limit_s"):
+        assert f"| `{name}`" in page, name
