@@ -34,7 +34,8 @@ from ovman.sim.mover import Gait
 from ovman.sim.session import Session
 from ovman.task.record import read_records
 from ovman.workflow import seeds
-from ovman.workflow.config import constants, load
+from ovman.workflow.config import load
+from ovman.workflow.parameter import stage_settings
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
 RELEASE = ROOT / "data" / "ovman-embedded-v1"
@@ -53,7 +54,7 @@ def record(scene: str, settings: Any, directory: Path) -> Path:
     """The tour of an untouched floor plan, along the waypoints of the release."""
     (survey,) = read_records(RELEASE / "scenes" / f"{scene}.json")
     views = visit.tour([(w["x"], w["z"]) for w in survey["waypoints"]], settings.tour.headings)
-    stage = constants(settings, "trials")
+    stage = stage_settings(settings, "trials")
     with Session(scene, stage) as session:
         world = World(session, [], Gait.of(stage), seeds.generator(0, "bench"))
         visit.record(session, world, scene, [], views, stage.measurement.mask_px, directory / scene, "")

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import yaml
 
-from ovman.evaluation.arms import Arm, Need, table
+from ovman.models.settings import Arm, Need, arms_of
 from ovman.workflow.config import load
 
 ROOT = Path(__file__).parents[1]
 CONFIG = load(ROOT / "config.yaml")
-ARMS = table(CONFIG.arms)
+ARMS = arms_of(CONFIG.arms)
 BY_NAME = {arm.name: arm for arm in ARMS}
 REFERENCE = tuple(arm for arm in ARMS if set(arm.needs) <= {Need.MAPS})
 """Those that answer from the reference agent's maps or from what is handed to them."""
@@ -22,4 +22,4 @@ def with_overlay(name: str) -> dict[str, Arm]:
     config = yaml.safe_load((ROOT / "config.yaml").read_text())
     overlay = yaml.safe_load((ROOT / "overlays" / f"{name}.yaml").read_text())
     config["arms"] |= {arm: config["arms"].get(arm, {}) | entry for arm, entry in overlay["arms"].items()}
-    return {arm.name: arm for arm in table(load(config).arms)}
+    return {arm.name: arm for arm in arms_of(load(config).arms)}

@@ -13,21 +13,22 @@ import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from pydantic import ValidationError
 
-from ovman.evaluation.arms import Kind, of_kind, table
+from ovman.models.settings import Kind, Settings, arms_of, of_kind
 from ovman.report.constants import KEYS
-from ovman.workflow import config as module
-from ovman.workflow.config import STAGES, Config, ConfigError, StageConstants, canonical, constants, load, owned, task_constants
-from ovman.workflow.stages import matching, own_constants
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
+from ovman.workflow.stages import STAGES, matching, owned
 from tests.arms import ARMS
 
 FILE = Path(__file__).parents[1] / "config.yaml"
 TREE = yaml.safe_load(FILE.read_text(encoding="utf-8"))
 CONFIG = load(FILE)
-VALUES = module.settings(CONFIG)
+VALUES = flat(CONFIG)
 
 
-def changed(config: Config, values: Mapping[str, Any]) -> Config:
+def changed(config: Settings, values: Mapping[str, Any]) -> Settings:
     """`config` with other values, unchecked: what is compared here need not make sense together."""
     for name, value in values.items():
         config = _changed(config, name.split("."), value)
@@ -62,7 +63,7 @@ def owners(*names: str) -> set[Job]:
 BEFORE = {job: canonical(CONFIG, *job) for job in JOBS}
 
 
-def affected(config: Config) -> set[Job]:
+def affected(config: Settings) -> set[Job]:
     return {job for job in JOBS if canonical(config, *job) != BEFORE[job]}
 
 
@@ -149,7 +150,7 @@ def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(rando
 
 def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
     for job in JOBS:
-        stage, view = job[0], constants(CONFIG, *job)
+        stage, view = job[0], stage_settings(CONFIG, *job)
         mine = matching(patterns(job), VALUES)
         for name in VALUES:
             *sections, last = name.split(".")
@@ -158,7 +159,7 @@ def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
                 for section in sections:
                     here = getattr(here, section)
                 if name == "arms":
-                    assert table(here.arms) == ARMS
+                    assert arms_of(here.arms) == ARMS
                 else:
                     assert getattr(here, last) == VALUES[name]
             else:
@@ -171,25 +172,14 @@ def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
 
 def test_a_view_is_made_of_the_very_parameter_and_frozen():
     text = canonical(CONFIG, "trials")
-    view = StageConstants(text)
+    view = StageSettings.parse(text)
     assert view.canonical == text and view.stage == "trials"
     assert view.benchmark.seed == CONFIG.benchmark.seed
     assert view.success.sweep_deg == (0, 30, 60)
     for target in (view, view.camera):
-        with pytest.raises(AttributeError, match="frozen"):
+        with pytest.raises(ValidationError, match="frozen"):
             target.width_px = 3
     assert copy.copy(json.loads(text))["constants"]["camera.width_px"] == 300
-
-
-def test_the_constants_of_the_task_are_those_of_the_stage():
-    judge = task_constants(constants(CONFIG, "runs"))
-    assert (judge.radius_m, judge.visible_px, judge.sweep_deg) == (1.0, 100, (0, 30, 60))
-    with pytest.raises(AttributeError, match="runs"):
-        _ = judge.tau_m
-    admit = task_constants(constants(CONFIG, "admissible"))
-    assert (admit.delta_min_m, admit.tau_m, admit.motion_m) == (1.5, 0.75, 0.01)
-    with pytest.raises(AttributeError, match="admissible"):
-        _ = admit.radius_m
 
 
 @pytest.mark.parametrize(

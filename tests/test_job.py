@@ -15,8 +15,9 @@ from typing import Any
 
 import pytest
 
-from ovman.workflow.config import canonical, load
+from ovman.workflow.config import load
 from ovman.workflow.job import WORKFLOW_PID, job
+from ovman.workflow.parameter import canonical
 
 ROOT = Path(__file__).parents[1]
 PARAMETER = canonical(load(ROOT / "config.yaml"), "scenes")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from ovman.workflow import provenance
-from ovman.workflow.config import STAGES
+from ovman.workflow.stages import STAGES
 
 ONE = '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n'
 FILES = {
@@ -147,7 +147,7 @@ def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_
     for stage in STAGES:
         assert provenance.script(stage).is_file()
         modules = provenance.modules(provenance.script(stage))
-        assert "ovman.workflow.constants" in modules and not provenance.BOUNDARY & set(modules)
+        assert "ovman.workflow.parameter" in modules and not provenance.BOUNDARY & set(modules)
         if stage in ("scenes", "trials", "certified", "executions"):
             assert {"ovman_engine.__main__", "ovman_engine.physics.physics", "ovman.sim.session"} <= set(modules)
         if stage in ("admissible", "episodes", "predictions", "runs", "metrics", "tables"):

@@ -13,13 +13,13 @@ from ovman.analysis import metrics
 from ovman.evaluation import predictions
 from ovman.evaluation import rollouts as executions
 from ovman.evaluation import scores as runs
-from ovman.evaluation.arms import Arm, Kind, Source, of_kind
 from ovman.generation import admissible, candidates, certified, episodes, scenes, trials
+from ovman.models.settings import Arm, Kind, Source, of_kind
 from ovman.report import release, tables
 from ovman.sim.recorded import judged
 from ovman.task import Relation, read_episodes, referents
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants, task_constants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
 
 ROOT = Path(__file__).parent.parent
@@ -28,8 +28,8 @@ CONFIG = load(ROOT / "config.yaml")
 REGENERATED = "FloorPlan318"
 
 
-def constants(stage: str, arm: Arm | None = None) -> StageConstants:
-    return StageConstants(canonical(CONFIG, stage, arm and arm.name))
+def constants(stage: str, arm: Arm | None = None) -> StageSettings:
+    return StageSettings.parse(canonical(CONFIG, stage, arm and arm.name))
 
 
 def records(path: Path) -> list[dict]:
@@ -56,7 +56,7 @@ def test_the_split_is_the_papers(released):
 
 
 def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released):
-    task = task_constants(constants("admissible"))
+    task = constants("admissible")
     for episode in released:
         assert len(episode.certification) == 1 + CONFIG.admissibility.runs
         assert all(run.success for run in episode.certification), episode.id
@@ -82,7 +82,7 @@ def test_predictions_judgements_rates_and_tables_follow_from_the_released_record
         predictions.run(arm, episodes_file, trial_files, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl")
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     run_files = sorted((DATA / "runs").rglob("*.jsonl"))
-    task = task_constants(constants("runs"))
+    task = constants("runs").success
     for file in run_files:
         for run in records(file):
             relation = Relation(run["episode"].split("/")[1])
@@ -136,7 +136,7 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     )
     made = {c["id"]: c["runs"] for c in records(path("certified"))}
     by_id = {t["candidate"]["id"]: t for t in records(path("trials"))}
-    task = task_constants(constants("episodes"))
+    task = constants("episodes").success
     kept = [e for e in records(DATA / "episodes" / "main.jsonl") if e["scene"] == scene]
     assert kept
     for record in kept:
@@ -145,6 +145,6 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
         main, of_arm = DATA / "episodes" / "main.jsonl", constants("executions", arm)
-        executions.run(Arm.of(of_arm.arm), scene, main, path("trials"), of_arm, outputs, journal(arm.name))
+        executions.run(of_arm.arm, scene, main, path("trials"), of_arm, outputs, journal(arm.name))
         runs.run([outputs[0]], DATA / "episodes" / "main.jsonl", constants("runs"), [tmp_path / "judged.jsonl"])
         assert (tmp_path / "judged.jsonl").read_bytes() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_bytes()

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import Localised, localised
 from ovman.analysis.rows import csv_of
+from ovman.models.settings import Settings
 from ovman.perception.records import read_detections
 
 UNTOUCHED = "untouched"
 
 
-def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, constants: Any, output: Path) -> None:
+def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, constants: Settings, output: Path) -> None:
     """Writes one row a mask of the untouched tours, true ones and detected ones, scenes in the order given. Lengths in metres.
 
     scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes (an untouched tour

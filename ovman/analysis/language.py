@@ -20,6 +20,7 @@ from ovman.evaluation.prediction import Prediction
 from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
+from ovman.models.settings import Settings
 from ovman.task import Relation
 from ovman.task.record import line, read_records
 
@@ -75,7 +76,7 @@ def run(
     maps_files: Sequence[Path],
     nouns_file: Path,
     held_out_file: Path,
-    constants: Any,
+    constants: Settings,
     output_dir: Path,
 ) -> None:
     """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
@@ -115,7 +116,7 @@ def inferred(
     episodes: Sequence[Mapping[str, Any]],
     asked: Sequence[Asked],
     perceived: Mapping[str, Perceived],
-    constants: Any,
+    constants: Settings,
     *,
     said_noun: bool,
 ) -> list[Prediction]:
@@ -136,7 +137,7 @@ def inferred(
     return predictions
 
 
-def successes(cases: Sequence[Case], predictions: Sequence[Prediction], constants: Any) -> dict[str, bool]:
+def successes(cases: Sequence[Case], predictions: Sequence[Prediction], constants: Settings) -> dict[str, bool]:
     """Which episodes succeed, by their ids. The gate is that of ``static_outcomes``."""
     judged: list[StaticOutcome] = static_outcomes(cases, predictions, radius_m=constants.success.radius_m, samples=1, seed=0)
     return {outcome.episode: outcome.success == 1.0 for outcome in judged}

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
@@ -19,7 +18,7 @@ from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.evaluation import prediction
-from ovman.evaluation.arms import Arm, Kind, table
+from ovman.models.settings import Arm, Kind, Settings, arms_of
 from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
@@ -33,7 +32,7 @@ def run(
     episodes_file: Path,
     prediction_files: Sequence[Path],
     run_files: Sequence[Path],
-    constants: Any,
+    constants: Settings,
     output_dir: Path,
     arms: Sequence[Arm] | None = None,
 ) -> None:
@@ -48,7 +47,7 @@ def run(
     single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
     Raises ValueError in one line that names the file, the arm or the episode and the remedy.
     """
-    arms = table(constants.arms) if arms is None else arms
+    arms = arms_of(constants.arms) if arms is None else arms
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases, arms)]
     runs = [record for path in run_files for _, record in records(path)]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from ovman.analysis.rows import csv_of
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
+from ovman.models.settings import Settings
 from ovman.perception.records import Detected, read_detections, read_nouns
 from ovman.perception.retrieval import ranks
 from ovman.sim.visit import Visit
@@ -22,7 +22,9 @@ STILL_M = 0.001
 """An object is where the scene's record has it if its box's centre is this close."""
 
 
-def run(scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, visits: Path, constants: Any, output: Path) -> None:
+def run(
+    scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, visits: Path, constants: Settings, output: Path
+) -> None:
     """Writes the rows of `scores`. Each distinct tour counts once: visits of equal content were seen once.
 
     scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; visits: the

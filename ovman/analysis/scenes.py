@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ovman.analysis.difficulty import natural
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, Rate, by_arm, embodied_rate, figures, static_rate
-from ovman.evaluation.arms import Kind
+from ovman.models.settings import Kind
 
 
 @dataclass(frozen=True, slots=True)

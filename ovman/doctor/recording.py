@@ -5,9 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from ovman.doctor import rehearsal
-from ovman.models.settings.sections import floor_plan
+from ovman.models.settings.benchmark import floor_plan
 from ovman.sim.recording.file import read
-from ovman.workflow.config import constants, load
+from ovman.workflow.config import load
+from ovman.workflow.parameter import stage_settings
 
 EMBEDDED, THOR = "embedded", "thor"
 
@@ -18,7 +19,7 @@ def record(scene: str, output: Path, thor: bool, config: Path) -> str:
     settings = load(config)
     benchmark = settings.benchmark.model_copy(update={"backend": THOR if thor else EMBEDDED})
     chosen = settings.model_copy(update={"benchmark": benchmark})
-    tape = rehearsal.record(scene, {stage: constants(chosen, stage) for stage in rehearsal.STAGES}, output)
+    tape = rehearsal.record(scene, {stage: stage_settings(chosen, stage) for stage in rehearsal.STAGES}, output)
     calls = sum(1 for _ in tape.calls())
     return f"{output}: {calls} calls of {tape.header.backend} on {scene}, {output.stat().st_size / 1e6:.1f} MB"
 

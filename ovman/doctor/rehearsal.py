@@ -30,7 +30,7 @@ from ovman.sim.recording.recorder import Recorder, plain
 from ovman.sim.session import Session
 from ovman.task import Relation
 from ovman.workflow import seeds
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.parameter import StageSettings
 
 STAGES = ("scenes", "candidates", "trials", "certified")
 """Whose constants the work is done with."""
@@ -38,7 +38,7 @@ WORK = (Relation.MOVED, Relation.REMOVED, Relation.MOVING)
 NAME_LIMIT_S = 30.0
 
 
-def work(scene: str, views: Mapping[str, StageConstants], start: controller.Start) -> Iterator[Result]:
+def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start) -> Iterator[Result]:
     """What each piece of the work comes to. `start` gives the Controller; visits are written to a directory that goes away."""
     with tempfile.TemporaryDirectory() as visits, Session(scene, views["scenes"], start=start) as session:
         found = survey(session, views["scenes"].tour.waypoints, views["scenes"].primitives.step_m)
@@ -57,7 +57,7 @@ def work(scene: str, views: Mapping[str, StageConstants], start: controller.Star
                 yield Result(f"{relation.value} oracle", oracle_run(session, trial, seed, certified))
 
 
-def record(scene: str, views: Mapping[str, StageConstants], output: Path) -> Tape:
+def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape:
     """Does the work on the backend of `views` and writes all of it to `output`; what was written, read again."""
     header = Header(
         views["scenes"].benchmark.backend,
@@ -79,7 +79,7 @@ def rehearsed(tape: Tape) -> list[str]:
     TapeError where the work asks the simulator for something else than it did when it was recorded.
     """
     playback = Playback(tape)
-    views = {stage: StageConstants(text) for stage, text in tape.header.constants.items()}
+    views = {stage: StageSettings.parse(text) for stage, text in tape.header.constants.items()}
     again = {result.work: plain(result.record) for result in work(tape.header.scene, views, playback.start)}
     if rest := playback.rest():
         raise TapeError(f"{rest} recorded calls are not asked for any more; record it anew with this version")

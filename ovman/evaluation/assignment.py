@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ovman.models.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.change import Alteration, World
 from ovman.sim.measurement import Ground
@@ -61,7 +62,7 @@ class Assignment:
     def begun(
         self,
         session: Session,
-        constants: Any,
+        constants: Settings,
         rng: np.random.Generator,
         told: Callable[[Mapping[str, Any]], bool] | None = None,
     ) -> World:
@@ -75,7 +76,7 @@ class Assignment:
         return world
 
     def at_stop(
-        self, session: Session, world: World, constants: Any, ground: Ground | None = None, any_instance: bool = False
+        self, session: Session, world: World, constants: Settings, ground: Ground | None = None, any_instance: bool = False
     ) -> dict[str, Any]:
         """The terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category ("instances").
 

@@ -12,9 +12,9 @@ import numpy as np
 from ovman.agents.interface import Visit
 from ovman.agents.pilot import Pilot
 from ovman.agents.reference.object_map import ObjectMap
-from ovman.evaluation.arms import Arm, Need, Source
 from ovman.evaluation.observation_store import Senses
 from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
+from ovman.models.settings import Arm, Need, Settings, Source
 from ovman.sim.recorded import world_state
 from ovman.task import WorldState
 
@@ -44,7 +44,7 @@ class Given:
     """
 
     rng: np.random.Generator
-    constants: Any
+    constants: Settings
     pilot: Pilot
     senses: Senses
     told: Told | None = None
@@ -76,7 +76,7 @@ class Recorded:
 
     rng: np.random.Generator
     run: int
-    constants: Any
+    constants: Settings
     reachable: np.ndarray
     visits: Mapping[str, str]
     category: str

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ovman.agents.interface import Visit
-from ovman.evaluation.arms import Arm, Need
 from ovman.evaluation.perceived import Perceived
+from ovman.models.settings import Arm, Need, Settings
 from ovman.perception.records import read_maps, read_nouns
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ class Senses:
     scene, by the names that the workflow has for it ("maps", "nouns", "dualmap").
     """
 
-    def __init__(self, arm: Arm, constants: Any, visits: Path, files: Mapping[str, Path]) -> None:
+    def __init__(self, arm: Arm, constants: Settings, visits: Path, files: Mapping[str, Path]) -> None:
         self._arm, self._constants, self._visits, self._files = arm, constants, visits, files
         self._made: dict[Any, Any] = {}
         self._phrases: dict[str, np.ndarray] = {}

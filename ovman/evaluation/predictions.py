@@ -13,17 +13,19 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.reference.reasoning import Evidence
-from ovman.evaluation.arms import Arm, Source
 from ovman.evaluation.context import Recorded
 from ovman.evaluation.observation_store import Senses, of_scene
 from ovman.evaluation.prediction import Outcome, Prediction, write
 from ovman.evaluation.supervision import AgentError, failures, function
+from ovman.models.settings import Arm, Settings, Source
 from ovman.task import Query, Relation
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 
 
-def predict(arm: Arm, trial: Mapping[str, Any], constants: Any, senses: Senses, run: int = 0) -> tuple[Outcome, Evidence | None]:
+def predict(
+    arm: Arm, trial: Mapping[str, Any], constants: Settings, senses: Senses, run: int = 0
+) -> tuple[Outcome, Evidence | None]:
     """What a static arm answers to the query of a trial, given what was recorded of both visits, and from which evidence.
 
     senses: of the trial's scene; run: 0 for the first of the arm's runs. AgentError, in one line, where the arm's function fails.
@@ -53,7 +55,7 @@ def run(
     arm: Arm,
     episodes_file: Path,
     trials_files: Sequence[Path],
-    constants: Any,
+    constants: Settings,
     output: Path,
     visits: Path = Path("results", "visits"),
     files: Mapping[str, Sequence[Path]] = {},

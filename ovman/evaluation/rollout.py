@@ -12,6 +12,7 @@ import numpy as np
 
 from ovman.agents.interface import Action, Agent, CameraPose, Observation, Sighting, Visit
 from ovman.evaluation.assignment import Assignment
+from ovman.models.settings import Settings
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import Ground
@@ -49,7 +50,7 @@ def execute(
     second: Callable[[np.ndarray], Visit],
     name_of: Callable[[str], str] | None,
     rng: np.random.Generator,
-    constants: Any,
+    constants: Settings,
     terms: Terms = Terms(),
     noise: int | None = None,
 ) -> dict[str, Any]:
@@ -100,7 +101,7 @@ def _driven(
     observe: Callable[[bool, np.ndarray | None], Observation],
     own_body: bool,
     looks: bool,
-    constants: Any,
+    constants: Settings,
     terms: Terms,
 ) -> _Driven:
     """observe: what the agent sees, given whether its last action succeeded, and what can be reached now (None: as before).

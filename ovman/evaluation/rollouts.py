@@ -11,7 +11,6 @@ import numpy as np
 
 from ovman.agents.interface import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.arms import Arm, Source
 from ovman.evaluation.assignment import Assignment
 from ovman.evaluation.context import Given, Told
 from ovman.evaluation.observation_store import Senses, of_scene
@@ -20,6 +19,8 @@ from ovman.evaluation.predictions import predict
 from ovman.evaluation.rollout import Terms, execute, handed
 from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.language import noun
+from ovman.models.settings import Source
+from ovman.models.settings.arms import ArmJob
 from ovman.navigation import Primitives
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
@@ -27,6 +28,7 @@ from ovman.task import Relation
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
 
 SCHEMA = "ovman-run/1"
 
@@ -44,7 +46,9 @@ def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, min
     return Visit(tuple(Observation(None, None, nowhere, 0.0, True, tuple(views[v])) for v in sorted(views)), reachable)
 
 
-def execution(session: Session, arm: Arm, seed: int, trial: Mapping[str, Any], constants: Any, senses: Senses) -> dict[str, Any]:
+def execution(
+    session: Session, arm: ArmJob, seed: int, trial: Mapping[str, Any], constants: StageSettings, senses: Senses
+) -> dict[str, Any]:
     """One embodied run of an arm on a trial: the measured part of an "ovman-run/1" record.
 
     senses: of the trial's scene. AgentError, in one line, where the agent fails.
@@ -97,7 +101,7 @@ DECIDING = ("admissibility.",)
 """Constants that say what an agent is handed, and not what becomes of it on its way."""
 
 
-def unit(arm: Arm, seed: int, trial: Mapping[str, Any], constants: Any, senses: Senses) -> str:
+def unit(arm: ArmJob, seed: int, trial: Mapping[str, Any], constants: StageSettings, senses: Senses) -> str:
     """Key of a run in the journal: all that it depends on.
 
     Of an arm that executes another one's answer, that answer stands for perception and for the constants of the decision, so
@@ -109,7 +113,7 @@ def unit(arm: Arm, seed: int, trial: Mapping[str, Any], constants: Any, senses: 
         visits = [trial["measured"]["visits"][which] for which in VISITS]
         seen = senses.seen(visits, noun(trial["candidate"]["category"]))
         return digest(seed, trial, seen, stage)
-    answered = predict(Arm.of(executed), trial, constants, senses)[0]
+    answered = predict(ArmJob.model_validate(executed), trial, constants, senses)[0]
     of_agent = set(stage.pop("of_agent"))
     stage["constants"] = {k: v for k, v in stage["constants"].items() if k not in of_agent and not k.startswith(DECIDING)}
     stage["agent"] = stage["agent"][:1]
@@ -117,11 +121,11 @@ def unit(arm: Arm, seed: int, trial: Mapping[str, Any], constants: Any, senses: 
 
 
 def run(
-    arm: Arm,
+    arm: ArmJob,
     scene: str,
     episodes_file: Path,
     trials_file: Path,
-    constants: Any,
+    constants: StageSettings,
     outputs: Mapping[int, Path],
     journal: Path,
     visits: Path = Path("results", "visits"),

@@ -8,18 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.outcomes import OWN_SUCCESS
-from ovman.evaluation.arms import Arm
+from ovman.models.settings import Arm, Settings
+from ovman.models.settings.benchmark import Success
 from ovman.sim.recorded import MEASURED, any_instance, judged
-from ovman.task import Relation, SuccessConstants, spl
+from ovman.task import Relation, spl
 from ovman.task.record import read_records
-from ovman.workflow.constants import task_constants
 
 FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
 
 
-def judge(
-    execution: Mapping[str, Any], episode: Mapping[str, Any], constants: SuccessConstants, own_task: bool = False
-) -> dict[str, Any]:
+def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: Success, own_task: bool = False) -> dict[str, Any]:
     """An "ovman-run/1" record: the execution with its success and SPL.
 
     own_task: whether the agent has a task of its own, to reach any instance of the category; the verdict on that is added.
@@ -49,14 +47,13 @@ def cut(execution: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
 
 
 def run(
-    executions_files: Sequence[Path], episodes_file: Path, constants: Any, outputs: Sequence[Path], arm: Arm | None = None
+    executions_files: Sequence[Path], episodes_file: Path, constants: Settings, outputs: Sequence[Path], arm: Arm | None = None
 ) -> None:
     """Judge each file of executions into the output of the same position; arm: whose they are, if they may have to be cut."""
-    task = task_constants(constants)
     episodes = {e["id"]: e for e in read_records(episodes_file)}
     for source, output in zip(executions_files, outputs, strict=True):
         executions = [x if arm is None else cut(x, arm) for x in read_records(source)]
         own_task = arm is not None and arm.any_instance
-        records = [judge(x, episodes[x["episode"]], task, own_task) for x in executions]
+        records = [judge(x, episodes[x["episode"]], constants.success, own_task) for x in executions]
         Path(output).parent.mkdir(parents=True, exist_ok=True)
         Path(output).write_text("".join(json.dumps(r, separators=(",", ":")) + "\n" for r in records))

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import Action, Agent, Observation, Visit
-from ovman.evaluation.arms import Arm
+from ovman.models.settings import Arm
 from ovman.task import Query
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.sim.recorded import world_state
 from ovman.task import Instance, Query, Rejection, Relation, WorldState, admissible
 from ovman.task.record import read_records
-from ovman.workflow.constants import task_constants
 
 SCHEMA = "ovman-verdict/1"
 BEYOND_MEASUREMENT = "beyond_measurement"
@@ -28,7 +28,7 @@ def _instance(entry: Mapping[str, Any], mover: Mapping[str, Any] | None) -> Inst
     return Instance.tracked(entry["id"], entry["category"], tuple((p["x"], p["z"]) for p in mover["path"]))
 
 
-def reasons(trial: Mapping[str, Any], constants: Any) -> Iterator[Rejection]:
+def reasons(trial: Mapping[str, Any], constants: Settings) -> Iterator[Rejection]:
     """Everything that speaks against a trial, in the order of Algorithm 1."""
     candidate, measured = trial["candidate"], trial["measured"]
     relation = Relation(candidate["relation"])
@@ -56,9 +56,8 @@ def reasons(trial: Mapping[str, Any], constants: Any) -> Iterator[Rejection]:
     if not all(_recorded(k, relation, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
     query = Query(category, relation)
-    task = task_constants(constants)
     for world_1, world_2 in ((first, second), (truth(measured["world_1"], None), truth(measured["world_2"], measured["mover"]))):
-        against = admissible(world_1, world_2, query, changed, task, candidate["target"])
+        against = admissible(world_1, world_2, query, changed, constants, candidate["target"])
         if against is not None:
             yield against.reason
     if any(metres > limits.drift_tolerance_m for metres in measured["drift_m"].values()):
@@ -79,7 +78,7 @@ def _recorded(instance: str, relation: Relation, first: WorldState, second: Worl
     return instance in first.ids and instance in second.ids
 
 
-def verdict(trial: Mapping[str, Any], constants: Any) -> dict[str, Any]:
+def verdict(trial: Mapping[str, Any], constants: Settings) -> dict[str, Any]:
     """The verdict on a trial: "rejected" is null or the first reason, "reasons" are all of them."""
     against = [r.value for r in reasons(trial, constants)]
     return {
@@ -91,7 +90,7 @@ def verdict(trial: Mapping[str, Any], constants: Any) -> dict[str, Any]:
     }
 
 
-def run(trials_file: Path, constants: Any, output: Path) -> None:
+def run(trials_file: Path, constants: Settings, output: Path) -> None:
     """Write the verdict on every trial of a scene."""
     verdicts = [verdict(trial, constants) for trial in read_records(trials_file)]
     output.write_text("".join(json.dumps(v, separators=(",", ":")) + "\n" for v in verdicts))

@@ -11,6 +11,7 @@ import numpy as np
 
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
+from ovman.models.settings import Settings
 from ovman.sim.change import AGENT_RADIUS_M, Alteration, dynamic
 from ovman.sim.mover import Lane
 from ovman.task import Rejection, Relation
@@ -83,7 +84,7 @@ def _spawn(
 
 
 def draw(
-    scene: Mapping[str, Any], relation: Relation, index: int, item: Item, distractor: Item | None, constants: Any
+    scene: Mapping[str, Any], relation: Relation, index: int, item: Item, distractor: Item | None, constants: Settings
 ) -> dict[str, Any]:
     """One candidate. Its "refused" says why nothing could be drawn for this target, or is null."""
     rng = seeds.generator(constants.benchmark.seed, "candidate", scene["scene"], relation.value, index)
@@ -129,7 +130,7 @@ def draw(
     }
 
 
-def candidates(scene: Mapping[str, Any], constants: Any) -> list[dict[str, Any]]:
+def candidates(scene: Mapping[str, Any], constants: Settings) -> list[dict[str, Any]]:
     """All candidates of a scene, relation after relation. None for a relation without a category that could serve it.
 
     APPEARED and REMOVED draw the same targets: one is the other with its visits swapped, so each recorded tour serves both.
@@ -149,7 +150,7 @@ def candidates(scene: Mapping[str, Any], constants: Any) -> list[dict[str, Any]]
     return drawn
 
 
-def run(scene_file: Path, constants: Any, output: Path) -> None:
+def run(scene_file: Path, constants: Settings, output: Path) -> None:
     """Write the candidates of the scene in `scene_file`, one JSON line each."""
     drawn = candidates(json.loads(scene_file.read_text()), constants)
     output.write_text("".join(json.dumps(c, separators=(",", ":")) + "\n" for c in drawn))

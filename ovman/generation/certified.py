@@ -20,11 +20,12 @@ from ovman.task import Relation
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
 
 SCHEMA = "ovman-certification/1"
 
 
-def oracle_run(session: Session, trial: Mapping[str, Any], seed: int, constants: Any) -> dict[str, Any]:
+def oracle_run(session: Session, trial: Mapping[str, Any], seed: int, constants: StageSettings) -> dict[str, Any]:
     """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the mover."""
     assignment = Assignment.of(trial)
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
@@ -38,7 +39,7 @@ def oracle_run(session: Session, trial: Mapping[str, Any], seed: int, constants:
     return {"seed": seed} | execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
 
 
-def certify(session: Session, trial: Mapping[str, Any], constants: Any) -> dict[str, Any]:
+def certify(session: Session, trial: Mapping[str, Any], constants: StageSettings) -> dict[str, Any]:
     """The measured runs of a trial: run 0 is the feasibility run, the others certify."""
     name = trial["candidate"]["id"]
     runs = [
@@ -48,7 +49,7 @@ def certify(session: Session, trial: Mapping[str, Any], constants: Any) -> dict[
     return {"schema": SCHEMA, "id": name, "runs": runs}
 
 
-def run(admissible_file: Path, trials_file: Path, constants: Any, output: Path, journal: Path) -> None:
+def run(admissible_file: Path, trials_file: Path, constants: StageSettings, output: Path, journal: Path) -> None:
     """Certify the admissible trials of a scene; `journal` keeps finished ones, and no simulator starts where all are there."""
     trials = {t["candidate"]["id"]: t for t in read_records(trials_file)}
     admitted = [v["id"] for v in read_records(admissible_file) if v["rejected"] is None]

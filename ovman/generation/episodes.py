@@ -9,18 +9,19 @@ from pathlib import Path
 from typing import Any
 
 from ovman.language import noun, sentence
+from ovman.models.settings import Settings
+from ovman.models.settings.benchmark import Success
 from ovman.sim.recorded import MEASURED, judged
-from ovman.task import Episode, Rejection, Relation, SuccessConstants, episode_lines
+from ovman.task import Episode, Rejection, Relation, episode_lines
 from ovman.task.record import read_records
 from ovman.workflow import seeds
-from ovman.workflow.constants import task_constants
 
 SCHEMA = "ovman-episode/1"
 REJECTION_COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
 
 
-def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], constants: SuccessConstants) -> Rejection | None:
+def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], constants: Success) -> Rejection | None:
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict["rejected"] is not None:
         return Rejection(verdict["rejected"])
@@ -31,9 +32,7 @@ def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], con
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
 
 
-def episode(
-    trial: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], backend: str, constants: SuccessConstants
-) -> dict[str, Any]:
+def episode(trial: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], backend: str, constants: Success) -> dict[str, Any]:
     """The record of a certified trial."""
     candidate, measured = trial["candidate"], trial["measured"]
     relation = Relation(candidate["relation"])
@@ -112,16 +111,16 @@ def run(
     trials_files: Sequence[Path],
     admissible_files: Sequence[Path],
     certified_files: Sequence[Path],
-    constants: Any,
+    constants: Settings,
     episodes_out: Path,
     rejections_out: Path,
 ) -> None:
     """Write the released episodes and the audit of rejections, and say which relations fell short."""
-    task = task_constants(constants)
+    success = constants.success
     trials = {t["candidate"]["id"]: t for t in _records(trials_files)}
     verdicts = {v["id"]: v for v in _records(admissible_files)}
     runs = {c["id"]: c["runs"] for c in _records(certified_files)}
-    rejections = {k: rejection(verdicts[k], runs.get(k, ()), task) for k in trials}
+    rejections = {k: rejection(verdicts[k], runs.get(k, ()), success) for k in trials}
     relation_of = {k: Relation(v["relation"]) for k, v in verdicts.items()}
     released: list[str] = []
     for relation in Relation:
@@ -139,7 +138,7 @@ def run(
         released += chosen
     order = {scene: i for i, scene in enumerate(constants.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k]["candidate"]["scene"]], list(Relation).index(relation_of[k]), k))
-    records = [episode(trials[k], runs[k], constants.benchmark.backend, task) for k in released]
+    records = [episode(trials[k], runs[k], constants.benchmark.backend, success) for k in released]
     episodes_out.write_text(episode_lines([Episode.from_json(r, r["id"]) for r in records]))
     with rejections_out.open("w", newline="") as file:
         writer = csv.DictWriter(file, REJECTION_COLUMNS, lineterminator="\n")

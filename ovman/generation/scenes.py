@@ -10,6 +10,7 @@ from ovman.navigation import Grid, farthest_points
 from ovman.sim.change import dynamic, position
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
 
 SCHEMA = "ovman-scene/1"
 
@@ -50,7 +51,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> dict[str, Any]:
     }
 
 
-def run(scene: str, constants: Any, output: Path, journal: Path) -> None:
+def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> None:
     """Write the record of `scene` to `output`; `journal` keeps it for the next run under the same constants."""
     kept = Journal(journal)
     with Session(scene, constants) as session:

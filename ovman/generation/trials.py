@@ -23,6 +23,7 @@ from ovman.task import Rejection, Relation
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
 
 SCHEMA = "ovman-trial/1"
 
@@ -30,7 +31,7 @@ SCHEMA = "ovman-trial/1"
 class Trials:
     """Measures the candidates of one scene; visits of equal world states are recorded once, under `visits_dir`."""
 
-    def __init__(self, session: Session, scene: Mapping[str, Any], constants: Any, visits_dir: Path) -> None:
+    def __init__(self, session: Session, scene: Mapping[str, Any], constants: StageSettings, visits_dir: Path) -> None:
         self._session, self._constants, self._visits_dir = session, constants, Path(visits_dir)
         self._views = visit.tour([(w["x"], w["z"]) for w in scene["waypoints"]], constants.tour.headings)
         self._position = {o["id"]: o["position"] for o in scene["objects"]}
@@ -208,7 +209,7 @@ def _trial(candidate: Mapping[str, Any], measured: Mapping[str, Any]) -> dict[st
     return {"schema": SCHEMA, "candidate": candidate, "measured": measured}
 
 
-def run(candidates_file: Path, scene_file: Path, constants: Any, output: Path, visits_dir: Path, journal: Path) -> None:
+def run(candidates_file: Path, scene_file: Path, constants: StageSettings, output: Path, visits_dir: Path, journal: Path) -> None:
     """Measure every candidate of a scene; `journal` keeps finished trials."""
     scene = json.loads(scene_file.read_text())
     candidates = read_records(candidates_file)

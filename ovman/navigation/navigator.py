@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.plan import shortest_path
 
@@ -25,7 +25,7 @@ class Primitives:
     """Cells by which the path that is being followed may be longer than the shortest one before it is given up."""
 
     @staticmethod
-    def of(constants: Any) -> Primitives:
+    def of(constants: Settings) -> Primitives:
         """The primitives of config.yaml; `constants` must own primitives.*."""
         p = constants.primitives
         return Primitives(p.step_m, p.turn_deg, p.heading_tolerance_deg, p.stop_within_m, p.blocked_edge_expiry)

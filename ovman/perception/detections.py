@@ -7,8 +7,8 @@ import time
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.perception import networks, recorded, tour
 from ovman.perception.records import Detected, write_detections
 from ovman.perception.store import Store
@@ -17,7 +17,7 @@ SIGHT = (networks, recorded, tour)
 """The modules that decide, with what they import, what is detected."""
 
 
-def run(visits: Mapping[str, Path], constants: Any, code: Sequence[str], kept: Path, output: Path) -> None:
+def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, output: Path) -> None:
     """Writes the detections of `visits` (name -> directory of its recording), in their order.
 
     code: digests of the code of SIGHT; kept: directory of a `Store`, to which what is new is added. A network is loaded

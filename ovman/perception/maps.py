@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.perception.clusters import Cluster, Detection, clusters
 from ovman.perception.records import Detected, read_detections, write_maps
 
@@ -16,7 +16,7 @@ def mapped(seen: Detected, radius_m: float) -> tuple[Cluster, ...]:
     return clusters([Detection(view, point, feature) for view, point, feature in rows], radius_m)
 
 
-def run(detections: Sequence[Path], constants: Any, maps: Sequence[Path]) -> None:
+def run(detections: Sequence[Path], constants: Settings, maps: Sequence[Path]) -> None:
     """Writes the maps of all visits of each file of detections, one file for each in their order."""
     for source, output in zip(detections, maps, strict=True):
         found = {name: mapped(seen, constants.maps.cluster_radius_m) for name, seen in read_detections(source).items()}

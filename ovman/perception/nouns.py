@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.perception.networks import encoder_of
 from ovman.perception.records import write_nouns
 
 
-def run(phrases: Sequence[str], constants: Any, output: Path) -> None:
+def run(phrases: Sequence[str], constants: Settings, output: Path) -> None:
     """Writes the unit embeddings of `phrases`, sorted, each once. Raises WeightsError."""
     distinct = sorted(set(phrases))
     features = encoder_of(constants.perception).texts(distinct)

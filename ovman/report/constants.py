@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import reduce
 from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.report.table import DATA, Column, Row, Table, Text, Words
 
 
@@ -65,7 +66,7 @@ _COLUMNS = (
 )
 
 
-def constants_table(constants: Any) -> Table:
+def constants_table(constants: Settings) -> Table:
     """Symbol, meaning, value and unit of every constant that the benchmark and the reference agent use today.
 
     constants: an object whose attributes follow ``KEYS``, for instance constants.tour.waypoints.

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ovman.analysis.comparisons import AGENT
 from ovman.analysis.difficulty import By
 from ovman.analysis.rates import Interval
-from ovman.evaluation.arms import Arm, Kind, of_kind
+from ovman.models.settings import Arm, Kind, of_kind
 from ovman.report.cells import MARK, Record, number, percent, span
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ovman.analysis.rates import ALL
-from ovman.evaluation.arms import Arm, named
+from ovman.models.settings import Arm, named
 from ovman.report.cells import MARK, Record, grouped, spread_cells, spread_columns
 from ovman.report.table import DATA, PAGE, Column, Row, Table
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ovman.analysis.statistics import wilson_interval
-from ovman.evaluation.arms import Arm, named
+from ovman.models.settings import Arm, named
 from ovman.report.cells import (
     Record,
     grouped,

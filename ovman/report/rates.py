@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from ovman.analysis.rates import ALL, Interval
-from ovman.evaluation.arms import Arm, Kind, Source, of_kind
+from ovman.models.settings import Arm, Kind, Source, of_kind
 from ovman.report.cells import MARK, RELATIONS, Record, number, percent, small_capitals, span
 from ovman.report.table import (
     CSV_AND_MARKDOWN,

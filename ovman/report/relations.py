@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import VISITS
+from ovman.models.settings import Settings
 from ovman.sim.visit import Visit
 from ovman.task import Relation
 from ovman.task.record import read_records
@@ -62,7 +63,7 @@ def _pin_point(episode: Mapping[str, Any], first: Visit, second: Visit) -> tuple
     return episode["answer"]["x"], where["y"], episode["answer"]["z"]
 
 
-def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants: Any) -> tuple[int, float]:
+def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants: Settings) -> tuple[int, float]:
     """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
     point = _pin_point(episode, first, second)
     showing = first if Relation(episode["relation"]).past else second
@@ -88,7 +89,7 @@ def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
     axis.plot(u, top, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.4)
 
 
-def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constants: Any, output: Path) -> None:
+def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constants: Settings, output: Path) -> None:
     """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG)."""
     import matplotlib
 
@@ -121,7 +122,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
     plt.close(figure)
 
 
-def run(episodes_file: Path, visits_dir: Path, constants: Any, output: Path) -> None:
+def run(episodes_file: Path, visits_dir: Path, constants: Settings, output: Path) -> None:
     """Draw the best shown episode of each relation, each from another scene where there is one."""
     episodes = read_records(episodes_file)
     chosen, scenes = [], set()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ovman.evaluation.arms import Arm, Kind, named
+from ovman.models.settings import Arm, Kind, named
 from ovman.report.cells import Record, grouped, number
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, Column, Row, Table
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ovman.analysis.rates import ALL
-from ovman.evaluation.arms import Arm, Kind, named
+from ovman.models.settings import Arm, Kind, named
 from ovman.report.cells import RELATIONS, Record, grouped, number, small_capitals
 from ovman.report.table import CSV_AND_MARKDOWN, DATA, PAGE, Column, Row, Table
 

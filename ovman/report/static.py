@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 from ovman.analysis import metrics
+from ovman.models.settings import Settings
 from ovman.report import tables
 
 SHOWN = (metrics.STATIC_RATES, metrics.TAXONOMY, metrics.DIFFICULTY, metrics.BUDGET, metrics.PAIRINGS)
 
 
-def run(episodes: Path, predictions: Sequence[Path], constants: Any, output_dir: Path) -> None:
+def run(episodes: Path, predictions: Sequence[Path], constants: Settings, output_dir: Path) -> None:
     """Writes the tables of the static arms into output_dir: what the stages "metrics" and "tables" make of them.
 
     Nothing that needs embodied runs is in them: the taxonomy has no row of what is lost in navigation.

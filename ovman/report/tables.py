@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from ovman.evaluation import arms
+from ovman.models.settings import Arm, Settings, arms_of
 from ovman.report.budget import budget_table
 from ovman.report.cells import Record
 from ovman.report.constants import constants_table
@@ -33,21 +33,21 @@ from ovman_released.status import note
 # From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
 TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
     "static_rates": lambda rows, constants: static_table(
-        rows, constants.success.radius_m, constants.evaluation.confidence, arms.table(constants.arms)
+        rows, constants.success.radius_m, constants.evaluation.confidence, arms_of(constants.arms)
     ),
-    "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence, arms.table(constants.arms)),
+    "embodied_rates": lambda rows, constants: embodied_table(rows, constants.evaluation.confidence, arms_of(constants.arms)),
     "rejections": lambda rows, constants: rejections_table(rows),
     "taxonomy": lambda rows, constants: taxonomy_table(rows, constants.success.radius_m, constants.evaluation.near_miss_m),
     "significance": lambda rows, constants: significance_table(rows),
-    "navigation": lambda rows, constants: navigation_table(rows, arms.table(constants.arms)),
-    "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence, arms.table(constants.arms)),
+    "navigation": lambda rows, constants: navigation_table(rows, arms_of(constants.arms)),
+    "difficulty": lambda rows, constants: difficulty_table(rows, constants.evaluation.confidence, arms_of(constants.arms)),
     "budget": lambda rows, constants: budget_table(rows, constants.evaluation.confidence),
     "pairings": lambda rows, constants: pairings_table(rows),
     "own_task": lambda rows, constants: own_task_table(
-        rows, constants.success.radius_m, constants.evaluation.confidence, arms.table(constants.arms)
+        rows, constants.success.radius_m, constants.evaluation.confidence, arms_of(constants.arms)
     ),
-    "seeds": lambda rows, constants: seeds_table(rows, arms.table(constants.arms)),
-    "scenes": lambda rows, constants: scenes_table(rows, arms.table(constants.arms)),
+    "seeds": lambda rows, constants: seeds_table(rows, arms_of(constants.arms)),
+    "scenes": lambda rows, constants: scenes_table(rows, arms_of(constants.arms)),
     "dualmap": lambda rows, constants: dualmap_table(rows),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
@@ -57,7 +57,7 @@ TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
 }
 
 
-def run(metrics: Sequence[Path], constants: Any, output_dir: Path, released: Sequence[Path] = ()) -> None:
+def run(metrics: Sequence[Path], constants: Settings, output_dir: Path, released: Sequence[Path] = ()) -> None:
     """Writes the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
 
     released: records of whether the released systems were run, each called after its system; tables have a note of those that
@@ -65,11 +65,11 @@ def run(metrics: Sequence[Path], constants: Any, output_dir: Path, released: Seq
     metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    shown = [noted(table(path, constants), released, arms.table(constants.arms)) for path in metrics]
+    shown = [noted(table(path, constants), released, arms_of(constants.arms)) for path in metrics]
     write([constants_table(constants), *shown], output_dir)
 
 
-def noted(table: Table, released: Sequence[Path], all_arms: Sequence[arms.Arm]) -> Table:
+def noted(table: Table, released: Sequence[Path], all_arms: Sequence[Arm]) -> Table:
     """A table of all arms of a kind with a sentence for each released system that would be in it and was not run."""
     mine = {arm.released for arm in all_arms if arm.released is not None and table.name == arm.kind}
     sentences = [sentence for path in released if path.stem in mine and (sentence := note(path)) is not None]
@@ -88,7 +88,7 @@ def write(tables: Iterable[Table], output_dir: Path) -> None:
             (output_dir / f"{table.name}{suffix}").write_text(render(table), encoding="utf-8", newline="\n")
 
 
-def table(path: Path, constants: Any) -> Table:
+def table(path: Path, constants: Settings) -> Table:
     """The table of a file of metrics. Raises as ``run`` does."""
     if path.stem not in TABLES:
         raise ValueError(f"{path}: no table shows it; those that are shown are {', '.join(TABLES)}")

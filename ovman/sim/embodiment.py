@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from ovman.models.settings import Settings
+
 UNSEEN_M = 0.01
 """The simulator is told that nothing farther than this counts as visible; it takes no 0."""
 
@@ -31,13 +33,13 @@ class Embodiment:
     instances: bool = True
 
     @staticmethod
-    def of(constants: Any) -> Embodiment:
+    def of(constants: Settings) -> Embodiment:
         """The benchmark's own, from a stage's view that owns camera.*, primitives.step_m and primitives.turn_deg."""
         camera, primitives = constants.camera, constants.primitives
         return Embodiment(camera.width_px, camera.height_px, camera.field_of_view_deg, primitives.step_m, primitives.turn_deg)
 
     @staticmethod
-    def named(name: str, constants: Any) -> Embodiment:
+    def named(name: str, constants: Settings) -> Embodiment:
         """The one that an arm names: "default", the benchmark's own, or "locobot", CoW's. The latter owns locobot.* as well.
 
         ValueError for another name.

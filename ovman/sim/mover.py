@@ -8,9 +8,10 @@ body, so what it passes is not pushed.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
+
+from ovman.models.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,7 @@ class Gait:
     turn_probability: float
 
     @staticmethod
-    def of(constants: Any) -> Gait:
+    def of(constants: Settings) -> Gait:
         """The gait of config.yaml; `constants` must own mover.*."""
         mover = constants.mover
         return Gait(mover.step_m, mover.pause_probability, mover.turn_probability)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ovman.task import Instance, Measurement, Relation, SuccessConstants, WorldState, success
+from ovman.models.settings.benchmark import Success
+from ovman.task import Instance, Measurement, Relation, WorldState, success
 
 MEASURED = (
     "stop",
@@ -34,7 +35,7 @@ def world_state(sightings: Sequence[Mapping[str, Any]], category: str, minimum_p
     )
 
 
-def any_instance(run: Mapping[str, Any], constants: SuccessConstants) -> bool:
+def any_instance(run: Mapping[str, Any], constants: Success) -> bool:
     """Whether a measured run ends within R of any instance of the category and with it in sight, the relation aside.
 
     A run that did not stop is a failure.
@@ -48,7 +49,7 @@ def any_instance(run: Mapping[str, Any], constants: SuccessConstants) -> bool:
     )
 
 
-def judged(run: Mapping[str, Any], relation: Relation, constants: SuccessConstants) -> bool:
+def judged(run: Mapping[str, Any], relation: Relation, constants: Success) -> bool:
     """Success (Eq. 4) of a measured run; a run that did not stop is a failure."""
     if run["outcome"] != "stopped":
         return False

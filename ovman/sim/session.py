@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ovman.models.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 
@@ -53,7 +54,7 @@ class Session:
     """
 
     def __init__(
-        self, scene: str, constants: Any, embodiment: Embodiment | None = None, start: controller.Start | None = None
+        self, scene: str, constants: Settings, embodiment: Embodiment | None = None, start: controller.Start | None = None
     ) -> None:
         self.scene = scene
         self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment

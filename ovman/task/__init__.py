@@ -4,7 +4,6 @@ from ovman.task.admissibility import Inadmissible, admissible
 from ovman.task.answer import answer
 from ovman.task.certification import CertificationRun
 from ovman.task.change import Change
-from ovman.task.constants import RelationConstants, SuccessConstants, TaskConstants
 from ovman.task.episode import Episode, episode_lines, read_episodes
 from ovman.task.pose import Position, Spawn
 from ovman.task.record import RecordError, line, records, rounded
@@ -28,10 +27,7 @@ __all__ = [
     "Rejection",
     "RejectionStage",
     "Relation",
-    "RelationConstants",
-    "SuccessConstants",
     "Spawn",
-    "TaskConstants",
     "WorldState",
     "admissible",
     "answer",

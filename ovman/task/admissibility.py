@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Set
 from dataclasses import dataclass
 
-from ovman.task.constants import RelationConstants
+from ovman.models.settings import Settings
 from ovman.task.referents import Query, referents
 from ovman.task.rejection import Rejection
 from ovman.task.world_state import WorldState, displacement_m
@@ -24,7 +24,7 @@ def admissible(
     world_2: WorldState,
     query: Query,
     changed: Set[str],
-    constants: RelationConstants,
+    constants: Settings,
     target: str | None = None,
 ) -> Inadmissible | None:
     """None if the query may be released on these two recorded states, else the first reason why not.
@@ -39,12 +39,12 @@ def admissible(
         return Inadmissible(Rejection.REFERENT_AMBIGUOUS if selected else Rejection.REFERENT_ABSENT, selected)
     if target is not None and selected != (target,):
         return Inadmissible(Rejection.REFERENT_NOT_TARGET, selected)
-    excused = {*selected, *changed}
+    excused, tau_m = {*selected, *changed}, constants.admissibility.tau_m
     moved = tuple(
         sorted(
             instance.id
             for instance in world_1.category(query.category)
-            if instance.id not in excused and (displacement_m(world_1, world_2, instance.id) or 0.0) > constants.tau_m
+            if instance.id not in excused and (displacement_m(world_1, world_2, instance.id) or 0.0) > tau_m
         )
     )
     return Inadmissible(Rejection.BYSTANDER_MOVED, moved) if moved else None

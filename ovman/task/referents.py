@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ovman.task.constants import RelationConstants
+from ovman.models.settings import Settings
 from ovman.task.relation import Relation
 from ovman.task.world_state import WorldState, displacement_m
 
@@ -17,7 +17,7 @@ class Query:
     relation: Relation
 
 
-def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: RelationConstants) -> bool:
+def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: Settings) -> bool:
     """Whether Eq. 1's predicate of `relation` holds for an instance.
 
     The predicates are not exclusive: an instance that moves during visit 2 may also have moved between the visits. The
@@ -30,22 +30,22 @@ def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: Wo
         case Relation.REMOVED:
             return in_1 and not in_2
         case Relation.MOVING:
-            return in_2 and world_2[instance_id].extent_m > constants.motion_m
+            return in_2 and world_2[instance_id].extent_m > constants.admissibility.motion_m
     displacement = displacement_m(world_1, world_2, instance_id)
     if displacement is None:
         return False
     if relation is Relation.STABLE:
-        return displacement < constants.tau_m and _another_moved(instance_id, world_1, world_2, constants)
-    return displacement >= constants.delta_min_m
+        return displacement < constants.admissibility.tau_m and _another_moved(instance_id, world_1, world_2, constants)
+    return displacement >= constants.candidates.delta_min_m
 
 
-def referents(world_1: WorldState, world_2: WorldState, query: Query, constants: RelationConstants) -> tuple[str, ...]:
+def referents(world_1: WorldState, world_2: WorldState, query: Query, constants: Settings) -> tuple[str, ...]:
     """Sorted ids of the instances of the query's category for which its relation holds: the set of Eq. 2."""
     of_category = {instance.id for world in (world_1, world_2) for instance in world.category(query.category)}
     return tuple(sorted(k for k in of_category if holds(query.relation, k, world_1, world_2, constants)))
 
 
-def _another_moved(instance_id: str, world_1: WorldState, world_2: WorldState, constants: RelationConstants) -> bool:
+def _another_moved(instance_id: str, world_1: WorldState, world_2: WorldState, constants: Settings) -> bool:
     category = world_2[instance_id].category
     return any(
         holds(Relation.MOVED, other.id, world_1, world_2, constants)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.task.constants import SuccessConstants
+from ovman.models.settings.benchmark import Success
 from ovman.task.relation import Relation
 
 
@@ -44,7 +44,7 @@ class Measurement:
                 raise ValueError(f"{name} is {value}: a distance is at least 0")
 
 
-def visible(measurement: Measurement, constants: SuccessConstants) -> bool:
+def visible(measurement: Measurement, constants: Success) -> bool:
     """vis(o_k): the target's mask covers at least visible_px pixels at some pitch of the sweep.
 
     Pitches beside those of the sweep do not count. A target that is gone is not visible. ValueError where a pitch of the sweep
@@ -59,7 +59,7 @@ def visible(measurement: Measurement, constants: SuccessConstants) -> bool:
     return any(measurement.visible_px[pitch] >= constants.visible_px for pitch in constants.sweep_deg)
 
 
-def success(measurement: Measurement, relation: Relation, constants: SuccessConstants) -> bool:
+def success(measurement: Measurement, relation: Relation, constants: Success) -> bool:
     """Eq. 4. Current relations: the box or the navigable cell of the answer within R, and the target visible. Past relations: the
     answer or its navigable cell within R; nothing is there to see."""
     if relation.past:

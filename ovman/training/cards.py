@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE
-from ovman.models.settings.sections import Config
+from ovman.models.settings import Settings
 from ovman.perception.overlap import LEAST_IOU
 from ovman.report.cells import Record
 from ovman.report.markdown import EMPTY, pipe_table
@@ -131,7 +131,7 @@ def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> Non
     plt.close(figure)
 
 
-def cards(models: Path, perception: Path, config: Config) -> dict[str, str]:
+def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     """The cards by the names of their files.
 
     models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: what it was made with.

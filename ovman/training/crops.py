@@ -10,6 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from ovman.models.settings import Settings
 from ovman.perception.crop import crop
 from ovman.perception.detector import Detector, network_of
 from ovman.perception.overlap import LEAST_IOU
@@ -61,14 +62,14 @@ def detected_crops(folder: Path, detector: Any, least_px: int, padding: float, s
     return _crops(folder.name, _detected(folder, detector, least_px, every), padding, side_px)
 
 
-def run_true(folder: Path, constants: Any, output: Path) -> None:
+def run_true(folder: Path, constants: Settings, output: Path) -> None:
     """Writes the crops of a recorded scene around its true masks."""
     made = true_crops(folder, constants.perception.encoder.crop_padding, constants.training.encoder.crop_px)
     made.write(output)
     print(f"{folder.name}: {len(made.types)} crops", flush=True)
 
 
-def run_detected(folders: Sequence[Path], weights: Path, constants: Any, outputs: Sequence[Path]) -> None:
+def run_detected(folders: Sequence[Path], weights: Path, constants: Settings, outputs: Sequence[Path]) -> None:
     """Writes the crops of recorded scenes around the masks of the detector with these weights, one file a scene."""
     import torch
 

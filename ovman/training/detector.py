@@ -10,6 +10,7 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.perception.detector import Detector
 from ovman.perception.overlap import Found, found
 from ovman.training.recorded import recorded
@@ -43,7 +44,7 @@ def judged(detector: Detector, folders: Sequence[Path], least_px: int, every: in
 def run(
     taught: Sequence[Path],
     held_out: Sequence[Path],
-    constants: Any,
+    constants: Settings,
     start: Path | None,
     work: Path,
     weights: Path,
@@ -112,7 +113,7 @@ def run(
 class _Watch:
     """The learning rate of every step, and looks at the held-out scenes between them."""
 
-    def __init__(self, held_out: Sequence[Path], constants: Any, rate: float, weights: Path, curve: Path) -> None:
+    def __init__(self, held_out: Sequence[Path], constants: Settings, rate: float, weights: Path, curve: Path) -> None:
         self._held_out, self._constants, self._weights, self._curve = held_out, constants, weights, curve
         self._rate = rate
         self._step, self._began = 0, time.monotonic()

@@ -20,6 +20,7 @@ import torch.nn.functional as F
 from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
 
 from ovman.language.vocabulary import SYNONYMS, nouns
+from ovman.models.settings import Settings
 from ovman.perception.encoder import Architecture, empty_network
 from ovman.training.augmentation import augmented
 from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
@@ -88,7 +89,12 @@ def prepared(images: torch.Tensor) -> torch.Tensor:
 
 
 def run(
-    taught: Sequence[Path], held_out: Mapping[str, Sequence[Path]], constants: Any, start: Path | None, weights: Path, curve: Path
+    taught: Sequence[Path],
+    held_out: Mapping[str, Sequence[Path]],
+    constants: Settings,
+    start: Path | None,
+    weights: Path,
+    curve: Path,
 ) -> None:
     """Trains on the crops of the files `taught`, from the weights `start` if they are given.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from ovman.models.settings.sections import FLOOR_PLANS
+from ovman.models.settings.benchmark import FLOOR_PLANS
 
 HELD_OUT_EVERY = 9
 """One in so many of the floor plans is kept for the curves; kitchens, living rooms, bedrooms and bathrooms alike."""

@@ -7,17 +7,19 @@ import shutil
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from ovman.training.crops import Crops
 from ovman.training.encoder import MODEL
 from ovman.training.floorplans import floor_plans
 from ovman.training.recorded import recorded
+from ovman.workflow.parameter import StageSettings
 
 LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
 
 
-def run(files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: Any, output: Path) -> None:
+def run(
+    files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: StageSettings, output: Path
+) -> None:
     """Writes the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the four curves and
     training.json, which says what they were made from.
 

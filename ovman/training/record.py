@@ -10,10 +10,10 @@ import json
 from collections.abc import Iterable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ovman.models.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.visit import write_png
@@ -23,7 +23,7 @@ from ovman.training.pictures import Picture, pictures
 from ovman.workflow.seeds import generator
 
 
-def run(scene: str, constants: Any, output: Path) -> None:
+def run(scene: str, constants: Settings, output: Path) -> None:
     """Records the pictures of a scene into the directory `output`: training.views of them, or training.held_out_views."""
     training = constants.training
     taught = scene in floor_plans(constants.benchmark.scenes).taught

@@ -16,23 +16,11 @@ from typing import Any, get_args, get_origin
 import yaml
 from pydantic import BaseModel, ValidationError
 
-from ovman.models.settings.sections import ArmEntry, Config
-from ovman.workflow.constants import StageConstants, task_constants
-from ovman.workflow.stages import STAGES, canonical, constants, matching, owned, settings
+from ovman.models.settings import Arm, Settings
+from ovman.workflow.parameter import flat
+from ovman.workflow.stages import matching
 
-__all__ = [
-    "STAGES",
-    "Config",
-    "ConfigError",
-    "StageConstants",
-    "canonical",
-    "constants",
-    "file_with",
-    "load",
-    "owned",
-    "settings",
-    "task_constants",
-]
+__all__ = ["ConfigError", "file_with", "load"]
 
 # What is measured must serve the verdict in force: (verdict, bound, how the bound must compare).
 _BOUNDS = (
@@ -42,7 +30,7 @@ _BOUNDS = (
 )
 
 
-def contradictions(arms: Mapping[str, ArmEntry], names: Iterable[str]) -> tuple[tuple[str, ...], str] | None:
+def contradictions(arms: Mapping[str, Arm], names: Iterable[str]) -> tuple[tuple[str, ...], str] | None:
     """The first thing in section `arms` that fits nothing else in the settings: its place, and what is to be said of it."""
     for name, arm in arms.items():
         for pattern in arm.constants:
@@ -50,7 +38,7 @@ def contradictions(arms: Mapping[str, ArmEntry], names: Iterable[str]) -> tuple[
                 return ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
         foreign = ("expected", "runs") if arm.kind == "embodied" else ("executes", "embodiment", "budget", "cut_from")
         for field in foreign:
-            if getattr(arm, field) != ArmEntry.model_fields[field].default:
+            if getattr(arm, field) != Arm.model_fields[field].default:
                 return ("arms", name, field), f"is not for an arm that is {arm.kind}; take it out"
         for field, kind in (("executes", "static"), ("cut_from", "embodied")):
             other = getattr(arm, field)
@@ -69,7 +57,7 @@ class ConfigError(ValueError):
     """config.yaml cannot be used; one line: the file, the setting and the remedy."""
 
 
-def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = ()) -> Config:
+def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = ()) -> Settings:
     """The settings of a YAML file or of a mapping. Sections that begin with "x-" are the user's own and are ignored.
 
     `files` are those that a mapping was merged from, later ones winning; an error names the one that has the wrong setting.
@@ -82,10 +70,10 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     if not isinstance(tree, Mapping):
         raise ConfigError(f"{file_with(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
     try:
-        config = Config.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
+        config = Settings.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
     except ValidationError as error:
         raise ConfigError(_line(error, files)) from None
-    values = settings(config)
+    values = flat(config)
     if contradiction := contradictions(config.arms, values):
         key, says = contradiction
         raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
@@ -181,7 +169,7 @@ def _shown(value: Any) -> str:
 
 
 def _models(path: Sequence[str]) -> type[BaseModel] | None:
-    model: Any = Config
+    model: Any = Settings
     names = iter(path)
     for name in names:
         field = model.model_fields.get(name)
@@ -213,7 +201,7 @@ def _nearest(path: Sequence[str]) -> str:
     return f"{'.'.join(path[:-1]) or 'config.yaml'} has {', '.join(here)}"
 
 
-def _names(model: type[BaseModel] = Config, path: str = "") -> Iterator[str]:
+def _names(model: type[BaseModel] = Settings, path: str = "") -> Iterator[str]:
     for name, field in model.model_fields.items():
         kind = field.annotation
         if isinstance(kind, type) and issubclass(kind, BaseModel):

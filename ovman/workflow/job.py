@@ -19,7 +19,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.parameter import StageSettings
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
 """Environment variable in which the Snakefile leaves the id of Snakemake's process."""
@@ -38,7 +38,7 @@ class Job:
         self._snakemake = snakemake
         self._stack = stack
         self._partial: dict[Path, Path] = {}
-        self.constants = StageConstants(snakemake.params.constants)
+        self.constants = StageSettings.parse(snakemake.params.constants)
 
     def __getattr__(self, name: str) -> str:
         """A wildcard of the rule, e.g. `job.scene`."""

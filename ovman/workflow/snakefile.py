@@ -13,8 +13,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
+from ovman.models.settings import Settings
 from ovman.workflow import provenance
-from ovman.workflow.config import Config, ConfigError, file_with
+from ovman.workflow.config import ConfigError, file_with
 from ovman.workflow.job import AGENTS, WORKFLOW_PID
 
 ALIVE = Path(".snakemake", "ovman.alive")
@@ -79,7 +80,7 @@ def release_stale_locks(directory: Path) -> None:
     fcntl.flock(file, fcntl.LOCK_SH)
 
 
-def check_agents(config: Config, files: Sequence[str | Path]) -> None:
+def check_agents(config: Settings, files: Sequence[str | Path]) -> None:
     """Every arm's "module:function" is there, as far as its source tells: nothing is imported.
 
     files: that the settings were merged from, later ones winning. ConfigError in one line.

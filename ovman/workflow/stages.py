@@ -1,20 +1,8 @@
-"""Which stage owns which constant, and the canonical text that a stage's rule has as its one parameter.
-
-Snakemake compares parameters as a set of nameless values, so two constants that swap their values would pass unnoticed; one text
-with names in it does not.
-"""
+"""Which stage owns which constant of config.yaml."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
-
-from pydantic import BaseModel
-
-from ovman.models.settings.sections import ArmEntry, Config
-from ovman.workflow.constants import StageConstants
-from ovman.workflow.provenance import code_digest, module_digest
+from collections.abc import Iterable, Mapping
 
 # Who owns which constant: "a.b" is one, "a.*" is all of a section. A change reruns the stages that own it and what follows them.
 # benchmark.scenes and evaluation.seeds say which files there are; who owns them as well puts them into its records.
@@ -156,26 +144,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def settings(config: Config) -> dict[str, Any]:
-    """Every constant by its dotted name, in the order of config.yaml. Sequences are tuples.
-
-    Section `arms` is one value, a list of entries with their names: their order is that of the tables.
-    """
-
-    def walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
-        for name in type(section).model_fields:
-            value = getattr(section, name)
-            where = f"{path}{name}"
-            if isinstance(value, BaseModel):
-                yield from walk(f"{where}.", value)
-            elif where == "arms":
-                yield where, [{"name": name, **dict(entry)} for name, entry in value.items()]
-            else:
-                yield where, value
-
-    return dict(walk("", config))
-
-
 def owned(stage: str, names: Iterable[str]) -> tuple[str, ...]:
     """Those of `names` (dotted) that a stage owns, sorted. Raises KeyError for a stage that is not in STAGES."""
     return matching(STAGES[stage], names)
@@ -186,43 +154,3 @@ def matching(patterns: Iterable[str], names: Iterable[str]) -> tuple[str, ...]:
     patterns = tuple(patterns)
     beginnings = tuple(pattern.removesuffix("*") for pattern in patterns if pattern.endswith(".*"))
     return tuple(sorted(name for name in names if name in patterns or name.startswith(beginnings)))
-
-
-def canonical(config: Config, stage: str, arm: str | None = None) -> str:
-    """The one parameter of a stage's rule: JSON of its constants by name, and of the digest of the code that it runs.
-
-    arm: the name of the arm that a job is of. Its text has the arm's entry without the words of the tables, what the entry names
-    among the constants, and the digest of the agent's code; and the same of the arm that it executes.
-    """
-    values = settings(config)
-    record: dict[str, Any] = {"stage": stage, "code": code_digest(stage)}
-    patterns = STAGES[stage]
-    if arm is not None:
-        entry = config.arms[arm]
-        involved = [entry] if entry.executes is None else [entry, config.arms[entry.executes]]
-        patterns = (*patterns, *(pattern for one in involved for pattern in own_constants(one)))
-        record["arm"] = _in_a_job(config, arm)
-        if entry.executes is not None:
-            record["arm"]["executed"] = _in_a_job(config, entry.executes)
-        record["agent"] = [module_digest(one.agent.partition(":")[0]) for one in involved]
-        record["of_agent"] = sorted(set(matching(patterns, values)) - set(owned(stage, values)))
-    record["constants"] = {name: values[name] for name in matching(patterns, values)}
-    return json.dumps(record, sort_keys=True, separators=(",", ":"))
-
-
-def own_constants(entry: ArmEntry) -> tuple[str, ...]:
-    """Patterns of the constants that an arm reads beside those of its stage."""
-    return (*entry.constants, *(("perception.*",) if "networks" in entry.needs else ()))
-
-
-_WORDS = {"system", "memory"}
-
-
-def _in_a_job(config: Config, name: str) -> dict[str, Any]:
-    marks = sorted(other.budget for other in config.arms.values() if other.cut_from == name and other.budget is not None)
-    return {"name": name, **{key: value for key, value in config.arms[name] if key not in _WORDS}, "marks": marks}
-
-
-def constants(config: Config, stage: str, arm: str | None = None) -> StageConstants:
-    """The view of `config` that a stage is given, for a job of an arm if one is named: only what it owns."""
-    return StageConstants(canonical(config, stage, arm))

@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from dataclasses import fields
 from typing import Any
 
 import pytest
 import yaml
 
-from ovman.evaluation.arms import Arm, Kind, Source, named, of_kind, table
 from ovman.evaluation.supervision import function
-from ovman.models.settings.sections import ArmEntry
-from ovman.workflow.config import ConfigError, canonical, load
+from ovman.models.settings import Kind, Source, arms_of, named, of_kind
+from ovman.models.settings.arms import ArmJob
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import canonical
 from tests.arms import ARMS, CONFIG, ROOT
 
 TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
@@ -50,15 +50,11 @@ def test_kinds_partition_the_arms_which_keep_the_order_of_the_file():
     assert sorted(arm.name for kind in Kind for arm in of_kind(ARMS, kind)) == sorted(arm.name for arm in ARMS)
     assert [arm.name for arm in ARMS] == NAMES
     turned = dict(reversed(TREE["arms"].items()))
-    assert [arm.name for arm in table(load(TREE | {"arms": turned}).arms)] == NAMES[::-1]
+    assert [arm.name for arm in arms_of(load(TREE | {"arms": turned}).arms)] == NAMES[::-1]
 
 
 def test_the_function_of_every_arm_is_there():
     assert all(callable(function(arm.name, arm.agent)) for arm in ARMS)
-
-
-def test_an_entry_and_an_arm_have_the_same_fields():
-    assert {field.name for field in fields(Arm)} == {*ArmEntry.model_fields, "name", "marks"}
 
 
 def test_an_unknown_arm_is_answered_with_the_known_ones():
@@ -123,13 +119,13 @@ def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_
     mine = MINE | {"constants": ["maps.*", "tour.waypoints"], "needs": ["networks"], "budget": 500}
     config = loaded(mine=mine, short=MINE | {"cut_from": "mine", "budget": 250})
     record = json.loads(canonical(config, "executions", "mine"))
-    assert Arm.of(record["arm"]).marks == (250,) and Arm.of(record["arm"]).budget == 500
+    assert ArmJob.model_validate(record["arm"]).marks == (250,) and record["arm"]["budget"] == 500
     assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(record["constants"])
     assert not {"tour.headings", "grounding.band"} & set(record["constants"])
 
 
 def test_the_table_is_read_without_anything_heavy():
-    heavy = "numpy", "scipy", "pandas", "torch", "pydantic"
-    script = f"import sys, ovman.evaluation.arms; print([name for name in {heavy} if name in sys.modules])"
+    heavy = "numpy", "scipy", "pandas", "torch"
+    script = f"import sys, ovman.models.settings; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -9,12 +9,13 @@ import pytest
 
 from ovman.agents.interface import Action, Agent, Visit
 from ovman.agents.reference.decision import Answer
-from ovman.evaluation.arms import Arm, Kind
 from ovman.evaluation.observation_store import Senses
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.supervision import AgentError, Supervised, failures, function
+from ovman.models.settings import Arm, Kind
+from ovman.models.settings.arms import ArmJob
 from ovman.task import Query, Relation
-from ovman.workflow.config import constants
+from ovman.workflow.parameter import stage_settings
 from tests.arms import BY_NAME, CONFIG
 
 MODULE = """
@@ -72,11 +73,11 @@ def test_what_is_not_there_is_one_line(agent, line):
 
 
 def static(function_name: str, **fields) -> Arm:
-    return Arm("mine", Kind.STATIC, f"elsewhere_a.deep:{function_name}", **fields)
+    return ArmJob(name="mine", kind=Kind.STATIC, agent=f"elsewhere_a.deep:{function_name}", **fields)
 
 
 def predicted(arm: Arm, tmp_path):
-    view = constants(CONFIG, "predictions", "two_visits")
+    view = stage_settings(CONFIG, "predictions", "two_visits")
     return predict(arm, TRIAL, view, Senses(arm, view, tmp_path, {}))
 
 
@@ -96,22 +97,22 @@ def test_a_static_function_that_raises_or_answers_nonsense_is_one_line_with_the_
         ("recorded.sight()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
         ("recorded.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
         ("recorded.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
-        ("recorded.constants.maps.cluster_radius_m", "does not own the constant 'maps'"),
+        ("recorded.constants.maps.cluster_radius_m", "does not own the constant 'maps.cluster_radius_m'"),
         ("recorded.noun('chair')", r"arms.mine is given no networks"),
     ],
 )
 def test_what_an_entry_does_not_ask_for_is_refused_with_what_to_write(body, line, tmp_path):
     (tmp_path / "elsewhere_d.py").write_text(f"def ask(query, recorded):\n    return {body}\n")
     with pytest.raises(AgentError, match=line):
-        predicted(Arm("mine", Kind.STATIC, "elsewhere_d:ask"), tmp_path)
+        predicted(ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_d:ask"), tmp_path)
 
 
 def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tmp_path):
-    arm = Arm("mine", Kind.STATIC, "elsewhere_e:ask")
+    arm = ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_e:ask")
     text = "from ovman.agents.reference.decision import Answer\n\n\ndef ask(query, recorded):\n"
     text += "    assert len(recorded.tour('first').observations) == 0\n    return Answer(*recorded.rng.random(2)), None\n"
     (tmp_path / "elsewhere_e.py").write_text(text)
-    view = constants(CONFIG, "predictions", "two_visits")
+    view = stage_settings(CONFIG, "predictions", "two_visits")
     senses = Senses(arm, view, tmp_path, {})
     one, again, other = (predict(arm, TRIAL, view, senses, run) for run in (0, 0, 1))
     assert one == again != other and isinstance(one[0], Answer)

@@ -11,15 +11,13 @@ import numpy as np
 import pytest
 
 from ovman.evaluation import predictions
-from ovman.evaluation.arms import Arm
 from ovman.evaluation.prediction import read
 from ovman.evaluation.supervision import AgentError
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import world_state
-from ovman.workflow.config import canonical
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG
 
 ROOT = Path(__file__).parents[2]
@@ -30,8 +28,8 @@ TRIALS = sorted((DATA / "trials").glob("*.jsonl"))
 
 def predicted(arm: str, output: Path, maps: list[Path], nouns: Path) -> None:
     files = {"maps": maps, "nouns": [nouns]}
-    constants = StageConstants(canonical(CONFIG, "predictions", arm))
-    predictions.run(Arm.of(constants.arm), EPISODES, TRIALS, constants, output, DATA / "visits", files)
+    constants = StageSettings.parse(canonical(CONFIG, "predictions", arm))
+    predictions.run(constants.arm, EPISODES, TRIALS, constants, output, DATA / "visits", files)
 
 
 def released() -> list[dict]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,24 +22,28 @@ from ovman.evaluation.perceived import Perceived
 from ovman.evaluation.privileged_grounding import recorded_positions
 from ovman.evaluation.rollout import execute
 from ovman.language import noun
+from ovman.models.settings.arms import ArmJob
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import judged
 from ovman.sim.session import Session
 from ovman.task import Query, Relation
-from ovman.workflow.config import canonical
-from ovman.workflow.constants import StageConstants, task_constants
-from tests.arms import BY_NAME, CONFIG
+from ovman.workflow.parameter import StageSettings, canonical, stage_settings
+from tests.arms import CONFIG
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "data" / "ovman-embedded-v1"
 SCENE = "FloorPlan429"
-TWO_VISITS = BY_NAME["two_visits_embodied"]
+TWO_VISITS = stage_settings(CONFIG, "executions", "two_visits_embodied").arm
 
 
-def constants(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageConstants:
+def with_fields(arm: ArmJob, **fields: Any) -> ArmJob:
+    return arm.model_copy(update=fields)
+
+
+def constants(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageSettings:
     text = json.loads(canonical(CONFIG, "executions", arm))
-    return StageConstants(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
+    return StageSettings.parse(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
 
 
 def read(path: Path) -> list[dict]:
@@ -99,7 +104,7 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
     chosen = trial(Relation(relation))
     run = executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen))
     assert run["outcome"] == "stopped" and run["arm"] == "two_visits_embodied"
-    assert judged(run, Relation(relation), task_constants(constants({"success.radius_m": 1.0, "success.visible_px": 100})))
+    assert judged(run, Relation(relation), constants({"success.radius_m": 1.0, "success.visible_px": 100}).success)
     # Frames are drawn for the look-down sweep at the stop alone.
     assert {action for action, image in drawn if image} <= {"TeleportFull"}
     assert executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen)) == run
@@ -107,7 +112,7 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
 
 def test_the_single_visit_draws_by_its_seed(session):
     chosen = trial(Relation.FORMER)
-    arm, eyes = BY_NAME["single_visit_embodied"], TrueEyes(chosen)
+    arm, eyes = stage_settings(CONFIG, "executions", "single_visit_embodied").arm, TrueEyes(chosen)
     one, again, other = (executions.execution(session, arm, seed, chosen, constants(), eyes) for seed in (0, 0, 1))
     assert one == again and one["stop"] != other["stop"]
 
@@ -115,10 +120,10 @@ def test_the_single_visit_draws_by_its_seed(session):
 @pytest.mark.parametrize("budget", [4, 7, 300])
 def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
     chosen, eyes = trial(Relation.FORMER), TrueEyes(trial(Relation.FORMER))
-    whole = executions.execution(session, replace(TWO_VISITS, marks=(budget,)), 0, chosen, constants(), eyes)
+    whole = executions.execution(session, with_fields(TWO_VISITS, marks=(budget,)), 0, chosen, constants(), eyes)
     assert whole["outcome"] == "stopped" and 7 < whole["actions"] < 300
-    short = executions.execution(session, replace(TWO_VISITS, budget=budget), 0, chosen, constants(), eyes)
-    cut = runs.cut(whole, replace(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
+    short = executions.execution(session, with_fields(TWO_VISITS, budget=budget), 0, chosen, constants(), eyes)
+    cut = runs.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
     assert {key: cut[key] for key in short} == short | {"arm": "short"}
     assert runs.cut(whole, TWO_VISITS) is whole
 
@@ -126,10 +131,10 @@ def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
 def test_a_run_that_left_no_mark_cannot_be_cut():
     whole = {"episode": "e", "arm": "long", "outcome": "stopped", "actions": 9}
     with pytest.raises(ValueError, match="e: long was not run for short; make its executions again"):
-        runs.cut(whole, replace(TWO_VISITS, name="short", cut_from="long", budget=9))
+        runs.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="long", budget=9))
     for actions, outcome in ((8, "stopped"), (9, "stalled"), (9, "budget")):
         ended = whole | {"actions": actions, "outcome": outcome}
-        assert runs.cut(ended, replace(TWO_VISITS, name="short", cut_from="long", budget=9)) == ended | {"arm": "short"}
+        assert runs.cut(ended, with_fields(TWO_VISITS, name="short", cut_from="long", budget=9)) == ended | {"arm": "short"}
 
 
 class Watcher:
@@ -241,14 +246,14 @@ def test_a_threshold_that_changes_no_answer_is_no_new_run():
 
 def test_an_arm_that_executes_nobodys_answer_is_run_again_when_what_it_sees_or_reads_changes(tmp_path):
     chosen = TRIALS[0]
-    arm = replace(TWO_VISITS, executes=None)
+    arm = with_fields(TWO_VISITS, executes=None)
     files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
     eyes = TrueEyes(chosen)
 
     def key(overrides=None, seed=0):
         stage = json.loads(constants(overrides).canonical)
         del stage["arm"]["executed"]
-        text = StageConstants(json.dumps(stage))
+        text = StageSettings.parse(json.dumps(stage))
         return executions.unit(arm, seed, chosen, text, Senses(arm, text, tmp_path, files))
 
     write_nouns(files["nouns"], eyes.perceived.nouns)

@@ -18,7 +18,7 @@ from ovman.analysis.significance import Method, significance
 from ovman.analysis.spread import passes
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import Verdict, taxonomy
-from ovman.evaluation.arms import Kind
+from ovman.models.settings import Kind
 from tests.analysis.fabricated import ROUND, embodied, static
 
 PROPERTY = settings(max_examples=20, derandomize=True, deadline=None)

@@ -145,7 +145,7 @@ def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(
 
 
 def test_an_arm_has_as_many_runs_as_its_entry_says(tmp_path):
-    every = [replace(arm, runs=2) if arm.name == "positions_two_visits" else arm for arm in EVERY]
+    every = [arm.model_copy(update={"runs": 2}) if arm.name == "positions_two_visits" else arm for arm in EVERY]
     with pytest.raises(ValueError, match="positions_two_visits: predictions of 1 runs, but its entry in section arms says 2"):
         metrics.run(*records(tmp_path), CONSTANTS, tmp_path / "metrics", every)
 

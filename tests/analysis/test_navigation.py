@@ -5,15 +5,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.analysis.navigation import navigation
-from ovman.evaluation.arms import Arm, Kind, Source
+from ovman.models.settings import Kind
+from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
 
 ARMS = [
-    Arm("answers", Kind.STATIC, "", "", Source.OWN, Source.OWN),
-    Arm("picks", Kind.STATIC, "", "", Source.OWN, Source.OWN, expected=True),
-    Arm("driven", Kind.EMBODIED, "", "", Source.OWN, Source.OWN, executes="answers"),
-    Arm("picked", Kind.EMBODIED, "", "", Source.OWN, Source.OWN, executes="picks"),
-    Arm("alone", Kind.EMBODIED, "", "", Source.OWN, Source.OWN),
+    ArmJob(name="answers", kind=Kind.STATIC, agent="x:y"),
+    ArmJob(name="picks", kind=Kind.STATIC, agent="x:y", expected=True),
+    ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers"),
+    ArmJob(name="picked", kind=Kind.EMBODIED, agent="x:y", executes="picks"),
+    ArmJob(name="alone", kind=Kind.EMBODIED, agent="x:y"),
 ]
 EPISODES = st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0.01, 1)), min_size=1, max_size=40)
 

@@ -8,15 +8,16 @@ from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.taxonomy import LOST, Verdict, taxonomy, verdict
-from ovman.evaluation.arms import Arm, Kind, Source
 from ovman.evaluation.prediction import Prediction
+from ovman.models.settings import Kind
+from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
 
 R, NEAR = 1.0, 2.0
 PROPERTY = settings(max_examples=80, derandomize=True, deadline=None)
 coordinate = st.floats(-4, 4).map(lambda value: round(value, 2))
 point = st.tuples(coordinate, coordinate)
-EXECUTED = Arm("driven", Kind.EMBODIED, "", "", Source.OWN, Source.OWN, executes="two_visits")
+EXECUTED = ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="two_visits")
 
 
 def episode(

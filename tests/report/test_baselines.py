@@ -14,7 +14,8 @@ from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.rows import csv_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
-from ovman.evaluation.arms import Arm, Kind, Source
+from ovman.models.settings import Kind, Source
+from ovman.models.settings.arms import ArmJob
 from ovman.report.dualmap import dualmap_table
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
@@ -30,12 +31,20 @@ N = 24
 MAINTAINED, TWICE, OURS = "dualmap_maintained", "dualmap_two_visits", "two_visits"
 HANDED = f"grounding_{MAINTAINED}"
 ARMS = (
-    Arm(MAINTAINED, Kind.STATIC, "x:y", system="dualmap (reimplemented)", memory="maintained map", runs=3),
-    Arm(TWICE, Kind.STATIC, "x:y", system="dualmap (reimplemented)", memory="two visits", runs=3),
-    Arm(OURS, Kind.STATIC, "x:y", system="ours (reference)", memory="two visits"),
-    Arm(HANDED, Kind.STATIC, "x:y", system="dualmap (reimplemented)", memory="maintained map", grounding=Source.HANDED, runs=3),
-    Arm("cow", Kind.EMBODIED, "x:y", system="cow (reimplemented)", memory="second visit"),
-    Arm("oracle_check", Kind.EMBODIED, "x:y", system="oracle check", memory="the answer"),
+    ArmJob(name=MAINTAINED, kind=Kind.STATIC, agent="x:y", system="dualmap (reimplemented)", memory="maintained map", runs=3),
+    ArmJob(name=TWICE, kind=Kind.STATIC, agent="x:y", system="dualmap (reimplemented)", memory="two visits", runs=3),
+    ArmJob(name=OURS, kind=Kind.STATIC, agent="x:y", system="ours (reference)", memory="two visits"),
+    ArmJob(
+        name=HANDED,
+        kind=Kind.STATIC,
+        agent="x:y",
+        system="dualmap (reimplemented)",
+        memory="maintained map",
+        grounding=Source.HANDED,
+        runs=3,
+    ),
+    ArmJob(name="cow", kind=Kind.EMBODIED, agent="x:y", system="cow (reimplemented)", memory="second visit"),
+    ArmJob(name="oracle_check", kind=Kind.EMBODIED, agent="x:y", system="oracle check", memory="the answer"),
 )
 STATIC = [
     *(static(MAINTAINED, i, i < 3 + run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),

@@ -15,9 +15,8 @@ from ovman.generation import candidates, scenes, trials
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
-from ovman.workflow.config import canonical
-from ovman.workflow.constants import StageConstants
 from ovman.workflow.journal import Journal
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.workflow.test_reruns import CONFIG
 
 SCENE = "FloorPlan401"
@@ -25,7 +24,7 @@ NOTICED_S = 5.0
 
 
 def constants(stage):
-    return StageConstants(canonical(CONFIG, stage))
+    return StageSettings.parse(canonical(CONFIG, stage))
 
 
 @pytest.fixture

@@ -14,8 +14,8 @@ from ovman.sim import controller, visit
 from ovman.sim.change import Alteration, World, position
 from ovman.sim.mover import Gait, Lane
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
@@ -25,7 +25,7 @@ PLANT = "HousePlant"
 
 @pytest.fixture(scope="module")
 def session():
-    constants = StageConstants(canonical(load(ROOT / "config.yaml"), "trials"))
+    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "trials"))
     with Session(SCENE, constants) as session:
         session.reset()
         yield session

@@ -20,8 +20,8 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.mover import Gait, Lane
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import Visit
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
@@ -69,7 +69,7 @@ def test_a_spin_goes_right_by_equal_turns_and_leaves_out_both_ends(here_deg, the
 
 @pytest.fixture(scope="module")
 def session():
-    constants = StageConstants(canonical(load(ROOT / "config.yaml"), "trials"))
+    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "trials"))
     with Session(SCENE, constants, replace(Embodiment.of(constants), width_px=SIDE_PX, height_px=SIDE_PX)) as session:
         yield session
 

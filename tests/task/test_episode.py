@@ -11,6 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.models.settings import Settings
+from ovman.models.settings.benchmark import Success
 from ovman.task import (
     Episode,
     Measurement,
@@ -19,7 +21,6 @@ from ovman.task import (
     Rejection,
     RejectionStage,
     Relation,
-    TaskConstants,
     episode_lines,
     line,
     read_episodes,
@@ -30,7 +31,8 @@ from ovman.task import (
 )
 
 PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
-CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
+CONSTANTS = Settings.owned({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
+SUCCESS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
 
 RUN = {
     "run": 0,
@@ -174,7 +176,7 @@ def test_an_episode_can_be_judged_from_its_record():
         assert referents(*episode.states, episode.query, CONSTANTS) == (episode.target,)
         assert episode.changed == {"Chair|1"}
         for run in episode.certification:
-            assert success(run.measurement, episode.relation, CONSTANTS) == run.success
+            assert success(run.measurement, episode.relation, SUCCESS) == run.success
 
 
 def test_the_path_of_a_mover_is_its_track_unless_one_was_recorded():

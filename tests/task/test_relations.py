@@ -9,13 +9,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from ovman.models.settings import Settings
 from ovman.task import (
     Inadmissible,
     Instance,
     Query,
     Rejection,
     Relation,
-    TaskConstants,
     WorldState,
     admissible,
     answer,
@@ -24,7 +24,15 @@ from ovman.task import (
     referents,
 )
 
-CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
+
+def thresholds(delta_min_m: float = 1.5, tau_m: float = 0.75, motion_m: float = 0.01) -> Settings:
+    """The constants of Eq. 1 and 2, and no others."""
+    return Settings.owned(
+        {"candidates": {"delta_min_m": delta_min_m}, "admissibility": {"tau_m": tau_m, "motion_m": motion_m}}, "tests"
+    )
+
+
+CONSTANTS = thresholds()
 CATEGORIES = {"chair_1": "Chair", "chair_2": "Chair", "chair_3": "Chair", "vase_1": "Vase", "vase_2": "Vase"}
 CHAIR = {relation: Query("Chair", relation) for relation in Relation}
 RELATIONS = st.sampled_from(Relation)
@@ -149,7 +157,13 @@ def test_relations_are_invariant_under_any_rotation(pair, angle):
 
     # A displacement on a threshold is decided by the last bit of the rotation.
     displacements = [d for name in CATEGORIES if (d := displacement_m(*pair, name)) is not None]
-    assume(all(abs(d - threshold) > 1e-9 for d in displacements for threshold in (CONSTANTS.tau_m, CONSTANTS.delta_min_m)))
+    assume(
+        all(
+            abs(d - threshold) > 1e-9
+            for d in displacements
+            for threshold in (CONSTANTS.admissibility.tau_m, CONSTANTS.candidates.delta_min_m)
+        )
+    )
     assert all_referents(*(mapped(world, place) for world in pair)) == all_referents(*pair)
 
 
@@ -178,7 +192,7 @@ def test_a_larger_minimum_displacement_selects_fewer_and_a_larger_tau_more(pair,
         (Relation.STABLE, "tau_m", small, large),
         (Relation.MOVING, "motion_m", large, small),
     ):
-        selected = [set(referents(*pair, CHAIR[relation], replace(CONSTANTS, **{field: value}))) for value in (fewer, more)]
+        selected = [set(referents(*pair, CHAIR[relation], thresholds(**{field: value}))) for value in (fewer, more)]
         assert selected[0] <= selected[1]
 
 
@@ -227,7 +241,7 @@ def test_stable_needs_another_instance_of_the_category_that_moved():
 
 
 def test_an_instance_is_not_the_other_that_stable_needs():
-    loose = replace(CONSTANTS, tau_m=3.0)
+    loose = thresholds(tau_m=3.0)
     before, after = home(chair_1=(0, 0), chair_2=(3, 0)), home(chair_1=(0, 2), chair_2=(3, 0))
     assert referents(before, after, CHAIR[Relation.STABLE], loose) == ("chair_2",)
 
@@ -267,7 +281,7 @@ def test_an_admissible_query_has_exactly_one_referent_and_an_answer(pair, relati
     else:
         assert verdict.reason is Rejection.BYSTANDER_MOVED and len(selected) == 1
         assert verdict.instances and not set(verdict.instances) & (set(selected) | changed)
-        assert all(displacement_m(*pair, k) > CONSTANTS.tau_m for k in verdict.instances)
+        assert all(displacement_m(*pair, k) > CONSTANTS.admissibility.tau_m for k in verdict.instances)
 
 
 @PROPERTY
@@ -295,7 +309,7 @@ def test_a_bystander_that_was_shoved_spoils_the_query():
     after = home(chair_1=(0, 2), chair_2=(3, 0.76), vase_1=(3, 3))
     query = CHAIR[Relation.MOVED]
     assert admissible(before, after, query, {"chair_1"}, CONSTANTS) == Inadmissible(Rejection.BYSTANDER_MOVED, ("chair_2",))
-    assert admissible(before, after, query, {"chair_1"}, replace(CONSTANTS, tau_m=0.76)) is None
+    assert admissible(before, after, query, {"chair_1"}, thresholds(tau_m=0.76)) is None
 
 
 def test_the_distractor_of_stable_has_to_move_and_is_excused():

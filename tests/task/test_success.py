@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.task import Measurement, Relation, TaskConstants, spl, success, visible
+from ovman.models.settings.benchmark import Success
+from ovman.task import Measurement, Relation, spl, success, visible
 
-CONSTANTS = TaskConstants(delta_min_m=1.5, tau_m=0.75, motion_m=0.01, radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
+CONSTANTS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
 PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
 RELATIONS = st.sampled_from(Relation)
 # Near the success radius, and on it.
@@ -25,21 +26,21 @@ LENGTHS = st.one_of(st.just(0.0), st.floats(0.0, 50.0))
 @PROPERTY
 @given(MEASUREMENTS, RELATIONS, DISTANCES, DISTANCES)
 def test_success_is_monotone_in_the_radius(measurement, relation, a, b):
-    near, far = (replace(CONSTANTS, radius_m=radius) for radius in sorted((a, b)))
+    near, far = (CONSTANTS.model_copy(update={"radius_m": radius}) for radius in sorted((a, b)))
     assert success(measurement, relation, near) <= success(measurement, relation, far)
 
 
 @PROPERTY
 @given(MEASUREMENTS, RELATIONS, PIXELS, PIXELS)
 def test_success_is_monotone_in_the_visibility_threshold(measurement, relation, a, b):
-    few, many = (replace(CONSTANTS, visible_px=px) for px in sorted((a, b)))
+    few, many = (CONSTANTS.model_copy(update={"visible_px": px}) for px in sorted((a, b)))
     assert success(measurement, relation, many) <= success(measurement, relation, few)
 
 
 @PROPERTY
 @given(MEASUREMENTS, RELATIONS, st.sets(st.sampled_from(CONSTANTS.sweep_deg)))
 def test_a_shorter_sweep_never_sees_more(measurement, relation, pitches):
-    short = replace(CONSTANTS, sweep_deg=tuple(sorted(pitches)))
+    short = CONSTANTS.model_copy(update={"sweep_deg": tuple(sorted(pitches))})
     assert success(measurement, relation, short) <= success(measurement, relation, CONSTANTS)
 
 

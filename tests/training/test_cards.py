@@ -11,7 +11,8 @@ from safetensors.numpy import save_file
 from ovman.analysis.rows import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
 from ovman.training import cards
-from ovman.workflow.config import canonical, load
+from ovman.workflow.config import load
+from ovman.workflow.parameter import canonical
 
 CONFIG = load(Path(__file__).parents[2] / "config.yaml")
 WHOLE = Score(

@@ -9,8 +9,9 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.workflow.config import STAGES, load, owned, settings
-from ovman.workflow.stages import matching, own_constants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import flat, own_constants
+from ovman.workflow.stages import STAGES, matching, owned
 from tests.workflow.conftest import ROOT, TINY
 
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
@@ -48,7 +49,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
-VALUES = settings(CONFIG)
+VALUES = flat(CONFIG)
 OF_ARMS = {"static": "predictions", "embodied": "executions"}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},

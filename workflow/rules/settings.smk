@@ -5,8 +5,9 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.evaluation.arms import Kind, Need, named, of_kind, table
-from ovman.workflow.config import ConfigError, canonical, load
+from ovman.models.settings import Kind, Need, named, of_kind, arms_of
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import canonical
 from ovman.perception.weights import located
 from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare
 
@@ -23,7 +24,7 @@ except ConfigError as error:
 
 SCENES = settings.benchmark.scenes
 SEEDS = settings.evaluation.seeds
-ARMS = table(settings.arms)
+ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
 # Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow.snakefile), and a job holds it (ovman.workflow.job).

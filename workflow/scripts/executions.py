@@ -3,12 +3,11 @@
 from pathlib import Path
 
 from ovman.evaluation import rollouts as executions
-from ovman.evaluation.arms import Arm
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
     executions.run(
-        Arm.of(work.constants.arm),
+        work.constants.arm,
         work.scene,
         work.input("episodes"),
         work.input("trials"),

@@ -3,12 +3,11 @@
 from pathlib import Path
 
 from ovman.evaluation import predictions
-from ovman.evaluation.arms import Arm
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
     predictions.run(
-        Arm.of(work.constants.arm),
+        work.constants.arm,
         work.input("episodes"),
         work.inputs("trials"),
         work.constants,

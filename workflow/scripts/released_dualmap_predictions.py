@@ -3,14 +3,13 @@
 from pathlib import Path
 
 from ovman.evaluation import prediction, predictions
-from ovman.evaluation.arms import Arm
 from ovman.workflow.job import job
 from ovman_released import status
 
 with job(snakemake) as work:
     if status.read(work.input("status")).run:
         predictions.run(
-            Arm.of(work.constants.arm),
+            work.constants.arm,
             work.input("episodes"),
             work.inputs("trials"),
             work.constants,

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from typing import Any
+
+from ovman.models.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ class CowConstants:
     turn_deg: float
 
     @staticmethod
-    def of(constants: Any) -> CowConstants:
+    def of(constants: Settings) -> CowConstants:
         """From a stage's view that owns cow.*, primitives.step_m and primitives.turn_deg."""
         section, primitives = constants.cow, constants.primitives
         own = {field.name: getattr(section, field.name) for field in fields(CowConstants)[:-2]}

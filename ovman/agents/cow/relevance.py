@@ -10,6 +10,7 @@ import numpy as np
 from ovman.agents.cow.constants import CowConstants
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
+from ovman.models.settings import Settings
 from ovman.perception.crop import crop
 
 PROMPT = "a photo of a {}"
@@ -100,7 +101,7 @@ class OpenVocabularyLocaliser:
         return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
 
 
-def localiser(constants: Any, detector: Any, encoder: Any) -> OpenVocabularyLocaliser:
+def localiser(constants: Settings, detector: Any, encoder: Any) -> OpenVocabularyLocaliser:
     """The localiser of the LoCoBot's frames; `constants` owns cow.*, locobot.*, camera.* and perception.*.
 
     An instance is as large a share of the frame as the smallest that the reference agent takes is of its own.

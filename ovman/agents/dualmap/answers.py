@@ -24,8 +24,8 @@ from ovman.agents.reference.grounding import similarities
 from ovman.agents.reference.object_map import ObjectMap
 from ovman.agents.reference.reasoning import two_visits_recorded
 from ovman.agents.reference.single_visit import UniformPick
-from ovman.evaluation.arms import Need, Source
 from ovman.language import noun
+from ovman.models.settings import Need, Source
 from ovman.task import Query
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.models.settings import Settings
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 
@@ -28,7 +29,7 @@ def pairs_of(scene: str, episodes: Path, trials: Path) -> list[Pair]:
     return list(dict.fromkeys((visit["first"], visit["second"]) for visit in visits))
 
 
-def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], constants: Any) -> RunMaps:
+def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], constants: Settings) -> RunMaps:
     """The maps of a scene that the run of that number makes. constants own benchmark.seed and what it needs of `dualmap`."""
 
     def draws(*visits: str) -> Any:
@@ -51,7 +52,7 @@ def check(scene: str, run: int, made: RunMaps) -> None:
             )
 
 
-def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Any, output: Path) -> None:
+def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Settings, output: Path) -> None:
     """Write the maps of a scene, and print how many objects they hold and what they took.
 
     MapsError as ``check``, and for an episode's visit that was not walked.

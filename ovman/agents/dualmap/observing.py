@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ovman.agents.dualmap.classes import Classes, TextEmbedder
 from ovman.agents.dualmap.dbscan import largest_cluster
 from ovman.agents.dualmap.masks import MaskConstants, filtered
 from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.models.settings import Settings
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.crop import squared
 from ovman.perception.tour import Embedder, Segmenter, Segments
@@ -40,7 +41,7 @@ class Observer:
     more of its pixels are drawn, and the border of a crop is narrower, so that the same things give the same clouds.
     """
 
-    def __init__(self, detector: Segmenter, encoder: Encoder, constants: Any) -> None:
+    def __init__(self, detector: Segmenter, encoder: Encoder, constants: Settings) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self._masks = MaskConstants(constants.same_iou, constants.colour_bins, constants.same_colours)
         self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)

@@ -32,6 +32,7 @@ from ovman.sim.walk import Frame
 from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
+from ovman.workflow.parameter import StageSettings
 
 PART = "ovman-walk-part/1"
 TOGETHER = 8
@@ -58,13 +59,13 @@ def assigned(scene: str, episodes: Path, trials: Path, visits: Path) -> dict[str
     return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
 
 
-def embodiment(constants: Any) -> Embodiment:
+def embodiment(constants: StageSettings) -> Embodiment:
     """The benchmark's body with the frames of a dense walk, which come without instance masks."""
     side_px = constants.dualmap.walk.side_px
     return replace(Embodiment.of(constants), width_px=side_px, height_px=side_px, instances=False)
 
 
-def frames(session: Session, of: Assigned, constants: Any) -> Iterable[Frame]:
+def frames(session: Session, of: Assigned, constants: StageSettings) -> Iterable[Frame]:
     """The frames of a visit's dense walk, in the world state, and from it, that the visit was recorded in.
 
     `constants` must own what a Session needs, mover.step_m and its probabilities, benchmark.seed and dualmap.walk.turn_deg.
@@ -121,7 +122,7 @@ class Memory:
         return dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
 
 
-def run(scene: str, of: Mapping[str, Assigned], constants: Any, kept: Path, output: Path) -> None:
+def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path) -> None:
     """Writes what DualMap observes on the walks of the visits `of` (name -> what to walk), in their order.
 
     kept: directory of what a killed job left. Raises WalkError, WeightsError.
@@ -160,7 +161,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: Any, kept: Path, outp
         left.unlink()
 
 
-def _walk(session: Session, one: Assigned, constants: Any, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
+def _walk(session: Session, one: Assigned, constants: StageSettings, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
     """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
     contents, views, new = memory.walked(frames(session, one, constants))
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import Association, distances, positions
+from ovman.models.settings import Settings
 from ovman.task import Relation
 
 
@@ -46,7 +46,7 @@ class DecisionConstants:
     track_spread_m: float
 
     @staticmethod
-    def of(constants: Any) -> DecisionConstants:
+    def of(constants: Settings) -> DecisionConstants:
         """Those of config.yaml; `constants` must own admissibility.tau_m and association.track_spread_m."""
         return DecisionConstants(constants.admissibility.tau_m, constants.association.track_spread_m)
 

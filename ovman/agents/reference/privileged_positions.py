@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from ovman.agents.oracle import followed
 from ovman.agents.pilot import Pilot
 from ovman.agents.reference.association import associate
 from ovman.agents.reference.decision import Abstention, Answer, DecisionConstants, decide
+from ovman.models.settings import Settings
 from ovman.task import Instance, Query, Relation, WorldState
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class AssociationConstants:
     feature_scale_m: float
 
     @staticmethod
-    def of(constants: Any) -> AssociationConstants:
+    def of(constants: Settings) -> AssociationConstants:
         """Those of config.yaml; `constants` must own association.*."""
         return AssociationConstants(constants.association.gate_m, constants.association.feature_scale_m)
 

@@ -23,8 +23,8 @@ from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.object_map import ObjectMap
 from ovman.agents.reference.privileged_positions import AssociationConstants
 from ovman.agents.reference.single_visit import UniformBox, UniformPick, single_visit
-from ovman.evaluation.arms import Source
 from ovman.language import noun
+from ovman.models.settings import Settings, Source
 from ovman.task import Query, Relation
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ class ReferenceConstants:
     decision: DecisionConstants
 
     @staticmethod
-    def of(constants: Any) -> ReferenceConstants:
+    def of(constants: Settings) -> ReferenceConstants:
         """Those of config.yaml; `constants` must own grounding.*, association.* and admissibility.tau_m."""
         return ReferenceConstants(constants.grounding.band, AssociationConstants.of(constants), DecisionConstants.of(constants))
 

@@ -1,1 +1,7 @@
-"""What the sections of config.yaml hold that have more to say than a few numbers; `sections` puts them together."""
+"""The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
+
+from ovman.models.settings.arms import Arm, Arms, Kind, Need, Source, arms_of, named, of_kind
+from ovman.models.settings.settings import Settings
+from ovman.models.settings.values import Section
+
+__all__ = ["Arm", "Arms", "Kind", "Need", "Section", "Settings", "Source", "arms_of", "named", "of_kind"]

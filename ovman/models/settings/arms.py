@@ -1,13 +1,42 @@
-"""The arms of the evaluation."""
+"""The arms of the evaluation: section `arms` of config.yaml. Predictions, rollouts and rows of the tables are derived from it."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Mapping, Sequence
+from enum import StrEnum
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from ovman.models.settings.values import Listed, Section, Some
+
+
+class Kind(StrEnum):
+    """How an arm is judged: STATIC by the point that it predicts, EMBODIED by where it stops."""
+
+    STATIC = "static"
+    EMBODIED = "embodied"
+
+
+class Source(StrEnum):
+    """Whether an arm finds something out itself (OWN) or is given the truth about it (HANDED)."""
+
+    OWN = "own"
+    HANDED = "handed"
+
+
+class Need(StrEnum):
+    """What an arm is given beside the query and its observations.
+
+    TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
+    embeddings of nouns; NETWORKS: the detector and the encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns.
+    """
+
+    TOURS = "tours"
+    MAPS = "maps"
+    NETWORKS = "networks"
+    DUALMAP = "dualmap"
 
 
 def _function(value: str) -> str:
@@ -16,19 +45,23 @@ def _function(value: str) -> str:
     return value
 
 
-class ArmEntry(Section):
+Whence = Annotated[Source, Field(strict=False)]
+
+
+class Arm(Section):
     """One arm of the evaluation."""
 
-    kind: Literal["static", "embodied"] = Field(description="judged by the point that it predicts, or by where it stops")
+    name: str = Field(description="the key of its entry, in file names and records")
+    kind: Annotated[Kind, Field(strict=False)] = Field(description="judged by the point that it predicts, or by where it stops")
     agent: Annotated[str, AfterValidator(_function)] = Field(
         description='"module:function", docs/agents.md says what the function is given and gives back'
     )
     system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
     memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
-    grounding: Literal["own", "handed"] = Field("own", description="whether it finds out itself what the noun means")
-    positions: Literal["own", "handed"] = Field("own", description="whether it finds out itself where things are")
-    answer: Literal["own", "handed"] = Field("own", description="handed to the oracle only")
-    needs: Annotated[tuple[Literal["tours", "maps", "networks", "dualmap"], ...], Listed] = Field(
+    grounding: Whence = Field(Source.OWN, description="whether it finds out itself what the noun means")
+    positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
+    answer: Whence = Field(Source.OWN, description="handed to the oracle only")
+    needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
         (), description="what it is given beside query and observations"
     )
     constants: Annotated[tuple[str, ...], Listed] = Field(
@@ -46,14 +79,52 @@ class ArmEntry(Section):
     cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
 
 
-def _there(value: Any) -> Any:
+WORDS = ("system", "memory")
+"""Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""
+
+
+class ArmJob(Arm):
+    """An arm as one of its jobs is given it, without the words of the tables.
+
+    marks: the budgets at which other arms cut this one's runs, ascending; executed: the arm that it executes.
+    """
+
+    system: str = ""
+    memory: str = ""
+    marks: Annotated[tuple[int, ...], Listed] = ()
+    executed: ArmJob | None = None
+
+
+def _named(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
-    for name in value:
+    for name, entry in value.items():
         if not re.fullmatch(r"[a-z][a-z0-9_]*", str(name)):
             raise ValueError(f"{name!r} cannot name an arm, whose files are called after it; write small letters, digits and _")
-    return {name: entry for name, entry in value.items() if entry is not None}
+        if isinstance(entry, dict) and "name" in entry and entry["name"] != name:
+            raise ValueError(f"{name}.name is not a setting; the key names the arm")
+    return {
+        name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
+    }
 
 
-Arms = Annotated[dict[str, ArmEntry], BeforeValidator(_there)]
+Arms = Annotated[dict[str, Arm], BeforeValidator(_named)]
 """By name, in the order of the tables; an entry that is null is left out."""
+
+
+def arms_of(arms: Mapping[str, Arm]) -> tuple[Arm, ...]:
+    """All arms in the order of config.yaml, which is that of the tables."""
+    return tuple(arms.values())
+
+
+def of_kind(arms: Iterable[Arm], kind: Kind) -> tuple[Arm, ...]:
+    """The arms of one kind, in their order."""
+    return tuple(arm for arm in arms if arm.kind is kind)
+
+
+def named(arms: Sequence[Arm], name: str) -> Arm:
+    """The arm of that name. Raises KeyError that lists the names."""
+    for arm in arms:
+        if arm.name == name:
+            return arm
+    raise KeyError(f"{name!r} is not an arm; the arms are {', '.join(arm.name for arm in arms)}")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
 
 def _whole(value: Any) -> Any:
@@ -29,6 +30,44 @@ Commit = Annotated[str, Field(pattern=r"^[0-9a-f]{40}$")]
 
 
 class Section(BaseModel):
-    """A section: nothing beside what it names, and no value of another kind taken for one of its own."""
+    """A section of config.yaml: frozen, with no key beside its fields, and no value of one type taken for another.
+
+    A job of the workflow has sections that hold only what its stage owns (`ovman.workflow.parameter`). Reading another field
+    raises AttributeError with the stage and the constant in one line.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    _stage: str = PrivateAttr("")
+    _path: str = PrivateAttr("")
+
+    if not TYPE_CHECKING:  # with it mypy would take every name for a field
+
+        def __getattr__(self, name: str) -> Any:
+            if name in type(self).model_fields:
+                where = f"{self._path}.{name}" if self._path else name
+                owners = "STAGES in ovman/workflow/stages.py lists the owners"
+                raise AttributeError(f"stage {self._stage!r} does not own the constant {where!r}; {owners}")
+            return super().__getattr__(name)
+
+    @classmethod
+    def owned(cls, values: Mapping[str, Any], stage: str, path: str = "") -> Self:
+        """The section as a stage owns it: fields that are not in `values` raise when they are read.
+
+        values: fields of this section, sections as mappings. They come from validated settings and are not validated again.
+        """
+        fields: dict[str, Any] = {}
+        for name, value in values.items():
+            kind, inner = cls.model_fields[name].annotation, f"{path}.{name}" if path else name
+            if isinstance(kind, type) and issubclass(kind, Section):
+                fields[name] = kind.owned(value, stage, inner)
+            else:
+                fields[name] = tuple(value) if isinstance(value, list) else value
+        # A section of which the stage owns nothing is there, so that the error names the constant.
+        for name, field in cls.model_fields.items():
+            kind = field.annotation
+            if name not in fields and isinstance(kind, type) and issubclass(kind, Section):
+                fields[name] = kind.owned({}, stage, f"{path}.{name}" if path else name)
+        made = cls.model_construct(**fields)
+        made.__dict__ = fields
+        made._stage, made._path = stage, path
+        return made

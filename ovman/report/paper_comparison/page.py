@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
+from ovman.models.settings import Settings
 from ovman.report.markdown import pipe_table
 from ovman.report.paper_comparison import charts, comparison, sources
 from ovman.report.paper_comparison.baselines import COW, MAINTAINED, TWICE
@@ -67,7 +67,7 @@ def run(
     paper_file: Path,
     explanations_file: Path,
     template_file: Path,
-    constants: Any,
+    constants: Settings,
     page: Path,
     budget_chart: Path,
     memory_chart: Path,
@@ -90,7 +90,7 @@ def run(
         )
 
 
-def rendered(metrics: Metrics, paper: Paper, explanations: Mapping[str, Explanation], template: str, constants: Any) -> str:
+def rendered(metrics: Metrics, paper: Paper, explanations: Mapping[str, Explanation], template: str, constants: Settings) -> str:
     """The page, Markdown."""
     judgements = {title: [judged(statement, metrics) for statement in group] for title, group in GROUPS.items()}
     verdicts = Counter({verdict.value: 0 for verdict in Verdict})

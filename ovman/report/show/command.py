@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from ovman.evaluation.arms import table
+from ovman.models.settings import arms_of
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
@@ -25,7 +25,7 @@ def show(
     line, for what cannot be shown.
     """
     settings = config.load(Path(config_file))
-    results = Results(Path(results_dir), table(settings.arms))
+    results = Results(Path(results_dir), arms_of(settings.arms))
     if not patterns and not all_of_them:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
     chosen = results.chosen(["*"] if all_of_them else patterns)

@@ -30,7 +30,7 @@ def environment() -> Environment:
 
 
 def page(results: Results, episode_id: str, settings: Any) -> str:
-    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.workflow.config.Config`.
+    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.workflow.Settings`.
 
     Raises ShowError where there is no such episode or its scene is missing. What else is missing is named on the page.
     """

@@ -9,8 +9,8 @@ from typing import Any
 
 from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.reference.single_visit import UniformBox, UniformPick
-from ovman.evaluation.arms import Arm, Kind, of_kind
 from ovman.evaluation.prediction import Outcome
+from ovman.models.settings import Arm, Kind, of_kind
 from ovman.report.show.results import MAKE, Results
 from ovman.task import Relation
 

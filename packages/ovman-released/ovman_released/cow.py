@@ -14,6 +14,7 @@ from typing import Any
 
 from ovman.task.record import read_records
 from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
 from ovman_engine import COMMAND, executable
 from ovman_released.clone import Clone
 from ovman_released.cow_episodes import Hidden
@@ -54,7 +55,7 @@ OF_PLACE = ("released.cow.root", "released.cow.python")
 """Constants that say where things are, not what they do."""
 
 
-def missing(constants: Any, needs: Needs = NEEDS) -> str | None:
+def missing(constants: StageSettings, needs: Needs = NEEDS) -> str | None:
     """What keeps the released system from being run, in one line with its remedy; None where nothing does."""
     settings = constants.released.cow
     root = Path(settings.root).absolute()
@@ -68,7 +69,7 @@ def shares(episodes: Sequence[Hidden], processes: int) -> list[tuple[Hidden, ...
     return [tuple(episodes[k * len(episodes) // n : (k + 1) * len(episodes) // n]) for k in range(n)]
 
 
-def call(share: Sequence[Hidden], seed: int, constants: Any, directory: Path) -> subprocess.Popen[bytes]:
+def call(share: Sequence[Hidden], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
     """The released runner at work on `share` in a process of its own, which ends with this one."""
     settings = constants.released.cow
     root = Path(settings.root).absolute()
@@ -78,14 +79,14 @@ def call(share: Sequence[Hidden], seed: int, constants: Any, directory: Path) ->
     return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(PACKAGE_ROOT) | {COMMAND: executable()})
 
 
-def unit(share: Sequence[Hidden], seed: int, constants: Any) -> str:
+def unit(share: Sequence[Hidden], seed: int, constants: StageSettings) -> str:
     """Key of a call in the journal: all that it depends on, wherever the clone lies."""
     stage = json.loads(constants.canonical)
     stage["constants"] = {name: value for name, value in stage["constants"].items() if name not in OF_PLACE}
     return digest([episode.to_json() for episode in share], seed, stage)
 
 
-def passed(episodes: Sequence[Hidden], seed: int, constants: Any, kept: Journal) -> list[dict[str, Any]]:
+def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept: Journal) -> list[dict[str, Any]]:
     """The records of one seed, in the order of the episodes.
 
     The released agent carries state from one episode to the next, so a call of the runner is done whole or not at all.
@@ -115,7 +116,7 @@ def passed(episodes: Sequence[Hidden], seed: int, constants: Any, kept: Journal)
 def run(
     episodes_file: Path,
     trials_files: Sequence[Path],
-    constants: Any,
+    constants: StageSettings,
     outputs: Mapping[tuple[int, str], Path],
     status: Path,
     journal: Path,

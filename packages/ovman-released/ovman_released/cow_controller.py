@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
@@ -49,7 +50,7 @@ class EpisodeController:
         launch: Launch,
         hidden: Mapping[str, Hidden],
         seed: int,
-        constants: Any,
+        constants: Settings,
         judged: Callable[[str, Mapping[str, Any]], None],
         **parameters: Any,
     ) -> None:

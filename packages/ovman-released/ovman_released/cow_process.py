@@ -20,8 +20,9 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
+from ovman.models.settings import Settings
 from ovman.sim.controller import launched
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims
 from ovman_released.cow_controller import EpisodeController
 from ovman_released.cow_episodes import Hidden, exported, vocabulary
@@ -66,7 +67,7 @@ class _Results:
 
 def run(job: Job) -> None:
     """One pass of the unmodified runner over the episodes, with one agent, in their order."""
-    constants = StageConstants(job.canonical)
+    constants = StageSettings.parse(job.canonical)
     cow_shims.stand_in_for_lost_modules()
     sys.path.insert(0, str(job.root))
     os.chdir(job.root)
@@ -88,7 +89,7 @@ def run(job: Job) -> None:
         _call(job, constants, factory, runner)
 
 
-def _call(job: Job, constants: Any, factory: Any, runner: Any) -> None:
+def _call(job: Job, constants: Settings, factory: Any, runner: Any) -> None:
     settings = constants.released.cow
     kinds = {name: type(signature(factory.build).parameters[name].default) for name in ("env_type", "class_type")}
     world = {"env_type": kinds["env_type"].NORMAL, "class_type": kinds["class_type"].REGULAR}

@@ -25,6 +25,7 @@ from ovman.sim import walk
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.workflow.journal import digest
+from ovman.workflow.parameter import StageSettings
 from ovman_released import dualmap_frames, dualmap_runner
 from ovman_released.dualmap_frames import join, write_visit
 from ovman_released.dualmap_objects import Objects, read_objects
@@ -141,13 +142,13 @@ class Runs:
         return RunMaps({name: mapped([name]) for name in visits}, {pair: mapped(pair) for pair in pairs}), nouns
 
 
-def policy_of(constants: Any) -> Policy:
+def policy_of(constants: StageSettings) -> Policy:
     """How DualMap is run: as released, but for what the settings released.dualmap say."""
     chosen = constants.released.dualmap
     return Policy(Maintained(chosen.maintained).kind, chosen.guard, chosen.device, chosen.time_limit_s)
 
 
-def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: Any, code: Sequence[str]) -> dict[str, Any]:
+def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageSettings, code: Sequence[str]) -> dict[str, Any]:
     """What decides a run over a visit, wherever the clone lies: the visit, the nouns, the constants, and `code` (``CODE``).
 
     What reads the maps afterwards does not count: it would have a GPU make them again for nothing.
@@ -167,7 +168,7 @@ def run(
     pairs: Sequence[Pair],
     floor_y: float,
     nouns: Sequence[str],
-    constants: Any,
+    constants: StageSettings,
     code: Sequence[str],
     kept: Path,
     maps: Path,

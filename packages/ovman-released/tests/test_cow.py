@@ -20,9 +20,9 @@ from ovman.sim.controller import launched
 from ovman.sim.mover import Lane
 from ovman.sim.session import AgentPose
 from ovman.task import Relation
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
 from ovman.workflow.journal import Journal
+from ovman.workflow.parameter import StageSettings, canonical
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
@@ -87,7 +87,7 @@ def constants(root: Path, commit: str, python: str, **changed):
     config = load(ROOT / "config.yaml", [ROOT / "config.yaml"])
     given = {"root": str(root), "commit": commit, "python": python, "device": "cpu", "budget": 6, **changed}
     released = config.released.model_copy(update={"cow": config.released.cow.model_copy(update=given)})
-    return StageConstants(canonical(config.model_copy(update={"released": released}), "released_cow"))
+    return StageSettings.parse(canonical(config.model_copy(update={"released": released}), "released_cow"))
 
 
 @pytest.fixture(scope="module")

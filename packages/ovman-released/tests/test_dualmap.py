@@ -10,7 +10,8 @@ import pytest
 from boxes import Box, spin, view
 
 from ovman.agents.dualmap.mapped import Sort, read, write
-from ovman.workflow.config import constants, load
+from ovman.workflow.config import load
+from ovman.workflow.parameter import stage_settings
 from ovman_released.dualmap import CODE, Maintained, Runs, identity
 from ovman_released.dualmap_frames import write_visit
 from ovman_released.dualmap_runner import Policy, RunError
@@ -111,7 +112,7 @@ def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
             for part in path:
                 here = here[part]
             here[last] = value
-        return identity({"v": One}, nouns, constants(load(tree), "released_dualmap"), code)["v"][0]
+        return identity({"v": One}, nouns, stage_settings(load(tree), "released_dualmap"), code)["v"][0]
 
     same = known({})
     assert same == known({"released.dualmap.root": "/there", "released.dualmap.python": "python", "dualmap.runs": 5})

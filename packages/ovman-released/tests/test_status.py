@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from ovman.analysis import metrics
-from ovman.evaluation.arms import Kind, table
+from ovman.models.settings import Kind, arms_of
 from ovman.report import tables
 from ovman.report.latex import latex
 from ovman.report.markdown import markdown
@@ -62,7 +62,7 @@ def test_what_was_missing_is_older_than_whatever_it_was_made_of_and_what_was_run
 
 def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
     Status("CoW (released)", "there is no clone in 50 % of a_place; run: x").write(tmp_path / "cow.json")
-    arms = table(load(with_root("cow")).arms)
+    arms = arms_of(load(with_root("cow")).arms)
     made = {name: Table(name, "Caption.", (Column("a", "a"),), (Row({"a": "1"}),)) for name in ("embodied", "static", "scenes")}
     after = {name: tables.noted(one, [tmp_path / "cow.json"], arms) for name, one in made.items()}
     assert after["static"] == made["static"] and after["scenes"] == made["scenes"]
@@ -74,6 +74,6 @@ def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
 
 
 def test_only_a_released_arm_may_be_without_records():
-    cow = replace(table(load(with_root("cow")).arms)[0], name="cow_released", kind=Kind.EMBODIED)
+    cow = arms_of(load(with_root("cow")).arms)[0].model_copy(update={"name": "cow_released", "kind": Kind.EMBODIED})
     assert metrics._may_lack([cow]) == set()
     assert metrics._may_lack([replace(cow, released="cow")]) == {"cow_released"}

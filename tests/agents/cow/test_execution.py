@@ -16,15 +16,14 @@ from ovman.evaluation.scores import cut, judge
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recorded import any_instance
 from ovman.sim.session import Session
-from ovman.workflow.config import canonical
-from ovman.workflow.constants import StageConstants, task_constants
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG, with_overlay
 
 ROOT = Path(__file__).parents[3]
 DATA = ROOT / "data" / "ovman-embedded-v1"
 SCENE = "FloorPlan429"
-CONSTANTS = StageConstants(canonical(CONFIG, "executions", "cow"))
-TASK = task_constants(StageConstants(canonical(CONFIG, "runs", "cow")))
+CONSTANTS = StageSettings.parse(canonical(CONFIG, "executions", "cow"))
+TASK = CONFIG.success
 
 
 def read(path: Path) -> list[dict]:

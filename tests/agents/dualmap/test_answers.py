@@ -13,9 +13,10 @@ from ovman.agents.dualmap.answers import predict_maintained, predict_two_visits
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
 from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.reference.single_visit import UniformPick
-from ovman.evaluation.arms import Arm, Kind, Source
 from ovman.evaluation.context import Recorded
 from ovman.language import noun
+from ovman.models.settings import Kind, Source
+from ovman.models.settings.arms import ArmJob
 from ovman.task import Query, Relation
 
 CHAIR, LAMP = np.eye(4)[0], np.eye(4)[1]
@@ -56,7 +57,7 @@ def recorded(
 ) -> Recorded:
     """places: where each visit recorded a chair."""
     sightings = {which: [{"view": 0, "px": 900, "x": x, "z": z} for x, z in (places or {}).get(which, [])] for which in VISITS}
-    arm = Arm("dualmap", Kind.STATIC, "m:f", grounding=grounding)
+    arm = ArmJob(name="dualmap", kind=Kind.STATIC, agent="m:f", grounding=grounding)
     return Recorded(np.random.default_rng(0), run, CONSTANTS, np.zeros((2, 2)), VISITS, "Chair", arm, Seen(*runs), sightings)
 
 

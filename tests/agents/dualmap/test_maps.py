@@ -13,12 +13,12 @@ from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
 from ovman.agents.dualmap.shot import Seen, Shot
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
 
 CONFIG = load(Path(__file__).parents[3] / "config.yaml")
-CONSTANTS = StageConstants(canonical(CONFIG, "dualmap"))
+CONSTANTS = StageSettings.parse(canonical(CONFIG, "dualmap"))
 SCENE = "FloorPlan1"
 MOVED = [TEN[0].moved(1.0, 1.8), *TEN[1:]]
 FRAMES = {"untouched": walk(TEN, DENSE, 1, 3), "displaced": walk(MOVED, DENSE, 2, 3), "glimpsed": walk(TEN, TOUR, 3, 3)}

@@ -14,11 +14,11 @@ from ovman.language.vocabulary import all_nouns
 from ovman.perception.backprojection import Camera
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[3]
-CONSTANTS = StageConstants(canonical(load(ROOT / "config.yaml"), "walks"))
+CONSTANTS = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 RUNS, SLACK_M, SIDE_PX = 3, 0.05, 240
 
 

@@ -16,8 +16,8 @@ from ovman.perception.backprojection import Camera
 from ovman.sim.session import AgentPose
 from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[3]
 RUNS = 2
@@ -74,7 +74,7 @@ def job(monkeypatch, tmp_path):
     """A job of three visits on frames that are told; `job.walked` are those that were walked, `job.fail` names one that fails."""
     told = {"a": [frame(3, 0), frame(4)], "b": [frame(4, 0), frame(5)], "c": [frame(3, 0), frame(6, 1)]}
     state = SimpleNamespace(walked=[], fail=None, observer=Observer(), kept=tmp_path / "kept")
-    constants = StageConstants(canonical(load(ROOT / "config.yaml"), "walks"))
+    constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 
     def frames(session, of, constants):
         state.walked.append(of.recorded.name)

@@ -14,8 +14,8 @@ from ovman.report.paper_comparison.paper import PAPER as PAPER_FILE
 from ovman.report.paper_comparison.paper import Paper
 from ovman.report.paper_comparison.statement import Verdict, judged
 from ovman.report.paper_comparison.statements import STATEMENTS
-from ovman.workflow.config import canonical, load
-from ovman.workflow.constants import StageConstants
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, canonical
 from tests.report.findings.papers import Files, metrics_of, papers_files
 
 ROOT = Path(__file__).parents[3]
@@ -213,7 +213,7 @@ def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
 @pytest.mark.skipif(not (DOCS / "results.md").exists(), reason="no page has been released")
 def test_the_page_in_docs_is_that_of_the_released_metrics():
     released = Metrics.read(sorted((RELEASED / "metrics").glob("*.csv")))
-    owned = StageConstants(canonical(load(ROOT / "config.yaml"), "findings"))
+    owned = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "findings"))
     assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, PAPER, read(), TEXT, owned)
     assert all((DOCS / page.FIGURES / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
 

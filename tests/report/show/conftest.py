@@ -14,8 +14,8 @@ import pytest
 
 from ovman.analysis import metrics
 from ovman.evaluation import predictions
-from ovman.evaluation.arms import Kind, Need, of_kind
 from ovman.language import noun
+from ovman.models.settings import Kind, Need, Settings, of_kind
 from ovman.perception import maps
 from ovman.perception.detected import Detected, Masks
 from ovman.perception.records import write_detections, write_nouns
@@ -170,12 +170,12 @@ def _run(arm: str, seed: int, episode: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
-def settings() -> config.Config:
+def settings() -> Settings:
     return config.load(ROOT / "config.yaml")
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory, settings: config.Config) -> Path:
+def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     """The results directory; tests read it, and copy it to change it."""
     root = tmp_path_factory.mktemp("show") / "results"
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})

@@ -10,7 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from ovman.analysis import metrics
-from ovman.evaluation.arms import Arm, Kind
+from ovman.models.settings import Kind
+from ovman.models.settings.arms import ArmJob
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results
@@ -18,8 +19,8 @@ from tests.arms import REFERENCE
 from tests.report.show.conftest import SCENE
 from tests.report.show.html_reader import Page
 
-MAP = Arm("some_map", Kind.STATIC, "x:y", system="a map", memory="maintained map", runs=3)
-NAVIGATOR = Arm("navigator", Kind.EMBODIED, "x:y", system="a navigator", memory="second visit")
+MAP = ArmJob(name="some_map", kind=Kind.STATIC, agent="x:y", system="a map", memory="maintained map", runs=3)
+NAVIGATOR = ArmJob(name="navigator", kind=Kind.EMBODIED, agent="x:y", system="a navigator", memory="second visit")
 ARMS = (MAP, *REFERENCE, NAVIGATOR)
 NAME = f"{SCENE}/moved/0000"
 

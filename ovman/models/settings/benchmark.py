@@ -1,17 +1,12 @@
-"""The settings of config.yaml as typed sections: what each may be, in which unit."""
+"""The sections about the benchmark itself and the reference agent: scenes, tours, primitives, thresholds."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
-from ovman.models.settings.arms import ArmEntry, Arms
-from ovman.models.settings.baselines import Cow, Dualmap, Locobot, Released
-from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.values import Count, Listed, Metres, Probability, Section, Some, Whole
-
-__all__ = ["FLOOR_PLANS", "ArmEntry", "Config", "floor_plan"]
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 
@@ -163,44 +158,3 @@ class Evaluation(Section):
         if len(set(seeds)) < len(seeds):
             raise ValueError("a seed is there twice")
         return seeds
-
-
-class Config(Section):
-    """All settings."""
-
-    benchmark: Benchmark
-    camera: Camera
-    tour: Tour
-    primitives: Primitives
-    mover: Mover
-    candidates: Candidates
-    measurement: Measurement
-    admissibility: Admissibility
-    success: Success
-    perception: Perception
-    maps: Maps
-    grounding: Grounding
-    association: Association
-    single_visit: SingleVisit
-    evaluation: Evaluation
-    dualmap: Dualmap
-    released: Released
-    training: Training
-    locobot: Locobot
-    cow: Cow
-    arms: Arms
-
-    @model_validator(mode="before")
-    @classmethod
-    def _without_clones(cls, tree: Any) -> Any:
-        """Arms of released systems of which no clone is named are left out."""
-
-        def named(entry: Any) -> bool:
-            here = tree.get("released")
-            for key in (entry.get("released") if isinstance(entry, dict) else None, "root"):
-                here = here.get(key) if isinstance(here, dict) and isinstance(key, str) else None
-            return here != ""
-
-        if not isinstance(tree, dict) or not isinstance(tree.get("arms"), dict):
-            return tree
-        return {**tree, "arms": {name: entry for name, entry in tree["arms"].items() if named(entry)}}
