@@ -11,7 +11,7 @@ from typing import Any
 from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis.outcomes import Case, StaticOutcome, read_cases, static_outcomes
 from ovman.analysis.rates import ALL
-from ovman.analysis.rows import csv_of
+from ovman.analysis import frames
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
@@ -106,7 +106,7 @@ def run(
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
     prediction.write(output_dir / RELATION_INFERRED, relation_inferred)
     prediction.write(output_dir / INFERRED, both_inferred)
-    (output_dir / METRICS).write_text(csv_of(LanguageRate, rates), encoding="utf-8")
+    frames.write(output_dir / METRICS, LanguageRate, rates)
     right = sum(one.object_right and one.relation_right for one in asked)
     print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
 

@@ -12,7 +12,7 @@ from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodi
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
-from ovman.analysis.rows import csv_of
+from ovman.analysis import frames
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes

@@ -17,6 +17,7 @@ import yaml
 from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Settings
+from ovman.models.settings.comparisons import contradictions as contradicting
 from ovman.workflow.parameter import flat
 from ovman.workflow.stages import matching
 
@@ -74,7 +75,7 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     except ValidationError as error:
         raise ConfigError(_line(error, files)) from None
     values = flat(config)
-    if contradiction := contradictions(config.arms, values):
+    if contradiction := contradictions(config.arms, values) or next(contradicting(config.comparisons, config.arms), None):
         key, says = contradiction
         raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
     for verdict, bound, needed in _BOUNDS:
@@ -85,14 +86,17 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     return config
 
 
-def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, Any]:
-    """The tree with its arms in the order of the files: whoever merges files may begin with the last one's keys."""
-    arms = tree.get("arms")
-    if len(files) < 2 or not isinstance(arms, Mapping):
-        return tree
-    sections = [read.get("arms") for path in files if isinstance(read := _read(path), Mapping)]
-    names = dict.fromkeys(name for section in sections if isinstance(section, Mapping) for name in section)
-    return {**tree, "arms": {name: arms[name] for name in (*names, *arms) if name in arms}}
+def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Any:
+    """The tree with its keys in the order of the files: whoever merges files may begin with the last one's keys."""
+    return tree if len(files) < 2 else _ordered(tree, [_read(path) for path in files])
+
+
+def _ordered(value: Any, sources: Sequence[Any]) -> Any:
+    sources = [source for source in sources if isinstance(source, Mapping)]
+    if not isinstance(value, Mapping):
+        return value
+    names = dict.fromkeys(name for source in (*sources, value) for name in source)
+    return {name: _ordered(value[name], [source.get(name) for source in sources]) for name in names if name in value}
 
 
 class _Loader(yaml.SafeLoader):

@@ -14,6 +14,10 @@ _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "s
 _PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m")
 _METRICS = (
     "arms",
+    "comparisons.agent",
+    "comparisons.rungs",
+    "comparisons.pairs",
+    "comparisons.pairings",
     "benchmark.seed",
     "success.radius_m",
     "single_visit.samples",
@@ -103,8 +107,9 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "released_dualmap_predictions": _PREDICTING,
     "runs": ("success.*",),
     "metrics": _METRICS,
-    "static": _METRICS,
+    "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (
+        "comparisons.agent",
         "benchmark.seed",
         "grounding.*",
         "association.*",
@@ -115,7 +120,11 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "perception": ("perception.detector.minimum_mask_px",),
     "backprojection": ("camera.field_of_view_deg", "perception.detector.minimum_mask_px"),
     "figures": ("camera.*", "admissibility.minimum_mask_px"),
-    "findings": (
+    "paper_comparison": (
+        "arms",
+        "comparisons.agent",
+        "comparisons.rungs",
+        "paper.*",
         "benchmark.backend",
         "perception.detector.architecture",
         "perception.detector.weights",
@@ -125,6 +134,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
+        "comparisons.agent",
+        "comparisons.difficulty",
         "tour.*",
         "success.*",
         "candidates.delta_min_m",

@@ -24,6 +24,7 @@ from ovman.models.settings.benchmark import (
     Success,
     Tour,
 )
+from ovman.models.settings.comparisons import Comparisons, PaperRows
 from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.values import Section
 
@@ -52,6 +53,8 @@ class Settings(Section):
     locobot: Locobot
     cow: Cow
     arms: Arms
+    comparisons: Comparisons
+    paper: PaperRows
 
     @model_validator(mode="before")
     @classmethod
