@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ovman.analysis import frames
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import Localised, localised
-from ovman.analysis import frames
 from ovman.models.settings import Settings
 from ovman.perception.records import read_detections
 

@@ -1,4 +1,4 @@
-"""Rows of metrics, frozen dataclasses, as typed data frames and as csv files. The columns of a file are the fields of its rows."""
+"""Rows of metrics, frozen dataclasses, as typed data frames and as csv files; a column a field."""
 
 from __future__ import annotations
 
@@ -46,19 +46,26 @@ def read(path: Path, kind: type[RowType]) -> pd.DataFrame:
 
     Raises ValueError in one line that names the file, for a column that is missing and for a value of another type.
     """
+    try:
+        return typed(pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8"), kind)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def typed(text: pd.DataFrame, kind: type[RowType]) -> pd.DataFrame:
+    """The rows of a frame whose cells are all text. Raises ValueError as `read`."""
     wanted = dtypes(kind)
-    text = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
     if absent := [name for name in wanted if name not in text.columns]:
-        raise ValueError(f"{path}: no column {absent[0]}, there are {', '.join(text.columns)}; make the metrics again")
+        raise ValueError(f"no column {absent[0]}, there are {', '.join(text.columns)}; make the metrics again")
     columns = {}
     for name, dtype in wanted.items():
         column = text[name]
         if dtype != "str":
             numbers = pd.to_numeric(column.where(column != "", None), errors="coerce").astype("float64")
             if (wrong := column[(column != "") & ~np.isfinite(numbers)]).size:
-                raise ValueError(f"{path}: {name} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
+                raise ValueError(f"{name} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
             if dtype == "int64" and numbers.isna().any():
-                raise ValueError(f"{path}: {name} is empty in a row; make the metrics again")
+                raise ValueError(f"{name} is empty in a row; make the metrics again")
             column = numbers.astype(dtype)
         columns[name] = column
     return pd.DataFrame(columns)
@@ -84,7 +91,7 @@ def read_rows(path: Path, kind: type[RowType]) -> list[RowType]:
 
 
 def dtypes(kind: type) -> dict[str, str]:
-    """The type of a column for each field of a dataclass: float64; int64, or Int64 where a count may be None; str for all else."""
+    """The type of a column for each field of a dataclass: float64; int64, or Int64 where None is possible; else str."""
     hints = get_type_hints(kind)
     return {field.name: _dtype(_members(hints[field.name])) for field in fields(kind)}
 
@@ -110,5 +117,5 @@ def _tuples(frame: pd.DataFrame) -> Iterable[tuple[Any, ...]]:
 
 
 def _decimals(value: float) -> str:
-    # Adding zero drops the sign that rounding may leave on a zero.
-    return f"{round(value, 6) + 0.0:.6f}"
+    # Python rounds exactly, NumPy does not. Adding zero drops the sign that rounding may leave on a zero.
+    return f"{round(float(value), 6) + 0.0:.6f}"

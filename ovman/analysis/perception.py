@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman.analysis import frames
 from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.localisation import box_distance_m
-from ovman.analysis import frames
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns

@@ -1,7 +1,7 @@
 """The files of results/metrics, once: which stage makes each, which table shows it, and who else reads it.
 
-The rules of the workflow, the stages, the tables and the comparison with the paper derive their lists from `METRICS`. The Snakefile
-imports this module, so it imports nothing heavy.
+The rules of the workflow, the stages, the tables and the comparison with the paper derive their lists from `METRICS`. The
+Snakefile imports this module, so it imports nothing heavy.
 """
 
 from __future__ import annotations

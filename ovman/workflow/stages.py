@@ -127,7 +127,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "paper_comparison": (
         "arms",
         "comparisons.agent",
-        "comparisons.rungs",
         "paper.*",
         "benchmark.backend",
         "perception.detector.architecture",

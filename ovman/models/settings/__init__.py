@@ -13,4 +13,10 @@ __all__ = [
     "Need",
     "Pair",
     "PaperRows",
-    "Section", "Settings", "Source", "arms_of", "named", "of_kind"]
+    "Section",
+    "Settings",
+    "Source",
+    "arms_of",
+    "named",
+    "of_kind",
+]
