@@ -36,11 +36,11 @@ Tour = Callable[[str, np.ndarray], Visit]
 """A visit as an agent is given it: "first" or "second", and the positions (K, 2) in metres that can be reached in it."""
 
 
-def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int, reachable: np.ndarray) -> Visit:
+def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:
     """A recorded visit as an agent with handed positions is given it: which instances each view recorded, and where."""
     views: dict[int, list[Sighting]] = {}
     for seen in sightings:
-        if seen["px"] >= minimum_px:
+        if seen["px"] >= min_mask_px:
             views.setdefault(seen["view"], []).append(Sighting(handed(visit, seen["instance"]), category, seen["x"], seen["z"]))
     nowhere = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
     return Visit(tuple(Observation(None, None, nowhere, 0.0, True, tuple(views[v])) for v in sorted(views)), reachable)
@@ -66,8 +66,8 @@ def execution(
             return handed(visits["second"], instance)
 
         def tour(which: str, reachable: np.ndarray) -> Visit:
-            least_px = constants.admissibility.minimum_mask_px
-            return _tour(visits[which], measured["sightings"][which], assignment.category, least_px, reachable)
+            min_mask_px = constants.admissibility.min_mask_px
+            return _tour(visits[which], measured["sightings"][which], assignment.category, min_mask_px, reachable)
 
     else:
 

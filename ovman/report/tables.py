@@ -51,9 +51,9 @@ TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
     "dualmap": lambda rows, constants: dualmap_table(rows),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
-        rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px
+        rows, constants.perception.detector.confidence, constants.perception.detector.min_mask_px
     ),
-    "backprojection": lambda rows, constants: backprojection_table(rows, constants.perception.detector.minimum_mask_px),
+    "backprojection": lambda rows, constants: backprojection_table(rows, constants.perception.detector.min_mask_px),
 }
 
 

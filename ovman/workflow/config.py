@@ -24,7 +24,7 @@ __all__ = ["ConfigError", "file_with", "load"]
 
 # What is measured must serve the verdict in force: (verdict, bound, how the bound must compare).
 _BOUNDS = (
-    ("admissibility.minimum_mask_px", "measurement.mask_px", "at most"),
+    ("admissibility.min_mask_px", "measurement.min_mask_px", "at most"),
     ("success.visible_px", "measurement.visible_px", "at most"),
     ("admissibility.validity_radius_m", "measurement.answer_to_navigable_m", "at least"),
 )

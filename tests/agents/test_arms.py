@@ -121,7 +121,7 @@ def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_
     record = json.loads(canonical(config, "executions", "mine"))
     assert ArmJob.model_validate(record["arm"]).marks == (250,) and record["arm"]["budget"] == 500
     assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(record["constants"])
-    assert not {"tour.headings", "grounding.band"} & set(record["constants"])
+    assert not {"tour.headings", "grounding.similarity_margin"} & set(record["constants"])
 
 
 def test_the_table_is_read_without_anything_heavy():

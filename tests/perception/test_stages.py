@@ -61,7 +61,7 @@ def home(tmp_path, monkeypatch):
                 sha256="",
                 side_px=32,
                 confidence=0.25,
-                minimum_mask_px=PIXELS,
+                min_mask_px=PIXELS,
             ),
             encoder=SimpleNamespace(
                 model=str(tmp_path / "e.json"), weights=str(tmp_path / "e.safetensors"), sha256="", crop_padding=0.1

@@ -65,7 +65,7 @@ class Observer:
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
         objects = []
         for which, own, whole in zip(
-            *filtered(segments.masks, frame.rgb, self._constants.least_px * scale, self._masks), strict=True
+            *filtered(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._masks), strict=True
         ):
             clouds = self._clouds(frame, own, share, runs)
             if all(map(len, clouds)):

@@ -90,7 +90,7 @@ class DualmapObservation(Section):
 
     published_px: Some = Field(description="pixels of a frame that counts of pixels are stated for")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
-    least_px: Some = Field(description="pixels, smallest mask")
+    min_mask_px: Some = Field(description="pixels, smallest mask")
     same_iou: Fraction = Field(description="of two masks that are one")
     colour_bins: Annotated[Whole, Field(ge=1, le=256)] = Field(description="bins of a channel")
     same_colours: Fraction = Field(description="cosine of two masks' histograms above which they are one")
