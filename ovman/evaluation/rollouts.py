@@ -19,12 +19,12 @@ from ovman.evaluation.predictions import predict
 from ovman.evaluation.rollout import Terms, execute, handed
 from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.language import noun
+from ovman.models.record import read_records
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings

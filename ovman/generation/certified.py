@@ -14,9 +14,9 @@ from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.assignment import Assignment
 from ovman.evaluation.rollout import execute, handed
+from ovman.models.record import read_records
 from ovman.sim.session import Session
 from ovman.task import Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings

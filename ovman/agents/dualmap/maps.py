@@ -10,8 +10,8 @@ from typing import Any
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
+from ovman.models.record import read_records
 from ovman.models.settings import Settings
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 
 

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.task.record import read_records
+from ovman.models.record import read_records
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 from ovman_engine import COMMAND, executable

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ovman.models.record import Node
 from ovman.sim.recorded import MEASURED
-from ovman.task.record import Node
 from ovman_released.cow_controller import ARM, STOP
 from ovman_released.cow_episodes import Hidden
 
