@@ -281,6 +281,10 @@ def test_types_are_told_as_ids(engine):
     scene = engine("FloorPlan8")
     cabinets = {o["objectId"] for o in scene.agent["objects"] if o["objectType"] == "Cabinet"}
     assert set(scene.do("ObjectTypeToObjectIds", objectType="cabinet")["actionReturn"]) == cabinets
+    assert scene.do("ObjectTypeToObjectIds", objectType="Elephant")["actionReturn"] == []
+    refused = scene.do("ObjectTypeToObjectIds", objectType=None)
+    assert not refused["lastActionSuccess"] and refused["errorMessage"].startswith("NullReferenceException: Object reference")
+    assert scene.do("Pass")["lastActionSuccess"]
 
 
 def test_from_outside_nothing_is_found_and_nothing_hangs(engine):

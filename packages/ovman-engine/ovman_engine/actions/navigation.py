@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.actions.reach import reachable_positions
-from ovman_engine.actions.registry import Thrown, action, out_of_range
+from ovman_engine.actions.registry import Thrown, action, null_reference, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.body import Agent
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
@@ -199,7 +199,10 @@ def shortest_path_to_point(engine: Engine, x: float, y: float, z: float, allowed
 
 
 @action("ObjectTypeToObjectIds")
-def object_ids_of_type(engine: Engine, objectType: str) -> list[str]:
+def object_ids_of_type(engine: Engine, objectType: str | None) -> list[str]:
+    """The objectIds of all objects of one type; none if the scene has no object of it."""
+    if objectType is None:
+        raise null_reference()
     wanted = objectType.replace(" ", "").lower()
     return [b.object_id for b in engine.world.bodies.values() if not b.removed and b.obj.type.lower() == wanted]
 

@@ -63,6 +63,11 @@ def out_of_range(message: str) -> Thrown:
     )
 
 
+def null_reference() -> Thrown:
+    """.NET's NullReferenceException: what AI2-THOR answers when an action needs a text and is given null."""
+    return Thrown("NullReferenceException", "Object reference not set to an instance of an object")
+
+
 TABLE: dict[str, list[Action]] = {}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ovman_engine.actions.registry import action
+from ovman_engine.actions.registry import action, null_reference
 from ovman_engine.actions.values import FARTHEST
 from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman_engine.client.resolution import objection
@@ -55,7 +55,7 @@ def initialize(
     maxUpwardLookAngle: float = Settings.look_up_deg,
     maxDownwardLookAngle: float = Settings.look_down_deg,
     timeScale: float = 1.0,
-    agentMode: str = DEFAULT.mode,
+    agentMode: str | None = DEFAULT.mode,
     agentCount: int = 1,
     makeAgentsVisible: bool = Settings.agent_visible,
     applyActionNoise: bool = True,
@@ -68,6 +68,8 @@ def initialize(
     **rest: Any,
 ) -> dict[str, float]:
     """What is not positive leaves the planes, the visibility distance, the look angles and the noise at their defaults."""
+    if agentMode is None:
+        raise null_reference()
     embodiment = EMBODIMENTS.get(agentMode.lower())
     if embodiment is None:
         modes = " and ".join(f"'{mode}'" for mode in sorted({e.mode for e in EMBODIMENTS.values()}))

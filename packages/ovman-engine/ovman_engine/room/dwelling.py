@@ -44,7 +44,9 @@ class Dwelling(Room):
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
         outline = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-        solid = tuple(wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house))
+        taken = {o.object_id for o in plan.objects}
+        walls = [wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house)]
+        solid = tuple(replace(wall, name=_unique(wall.name, taken)) for wall in walls)
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
