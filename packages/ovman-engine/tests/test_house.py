@@ -301,7 +301,7 @@ def test_odd_houses_are_shown(home, change):
 def test_walls_of_one_name(home):
     """Physics needs a name for each wall of its own."""
     given = house()
-    given["walls"][1]["id"] = given["walls"][0]["id"]
+    given["walls"][3]["id"] = given["walls"][0]["id"]
     assert home.step("CreateHouse", house=given)
     place = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position={"x": 3.5, "y": 0.3, "z": 2.0})
     assert place, place.metadata["errorMessage"]
