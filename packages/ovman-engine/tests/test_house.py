@@ -303,7 +303,7 @@ def test_walls_of_one_name(home):
     given = house()
     given["walls"][3]["id"] = given["walls"][0]["id"]
     assert home.step("CreateHouse", house=given)
-    place = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position={"x": 3.5, "y": 0.3, "z": 2.0})
+    place = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position=point(1.5, 1.0, 0.3))
     assert place, place.metadata["errorMessage"]
 
 

@@ -1,6 +1,6 @@
 """The table of actions, and how an action says that it did not succeed.
 
-An action is a function `f(engine, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
+An action is a function `f(session, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
 arguments are read from it, and a `**rest` accepts anything besides. Several functions of one name are overloads.
 """
 

@@ -15,8 +15,8 @@ from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
 from ovman_engine.plan.house import House, Opening, Sheet, rectangles, side
 from ovman_engine.plan.houseplan import hole
-from ovman_engine.room.masonry import WALLS, Structure
-from ovman_engine.room.room import Room, Wall
+from ovman_engine.room.masonry import WALLS
+from ovman_engine.room.room import Room, Structure, Wall
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
 
@@ -50,7 +50,7 @@ class Dwelling(Room):
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
-        """(name, parts in the world frame, palette by slot) of walls and ceilings. Names are unique."""
+        """Walls and ceilings."""
         house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
         out: list[Structure] = []
         for sheet in house.walls:
