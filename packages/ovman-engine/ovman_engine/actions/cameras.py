@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.actions.registry import Thrown, action, out_of_range
-from ovman_engine.actions.values import FARTHEST, PartialVector3, Vector3
+from ovman_engine.actions.values import MAX_COMPONENT, PartialVector3, Vector3
 from ovman_engine.client.resolution import objection
 from ovman_engine.client.session import Session
 from ovman_engine.picture.map_view import MapView
 from ovman_engine.picture.third_party import ThirdPartyCamera, normal_angles
 from ovman_engine.world.world import Refused
 
-LARGEST_M = 1000.0
+MAX_ORTHOGRAPHIC_M = 1000.0
 """Largest half height of an orthographic picture."""
-MOST = 64
+MAX_CAMERAS = 64
 """Cameras that a scene may have: each one draws its pictures in every event."""
 NAMED = {
     "red": "ff0000",
@@ -60,8 +60,8 @@ def add_third_party_camera(
     farClippingPlane: float | None = None,
     antiAliasing: str = "none",
 ) -> None:
-    if len(session.cameras) >= MOST:
-        raise Refused(f"This engine has at most {MOST} third-party cameras.")
+    if len(session.cameras) >= MAX_CAMERAS:
+        raise Refused(f"This engine has at most {MAX_CAMERAS} third-party cameras.")
     if problem := objection(session.width, session.height, 2 + len(session.cameras)):
         raise Refused(problem)
     settings = session.settings
@@ -136,13 +136,13 @@ def _changed(
             "Otherwise, we use assume perspective camera setting."
             "Hint: call .step(..., orthographic=True).",
         )
-    if size is not None and not 0 < size <= LARGEST_M:
-        raise out_of_range(f"orthographicSize: {size:g} must be in (0, {LARGEST_M:g}].")
+    if size is not None and not 0 < size <= MAX_ORTHOGRAPHIC_M:
+        raise out_of_range(f"orthographicSize: {size:g} must be in (0, {MAX_ORTHOGRAPHIC_M:g}].")
     near = camera.near_m if near is None else near
     far = camera.far_m if far is None else far
-    if not 0 < near < far <= FARTHEST:
+    if not 0 < near < far <= MAX_COMPONENT:
         raise out_of_range(
-            f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far <= {FARTHEST:g}."
+            f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far <= {MAX_COMPONENT:g}."
         )
     x, y, z = position
     return replace(

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.actions.registry import Thrown, action
-from ovman_engine.actions.values import FARTHEST, Vector3
+from ovman_engine.actions.values import MAX_COMPONENT, Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.bodies.passage import heading
 from ovman_engine.client.session import Session
@@ -29,7 +29,7 @@ def _go(session: Session, towards_deg: float, length_m: float) -> None:
     along_x, along_z = heading((agent.yaw_deg + towards_deg) % 360.0)
     step = np.array([along_x, 0.0, along_z]) * length_m
     target = agent.position + step
-    if np.abs(target).max() > FARTHEST or not session.in_bounds(target):
+    if np.abs(target).max() > MAX_COMPONENT or not session.in_bounds(target):
         raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")
     blocker = world.blocker(agent.position[[0, 2]], target[[0, 2]])
     if blocker is not None:

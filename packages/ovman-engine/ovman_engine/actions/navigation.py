@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman_engine.actions.reach import reachable_positions
+from ovman_engine.actions.reachable import reachable_positions
 from ovman_engine.actions.registry import Thrown, action, null_reference, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.body import Agent
@@ -31,12 +31,12 @@ HORIZONS_DEG = (-30.0, 0.0, 30.0, 60.0)
 """Horizons that are tried unless an action says otherwise."""
 ERROR_M = 1e-4
 """How far beside the navigation mesh both ends of a way may be unless an action says otherwise."""
-FARTHEST_SNAP_M = 1.0
+MAX_SNAP_M = 1.0
 """How far beside the mesh a point may be however large an error is allowed."""
-FINEST_M = 0.05
+MIN_STEP_M = 0.05
 """Smallest moves by which a place that sees an object is looked for."""
-MANY = 2**31 - 1
-MOST_LOOKS = 20_000
+UNLIMITED = 2**31 - 1
+MAX_VIEWPOINTS = 20_000
 """Places of the camera that one action looks from: a client is waiting."""
 
 
@@ -74,7 +74,7 @@ def _floor(session: Session) -> Floor:
 
 def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
     """The point (2,) of the floor that is taken for `point` (3,). Refused if there is none near."""
-    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), FARTHEST_SNAP_M))
+    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), MAX_SNAP_M))
     if found is None:
         where = Vector3(float(point[0]), float(session.world.plan.floor_y), float(point[2]))
         raise Refused(f"No point on NavMesh near {where.text(3)}.")
@@ -102,7 +102,7 @@ def _path(session: Session, start: np.ndarray, target: np.ndarray, allowed_m: fl
 
 def _nearest_first(session: Session, start: np.ndarray) -> Iterator[np.ndarray]:
     """Positions (3,) that moves lead to from `start` (3,), by the number of moves that are needed."""
-    world, step = session.world, max(session.settings.grid_m, FINEST_M)
+    world, step = session.world, max(session.settings.grid_m, MIN_STEP_M)
     x_0, z_0, x_1, z_1 = world.room.rectangle
     here, low, high = start[[0, 2]], np.array([x_0, z_0]), np.array([x_1, z_1])
     found = reachable(world.obstacles()[0], here, low, high, step, np.eye(2))
@@ -123,7 +123,7 @@ def _seeing(session: Session, object_id: str, start: np.ndarray) -> np.ndarray:
     """The first position (3,) on the way from `start` at which an agent that looks at the object can reach it."""
     world, s, sight = session.world, session.settings, session.sight
     pivot = world.bodies[object_id].pose.position
-    for position in islice(_nearest_first(session, start), MOST_LOOKS):
+    for position in islice(_nearest_first(session, start), MAX_VIEWPOINTS):
         agent = replace(world.agent, position=position)
         ways = reaching(sight, object_id, agent, s.visibility_m)
         if len(ways) and in_picture(ways, _facing(agent, pivot), s.field_of_view_deg, session.width / session.height).any():
@@ -255,8 +255,8 @@ def _poses(
         rotations = [float(offset + k * step) for k in range(round(360.0 / step))]
     if not (horizons and rotations and standings) or positions == []:
         raise Thrown("InvalidOperationException", "Every degree of freedom must have at least 1 valid value.")
-    if len(places) * len(standings) > MOST_LOOKS:
-        raise Refused(f"GetInteractablePoses looks from at most {MOST_LOOKS} places, not {len(places) * len(standings)}.")
+    if len(places) * len(standings) > MAX_VIEWPOINTS:
+        raise Refused(f"GetInteractablePoses looks from at most {MAX_VIEWPOINTS} places, not {len(places) * len(standings)}.")
     found = poses(
         session.sight,
         object_id,
@@ -281,7 +281,7 @@ def interactable_poses(
     horizons: list[float] | None = None,
     standings: list[bool] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
     stances: list[bool | None] = [False, True] if standings is None else list(standings)
     return _poses(session, objectId, positions, rotations, horizons, stances, maxDistance, maxPoses)
@@ -295,6 +295,6 @@ def interactable_poses_of_a_locobot(
     rotations: list[float] | None = None,
     horizons: list[float] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
     return _poses(session, objectId, positions, rotations, horizons, [None], maxDistance, maxPoses)

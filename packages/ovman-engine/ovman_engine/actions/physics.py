@@ -6,8 +6,8 @@ from ovman_engine.actions.registry import action
 from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
-LONGEST_STEP_S = 0.05
-LONGEST_S = 60.0
+MAX_STEP_S = 0.05
+MAX_S = 60.0
 """Simulated time that one action may take: a client is waiting."""
 
 
@@ -39,11 +39,11 @@ def advance(session: Session, timeStep: float = 0.02, simSeconds: float | None =
             " allowAutoSimulation=true! Either use the PausePhysicsAutoSim() action first, or if you already used it, Physics"
             " AutoSimulation has been turned back on already."
         )
-    if not 0 < timeStep <= LONGEST_STEP_S:
+    if not 0 < timeStep <= MAX_STEP_S:
         raise Refused("Please use a timeStep between 0.0f and 0.05f. Larger timeSteps produce inconsistent simulation results.")
     seconds = timeStep if simSeconds is None else simSeconds
     if seconds < 0:
         raise Refused(f"simSeconds must be non-negative (simSeconds=={seconds:g}).")
-    if seconds > LONGEST_S:
-        raise Refused(f"simSeconds must be at most {LONGEST_S:g} (simSeconds=={seconds:g}).")
+    if seconds > MAX_S:
+        raise Refused(f"simSeconds must be at most {MAX_S:g} (simSeconds=={seconds:g}).")
     session.world.advance(seconds)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ovman_engine.actions.registry import action, null_reference
-from ovman_engine.actions.values import FARTHEST
+from ovman_engine.actions.values import MAX_COMPONENT
 from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman_engine.client.resolution import objection
 from ovman_engine.client.session import PROCEDURAL, SCENE_SUFFIX, Session
@@ -16,7 +16,7 @@ from ovman_engine.world.world import Refused
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_GRID_M = 5.0
+MAX_GRID_M = 5.0
 NEAR_CORNER = 1e-3
 """Part of the grid's spacing within which an agent is on the grid: single precision, which recorded starts have gone through."""
 
@@ -93,11 +93,11 @@ def initialize(
     for name, angle in (("maxDownwardLookAngle", maxDownwardLookAngle), ("maxUpwardLookAngle", maxUpwardLookAngle)):
         if angle < 0:
             raise Refused(f"{name} must be a non-negative float")
-    if not 0 < gridSize <= LARGEST_GRID_M:
+    if not 0 < gridSize <= MAX_GRID_M:
         raise Refused("grid size must be in the range (0,5]")
     near = cameraNearPlane if cameraNearPlane > 0 else Settings.near_m
     far = cameraFarPlane if cameraFarPlane > 0 else Settings.far_m
-    if not near < far <= FARTHEST:
+    if not near < far <= MAX_COMPONENT:
         raise Refused(f"The camera's planes must satisfy 0 < near < far. You gave {cameraNearPlane:g} and {cameraFarPlane:g}.")
     noise = embodiment.noise if applyActionNoise else None
     if noise is not None:

@@ -9,7 +9,7 @@ from ovman_engine.actions.values import Vector3
 from ovman_engine.client.session import Session
 from ovman_engine.world.world import Body, Refused
 
-MOST_COPIES = 100
+MAX_COPIES = 100
 """Objects of one type that a scene may be given."""
 
 
@@ -54,7 +54,7 @@ def initial_random_spawn(
 ) -> None:
     """Contract, section 4. Objects that find no place stay where they are."""
     from ovman_engine.shapes import FORMS, LOOSE
-    from ovman_engine.world.spawn import SETTLED_S, Wishes, spawn
+    from ovman_engine.world.spawn import SETTLED_S, SpawnOptions, spawn
 
     if numPlacementAttempts <= 0:
         raise Refused("numPlacementAttempts must be a positive integer.")
@@ -65,7 +65,7 @@ def initial_random_spawn(
     for names in (excludedObjectIds, objectIds, receptacleObjectIds):
         for name in names or ():
             _found(session, name)
-    wishes = Wishes(
+    wishes = SpawnOptions(
         seed=randomSeed,
         only_outside=forceVisible,
         stationary=placeStationary,
@@ -89,6 +89,6 @@ def _count(wish: Any, types: set[str]) -> tuple[str, int]:
     kind, count = wish["objectType"], wish["count"]
     if kind not in types:
         raise Thrown("ArgumentException", f"Requested value '{kind}' was not found.")
-    if not 0 <= count <= MOST_COPIES:
-        raise Refused(f"count must be within 0 and {MOST_COPIES}, not {count}.")
+    if not 0 <= count <= MAX_COPIES:
+        raise Refused(f"count must be within 0 and {MAX_COPIES}, not {count}.")
     return kind, count

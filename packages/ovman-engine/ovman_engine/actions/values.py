@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
-FARTHEST = 1e6
+MAX_COMPONENT = 1e6
 """Largest component of a vector, metres or degrees: beyond it, sums of lengths lose the millimetres that worlds are made of."""
 
 
@@ -144,8 +144,8 @@ def _vector(value: Any) -> Vector3:
         vector = Vector3(**{axis: _number(value[axis]) for axis in "xyz" if axis in value})
     except Inconvertible as error:
         raise Malformed(f"Could not convert to a component of a Vector3: {error}.") from None
-    if max(abs(vector.x), abs(vector.y), abs(vector.z)) > FARTHEST:
-        raise Malformed(f"A component of {shown(value)} is beyond {FARTHEST:g}.")
+    if max(abs(vector.x), abs(vector.y), abs(vector.z)) > MAX_COMPONENT:
+        raise Malformed(f"A component of {shown(value)} is beyond {MAX_COMPONENT:g}.")
     return vector
 
 

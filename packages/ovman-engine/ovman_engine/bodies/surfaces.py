@@ -13,7 +13,7 @@ import numpy as np
 
 from ovman_engine.bodies.body import Body
 from ovman_engine.bodies.forms import extent
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 
 FINEST_M, COARSEST_M, CELLS = 0.025, 0.1, 1500
 """Least and largest spacing of a grid; in between, so that a receptacle has about so many cells."""
@@ -55,7 +55,7 @@ TIERED = frozenset(["CoffeeTable", "Floor", "Shelf", "ShelvingUnit", "SideTable"
 """Types with several faces that hold things; of all others it is the highest."""
 HUTCHED = frozenset(["Desk"])
 """Types that may have shelves over their tops: what is in their upper half holds things."""
-LEAST_M = (0.02, 0.05)
+MIN_M = (0.02, 0.05)
 """Half width of, and height above, what a face must have room for to count at all."""
 
 
@@ -96,11 +96,11 @@ class Pieces:
     high: np.ndarray
 
     @staticmethod
-    def of(setting: Setting, bodies: Iterable[Body]) -> Pieces:
+    def of(static: StaticScene, bodies: Iterable[Body]) -> Pieces:
         """Of bodies where they are now; what has no pieces has none here."""
         centres, halves, rotations = [], [], []
         for body in bodies:
-            made = setting.pieces[body.obj.object_id]
+            made = static.pieces[body.obj.object_id]
             box = body.box
             for piece in made:
                 centre, half, rotation = extent(piece)
@@ -144,7 +144,7 @@ class Pieces:
 
 def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Level, ...]:
     """Those of the `levels` of `receptacle` that hold what is put on a thing of its type, highest first."""
-    half, height = LEAST_M
+    half, height = MIN_M
     kind, found = receptacle.obj.type, levels(world, receptacle, ignoring)
     if kind in VESSELS:
         low, high = (float(corner[1]) for corner in receptacle.box.bounds())
@@ -160,10 +160,10 @@ def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Le
 
 def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Level, ...]:
     """Surfaces of `receptacle` in `world`, highest first, with the room that everything leaves but the bodies `ignoring`."""
-    setting = Setting.of(world.plan)
+    static = StaticScene.of(world.plan)
     floor = receptacle.obj.type == "Floor"
     others = Pieces.of(
-        setting,
+        static,
         (b for b in world.bodies.values() if b.present and b is not receptacle and b.object_id not in ignoring
          and b.obj.type != "Floor"),
     )  # fmt: skip
@@ -174,7 +174,7 @@ def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Lev
         found = [(world.plan.floor_y, np.zeros(0, dtype=int))]
         own = others.take(np.zeros(0, dtype=int))
     else:
-        own = Pieces.of(setting, [receptacle])
+        own = Pieces.of(static, [receptacle])
         if not len(own):
             return ()
         low, high = own.low[:, [0, 2]].min(axis=0), own.high[:, [0, 2]].max(axis=0)

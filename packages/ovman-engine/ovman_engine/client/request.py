@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-LONGEST_SEQUENCE_ID = 1000
+MAX_SEQUENCE_ID = 1000
 """Characters of a sequence number that is a text."""
 
 
@@ -38,5 +38,5 @@ def sequence_id(request: Mapping[str, Any]) -> int | float | str | None:
     if isinstance(value, int):
         return value if -(2**63) <= value < 2**64 else 0
     if isinstance(value, str):
-        return value[:LONGEST_SEQUENCE_ID]
+        return value[:MAX_SEQUENCE_ID]
     return value if isinstance(value, float) or value is None else 0

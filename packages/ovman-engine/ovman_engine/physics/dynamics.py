@@ -11,7 +11,7 @@ import numpy as np
 from ovman_engine.bodies.body import Agent, Body, Pose
 from ovman_engine.bodies.carrying import RESTS_M
 from ovman_engine.bodies.forms import AGENT, BOUNDS, feet, transferred, within
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.waking import OVERLAP_M, lift, supported
 from ovman_engine.plan.floorplan import Box
 
@@ -32,8 +32,8 @@ Load = Callable[[str], Collection[str]]
 class Dynamics:
     """The awake bodies of a world. Compiles nothing before something is asked of it."""
 
-    def __init__(self, setting: Setting, bodies: Mapping[str, Body], agent: Agent) -> None:
-        self._setting, self._bodies, self._agent = setting, bodies, agent
+    def __init__(self, static: StaticScene, bodies: Mapping[str, Body], agent: Agent) -> None:
+        self._static, self._bodies, self._agent = static, bodies, agent
         self.awake: set[str] = set()
         self._fresh: set[str] = set()
         self._strangers: set[tuple[str, str]] = set()
@@ -55,11 +55,11 @@ class Dynamics:
     def surfaces(self, body: Body) -> list[Box]:
         """Boxes around the pieces of a body, and of its parts, where they are now."""
         pieces = self._pieces.get(body.object_id)
-        return within(body.box, self._setting.pieces[body.obj.object_id] if pieces is None else pieces)
+        return within(body.box, self._static.pieces[body.obj.object_id] if pieces is None else pieces)
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
-        made = self._setting.pieces
+        made = self._static.pieces
         out = {}
         for name, body in self._bodies.items():
             if body.carrier is None and body.obj.type != "Floor":
@@ -76,7 +76,7 @@ class Dynamics:
         self.__dict__.pop("_pieces", None)
         self._model = None
         self._held &= self._bodies.keys()
-        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._setting.room.solids)}
+        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._static.room.solids)}
         self._strangers = {pair for pair in self._strangers if known.issuperset(pair)}
 
     def speed(self, name: str) -> float:
@@ -102,8 +102,8 @@ class Dynamics:
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        low, high = self._setting.bounds
-        low = np.array([low[0], self._setting.plan.floor_y, low[2]])
+        low, high = self._static.bounds
+        low = np.array([low[0], self._static.plan.floor_y, low[2]])
         return low - [MARGIN_M, 0.0, MARGIN_M], high + MARGIN_M
 
     def make_room(self) -> None:
@@ -230,7 +230,7 @@ class Dynamics:
             return False
         keepers = [self._bodies.get(name) for name in body.obj.parents if not name.startswith("Floor|")]
         if not keepers:
-            return body.obj.box.bounds()[0][1] > self._setting.plan.floor_y + RESTS_M
+            return body.obj.box.bounds()[0][1] > self._static.plan.floor_y + RESTS_M
         return all(k is not None and k.present and k.stays for k in keepers)
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
@@ -246,9 +246,9 @@ class Dynamics:
                 for name, pieces in self._pieces.items()
             ]
             boxes = {name: self._bodies[name].box for name in self._pieces}
-            walls = {w.name: w.box for w in self._setting.room.solids}
+            walls = {w.name: w.box for w in self._static.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
-            floor_y = self._setting.plan.floor_y
+            floor_y = self._static.plan.floor_y
             self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
             self._written, self._embodiment = {}, embodiment
         model = self._model

@@ -25,7 +25,7 @@ STILL_M, STILL_RAD, SLEEP_S = 0.002, 0.02, 0.2
 CAP_M_S, CAP_RAD_S = 4.0, 20.0
 DRAG_1_S = 0.05
 """Share of its speed that a body loses to the air in a second."""
-LEAST_KG = 0.01
+MIN_MASS_KG = 0.01
 
 _ABSENT_GROUP = 4
 
@@ -56,7 +56,7 @@ class Model:
         model = self.model
         for solid in solids:
             i = self._ids[solid.name]
-            scale = max(solid.mass, LEAST_KG) / max(model.body_mass[i], 1e-9)
+            scale = max(solid.mass, MIN_MASS_KG) / max(model.body_mass[i], 1e-9)
             model.body_mass[i] *= scale
             if solid.name not in self._loose:
                 continue

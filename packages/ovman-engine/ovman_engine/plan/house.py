@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman_engine.plan.assets import Asset
 
-LEAST_SIDE_M = 1e-3
+MIN_SIDE_M = 1e-3
 STEP_M = 0.1
 """Width of the steps that stand for a slanting side of a floor."""
 BESIDE_M = 0.05
@@ -20,7 +20,7 @@ BESIDE_M = 0.05
 
 
 @dataclass(frozen=True)
-class Storey:
+class HouseRoom:
     """A room. `polygon` (N, 2): its floor, in either sense."""
 
     name: str
@@ -39,7 +39,7 @@ class Storey:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class WallSide:
     """A side of a wall: it runs from `start` to `end` (2,), from height `bottom` to `top`."""
 
     name: str
@@ -103,8 +103,8 @@ class House:
     """All of a house. `agent`: position (3,), yaw and horizon in degrees, standing, where the house says so."""
 
     name: str
-    rooms: tuple[Storey, ...]
-    walls: tuple[Sheet, ...]
+    rooms: tuple[HouseRoom, ...]
+    walls: tuple[WallSide, ...]
     openings: tuple[Opening, ...]
     objects: tuple[Furnishing, ...]
     agent: tuple[np.ndarray, float, float, bool] | None
@@ -115,7 +115,7 @@ class House:
         return max((w.top for w in self.walls), default=3.0)
 
 
-def side(sheet: Sheet, house: House) -> float:
+def side(sheet: WallSide, house: House) -> float:
     """1 if the sheet is seen from the left of its line, else -1: a room's from the room, an outer one from outside."""
     middle = (sheet.start + sheet.end) / 2
     left = middle + np.array([-sheet.along[1], sheet.along[0]]) * BESIDE_M
@@ -127,17 +127,17 @@ def side(sheet: Sheet, house: House) -> float:
     )
 
 
-def rectangles(room: Storey) -> list[tuple[float, float, float, float]]:
+def rectangles(room: HouseRoom) -> list[tuple[float, float, float, float]]:
     """The room's floor as rectangles (x from, x to, z from, z to), each with an area; slanting sides become steps.
 
-    A part of the polygon that another part covers again is outside (even-odd rule), as in `Storey.contains`.
+    A part of the polygon that another part covers again is outside (even-odd rule), as in `HouseRoom.contains`.
     """
     xs = np.unique(np.round(room.polygon[:, 0], 4))
     if not _straight(room):
         xs = np.unique(np.concatenate([xs, np.arange(xs[0], xs[-1], 0.1)]))
     out = []
     for a, b in zip(xs[:-1], xs[1:], strict=True):
-        if b - a <= LEAST_SIDE_M:
+        if b - a <= MIN_SIDE_M:
             continue
         ends = _crossings(room.polygon, (a + b) / 2)
         spans = zip(ends[::2], ends[1::2], strict=False)
@@ -145,9 +145,9 @@ def rectangles(room: Storey) -> list[tuple[float, float, float, float]]:
     return out
 
 
-def _straight(room: Storey) -> bool:
+def _straight(room: HouseRoom) -> bool:
     edges = np.roll(room.polygon, -1, axis=0) - room.polygon
-    return bool((np.abs(edges).min(axis=1) < LEAST_SIDE_M).all())
+    return bool((np.abs(edges).min(axis=1) < MIN_SIDE_M).all())
 
 
 def _crossings(polygon: np.ndarray, x: float) -> list[float]:
@@ -162,4 +162,4 @@ def _crossings(polygon: np.ndarray, x: float) -> list[float]:
 def empty(half_m: float = 5.0) -> House:
     """A floor without walls: the scene that a house is put into."""
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float) * half_m
-    return House("Procedural", (Storey("Floor|+00.00|+00.00|+00.00", "", square, ""),), (), (), (), None)
+    return House("Procedural", (HouseRoom("Floor|+00.00|+00.00|+00.00", "", square, ""),), (), (), (), None)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject, euler_degrees, rotation_matrix
-from ovman_engine.plan.house import Furnishing, House, Opening, Sheet, Storey, side
+from ovman_engine.plan.house import Furnishing, House, HouseRoom, Opening, WallSide, side
 from ovman_engine.plan.vector import vector
 
 FLOOR_M = 0.1
@@ -46,7 +46,7 @@ def plan_of(house: House) -> FloorPlan:
     return FloorPlan(house.name, "house", tuple(objects), _start(house, objects), 0.0, house)
 
 
-def hole(opening: Opening, wall: Sheet) -> tuple[np.ndarray, np.ndarray]:
+def hole(opening: Opening, wall: WallSide) -> tuple[np.ndarray, np.ndarray]:
     """Opposite corners (3,) of an opening in its first wall, in the world."""
     ends = (wall.start + wall.along * at for at in (opening.low[0], opening.high[0]))
     low, high = ((x, wall.bottom + y, z) for (x, z), y in zip(ends, (opening.low[1], opening.high[1]), strict=True))
@@ -93,14 +93,14 @@ def _object(name: str, kind: str, asset_id: str, box: Box, properties: frozenset
     )  # fmt: skip
 
 
-def _floor(room: Storey) -> SimObject:
+def _floor(room: HouseRoom) -> SimObject:
     low, high = room.polygon.min(axis=0), room.polygon.max(axis=0)
     centre, half = (low + high) / 2, (high - low) / 2
     box = Box(np.array([centre[0], -FLOOR_M / 2, centre[1]]), np.array([half[0], FLOOR_M / 2, half[1]]), np.eye(3))
     return _object(room.name, "Floor", room.floor_material, box, frozenset(["Receptacle"]))
 
 
-def _opening(opening: Opening, wall: Sheet, house: House) -> SimObject:
+def _opening(opening: Opening, wall: WallSide, house: House) -> SimObject:
     """It faces the room of its first wall."""
     low, high = hole(opening, wall)
     x, z = wall.along * side(wall, house)

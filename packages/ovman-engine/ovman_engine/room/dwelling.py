@@ -13,7 +13,7 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.plan.house import House, Opening, Sheet, rectangles, side
+from ovman_engine.plan.house import House, Opening, WallSide, rectangles, side
 from ovman_engine.plan.houseplan import hole
 from ovman_engine.room.masonry import WALLS
 from ovman_engine.room.room import Room, Structure, Wall
@@ -27,7 +27,7 @@ SOLID_M = 0.05
 CEILING_M = 0.05
 ON_M = 0.05
 """What is this close to a sheet's line is in that wall."""
-LEAST_M = 1e-3
+MIN_M = 1e-3
 
 Span = tuple[float, float, float, float]
 """(low, high, bottom, top): along a sheet from its start, and heights, metres"""
@@ -66,7 +66,7 @@ class Dwelling(Room):
         return tuple(out)
 
 
-def _holes(sheet: Sheet, house: House) -> list[tuple[Opening, Span]]:
+def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
     """Openings that lie in a sheet, whichever side of the wall it is."""
     walls = {w.name: w for w in house.walls}
     out = []
@@ -75,29 +75,29 @@ def _holes(sheet: Sheet, house: House) -> list[tuple[Opening, Span]]:
         ends = np.array([low, high])[:, [0, 2]] - sheet.start
         off = np.abs(ends @ [-sheet.along[1], sheet.along[0]])
         first, last = np.sort(ends @ sheet.along)
-        if off.max() < ON_M and last > LEAST_M and first < sheet.length - LEAST_M:
+        if off.max() < ON_M and last > MIN_M and first < sheet.length - MIN_M:
             out.append((opening, (float(first), float(last), float(low[1]), float(high[1]))))
     return out
 
 
-def _without(sheet: Sheet, holes: Sequence[Span]) -> list[Span]:
+def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
     """What is left of a sheet: upright strips between the sides of the holes, each cut at the holes that it meets."""
     edges = sorted({0.0, sheet.length, *(float(np.clip(e, 0.0, sheet.length)) for h in holes for e in h[:2])})
     out = []
     for low, high in zip(edges[:-1], edges[1:], strict=True):
-        if high - low < LEAST_M:
+        if high - low < MIN_M:
             continue
         height = sheet.bottom
         for _, _, sill, lintel in sorted((h for h in holes if h[0] < high - 1e-6 and h[1] > low + 1e-6), key=lambda h: h[2]):
-            if sill - height > LEAST_M:
+            if sill - height > MIN_M:
                 out.append((low, high, height, min(sill, sheet.top)))
             height = max(height, lintel)
-        if sheet.top - height > LEAST_M:
+        if sheet.top - height > MIN_M:
             out.append((low, high, height, sheet.top))
     return out
 
 
-def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
+def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
     """Part of a sheet, `middle` metres to the left of its line (which sees +z on its left when it runs along +x)."""
     low, high, bottom, top = piece
     x, z = sheet.along
@@ -108,13 +108,13 @@ def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
     return Box(np.array([centre[0], (bottom + top) / 2, centre[1]]), half, turn)
 
 
-def _solids(sheet: Sheet, house: House) -> list[Wall]:
+def _solids(sheet: WallSide, house: House) -> list[Wall]:
     """What bodies bump into: the sheet without its open doors. The names of its pieces differ."""
     pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
     return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
 
 
-def _drawn(sheet: Sheet, house: House) -> tuple[Part, ...]:
+def _drawn(sheet: WallSide, house: House) -> tuple[Part, ...]:
     boxes = [
         _box(sheet, piece, side(sheet, house) * SHEET_M / 2, SHEET_M)
         for piece in _without(sheet, [at for _, at in _holes(sheet, house)])
@@ -129,7 +129,7 @@ def _unique(name: str, taken: set[str]) -> str:
     return name
 
 
-def _paint(plan: FloorPlan, sheet: Sheet) -> Mapping[str, Material]:
+def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
     """Sheets of one material are alike in a house."""
     style = Style(f"{plan.name}|{sheet.paint}|{sheet.colour}")
     made = finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03)(style)

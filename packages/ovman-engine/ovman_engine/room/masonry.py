@@ -15,7 +15,7 @@ from ovman_engine.shapes.part import Part
 from ovman_engine.shapes.style import Style
 
 THICK_M = 0.1
-THINNEST_M = 0.02
+MIN_THICKNESS_M = 0.02
 """A block that stands out less than this is not drawn: what hangs there hangs on the wall behind."""
 SKIRTING_M, SKIRTING_DEPTH_M = 0.09, 0.015
 SUNK_M, PROUD_M = 0.4, 0.1
@@ -97,7 +97,7 @@ def _faces(room: Room) -> list[Face]:
         low = max(block.low, room.outline[1 - block.axis])
         high = min(block.high, room.outline[3 - block.axis])
         key = (block.axis, block.outwards, round(block.plane, 2), round(low, 2), round(high, 2))
-        if depth < THINNEST_M or high - low < THINNEST_M or key in drawn:
+        if depth < MIN_THICKNESS_M or high - low < MIN_THICKNESS_M or key in drawn:
             continue
         drawn.add(key)
         thick = min(THICK_M, depth)
@@ -108,7 +108,7 @@ def _faces(room: Room) -> list[Face]:
         ends = sorted((block.plane + block.outwards * thick, block.plane + block.outwards * depth))
         width = min(THICK_M, (high - low) / 2)
         for outwards, at in ((1, low), (-1, high)):
-            if ends[1] - ends[0] > THINNEST_M and room.outline[1 - block.axis] < at < room.outline[3 - block.axis]:
+            if ends[1] - ends[0] > MIN_THICKNESS_M and room.outline[1 - block.axis] < at < room.outline[3 - block.axis]:
                 faces.append(Face(1 - block.axis, outwards, at, ends[0], ends[1], width))
     return faces
 

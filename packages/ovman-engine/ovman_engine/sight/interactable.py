@@ -18,7 +18,7 @@ from ovman_engine.sight.visibility import COLLIDER, Sight, axes, directions, in_
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 ROUNDING_M = 1e-6
 FEW = 32
-"""Looks of each place that are tried for a view before all are."""
+"""SightRays of each place that are tried for a view before all are."""
 CONE_MARGIN = 1e-3
 """Directions this far outside the cone around an object, as a cosine, are looked along too: rounding."""
 HEMISPHERE = 0.1

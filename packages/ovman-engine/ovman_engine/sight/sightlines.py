@@ -84,7 +84,7 @@ def _spread(mesh: SceneMesh) -> np.ndarray:
 
 
 class Sightlines:
-    """Looks through a world as it is at one moment."""
+    """SightRays through a world as it is at one moment."""
 
     def __init__(self, world) -> None:
         plan_meshes = scene_mesh.of_plan(world.plan, world.room)
@@ -138,7 +138,7 @@ class Sightlines:
 
     def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The instance that each look (K, 3), along unit vectors `ways` (K, 3), meets first: (K,) int, NOTHING for the void; and
-        how far away, (K,) metres. Looks pass the instances that are `passed` (N,) bool."""
+        how far away, (K,) metres. SightRays pass the instances that are `passed` (N,) bool."""
         origins, ways = np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(ways, np.float32)
         triangle, distance = self._caster.closest(origins, ways)[:2]
         owner = self._owner[triangle]

@@ -31,7 +31,7 @@ ROUNDING_M, ROUNDING = 1e-3, 1e-5
 POSES_KEPT = 64
 """Ways that a camera looks for which its directions are remembered."""
 NEAR_M = 0.1
-"""Looks begin this far from the camera, as pictures do."""
+"""SightRays begin this far from the camera, as pictures do."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def toward(points: np.ndarray, camera: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Looks:
+class SightRays:
     """K looks from one camera."""
 
     ways: np.ndarray
@@ -207,7 +207,7 @@ class Sight:
         low, high = _tall(axis, distance_m, scheme)
         return self.lines.distance(instance, float(camera[0]), float(camera[2]), low, high) <= distance_m
 
-    def look(self, position: np.ndarray, ways: np.ndarray) -> Looks:
+    def look(self, position: np.ndarray, ways: np.ndarray) -> SightRays:
         """What looks from a camera at `position` (3,) along unit vectors (K, 3) meet."""
         ways = np.ascontiguousarray(ways, dtype=np.float32)
         origins = position.astype(np.float32) + np.float32(NEAR_M) * ways
@@ -218,4 +218,4 @@ class Sight:
             start = origins[glass] + ways[glass] * distance[glass][:, None]
             behind[glass], beyond = self.lines.first(start, ways[glass], self._transparent)
             further[glass] += beyond
-        return Looks(ways, first, behind, np.stack([distance, further]) + np.float32(NEAR_M))
+        return SightRays(ways, first, behind, np.stack([distance, further]) + np.float32(NEAR_M))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ovman_engine.bodies.body import Body, Pose
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.bodies.surfaces import Level, Pieces, holding
 from ovman_engine.plan.floorplan import rotation_matrix
 from ovman_engine.world.placement import RECEPTACLES
@@ -95,7 +95,7 @@ def seen(world: World, view, targets: np.ndarray) -> np.ndarray:
     reach = away[:, 2] * np.tan(np.radians(view.fov_deg) / 2)
     inside = (away[:, 2] > 0) & (np.abs(away[:, 1]) <= reach) & (np.abs(away[:, 0]) <= reach * view.width / view.height)
     bodies = (b for b in world.bodies.values() if b.present and b.obj.type != "Floor")
-    boxes = Pieces.of(Setting.of(world.plan), bodies)
+    boxes = Pieces.of(StaticScene.of(world.plan), bodies)
     start = np.einsum("nij,ni->nj", boxes.rotation, view.position - boxes.centre)
     for k in np.flatnonzero(inside):
         along = np.einsum("nij,ni->nj", boxes.rotation, targets[k] - boxes.centre) - start
@@ -107,7 +107,7 @@ def seen(world: World, view, targets: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Wishes:
+class SpawnOptions:
     """What a random arrangement is to be like. Ids and types as AI2-THOR's action takes them; None: all."""
 
     seed: int = 0
@@ -124,7 +124,7 @@ class Wishes:
     """Whether things that can be pushed but not picked up are put elsewhere, too"""
 
 
-def spawn(world: World, wishes: Wishes) -> int:
+def spawn(world: World, wishes: SpawnOptions) -> int:
     """Put every object that is asked for on a random receptacle for its type, and return how many found a place. The others stay
     where they are; copies that find none are not made. A function of the world and the wishes."""
     rng = np.random.default_rng([wishes.seed & 0xFFFFFFFF, wishes.seed < 0])
@@ -143,7 +143,7 @@ def spawn(world: World, wishes: Wishes) -> int:
     return len(poses)
 
 
-def _asked(body: Body, wishes: Wishes) -> bool:
+def _asked(body: Body, wishes: SpawnOptions) -> bool:
     movable = body.obj.pickupable or (wishes.moveable and body.obj.moveable)
     wanted = wishes.objects is None or body.object_id in wishes.objects
     known = body.obj.type in RECEPTACLES or not body.obj.pickupable
@@ -172,7 +172,7 @@ def _copies(world: World, asked: Sequence[Body], counts: Mapping[str, int], rng:
     return out
 
 
-def _receptacles(world: World, wishes: Wishes, moving: Collection[str], rng: np.random.Generator) -> list[Body]:
+def _receptacles(world: World, wishes: SpawnOptions, moving: Collection[str], rng: np.random.Generator) -> list[Body]:
     """Receptacles in the order in which they are tried: a random order of types, one of each at a time."""
     by_type: dict[str, list[Body]] = {}
     for body in world.bodies.values():
@@ -196,7 +196,7 @@ class _Search:
         model: Model,
         subjects: Sequence[Body],
         copies: Sequence[Body],
-        wishes: Wishes,
+        wishes: SpawnOptions,
         rng: np.random.Generator,
     ) -> None:
         self._world, self._model, self._wishes, self._rng = world, model, wishes, rng

@@ -15,10 +15,10 @@ from ovman_engine.bodies.arrangement import arranged, named
 from ovman_engine.bodies.body import Agent, Body, Pose
 from ovman_engine.bodies.carrying import load_of, move, resting
 from ovman_engine.bodies.passage import Obstacles
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.dynamics import Dynamics
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.world.way import Way
+from ovman_engine.world.locomotion import Locomotion
 
 if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
@@ -52,17 +52,17 @@ class World:
 
     def __init__(self, plan: FloorPlan, seed: int = 0) -> None:
         self.plan, self.seed = plan, seed
-        self._setting = Setting.of(plan)
-        self.room = self._setting.room
+        self._static = StaticScene.of(plan)
+        self.room = self._static.room
         self.agent = Agent(plan.start.copy())
         self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
         self.version = 0
-        for part, carrier in self._setting.carriers.items():
+        for part, carrier in self._static.carriers.items():
             self.bodies[part].carrier = carrier
         self._loose: set[str] = set()
         """Disabled objects that nothing holds where they are."""
-        self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
-        self._way = Way(self._setting, self.bodies, self.agent)
+        self._dynamics = Dynamics(self._static, self.bodies, self.agent)
+        self._locomotion = Locomotion(self._static, self.bodies, self.agent)
 
     # What is where
 
@@ -77,21 +77,21 @@ class World:
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the untouched scene, metres."""
-        return self._setting.bounds
+        return self._static.bounds
 
     # The agent's way
 
     def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
-        """Name of what blocks the agent's straight way between two points (2,) of the floor plane; see `Way.blocker`."""
-        return self._way.blocker(self.version, start_xz, end_xz, ignore)
+        """Name of what blocks the agent's straight way between two points (2,) of the floor plane; see `Locomotion.blocker`."""
+        return self._locomotion.blocker(self.version, start_xz, end_xz, ignore)
 
     def reachable(self, step_m: float = 0.25, yaw_deg: float = 0.0) -> list[tuple[float, float, float]]:
-        """Positions (x, y, z) that moves of `step_m` take the agent to; see `Way.reachable`."""
-        return self._way.reachable(self.version, step_m, yaw_deg)
+        """Positions (x, y, z) that moves of `step_m` take the agent to; see `Locomotion.reachable`."""
+        return self._locomotion.reachable(self.version, step_m, yaw_deg)
 
     def obstacles(self) -> tuple[Obstacles, list[str]]:
-        """What may stand in the agent's way, and the names of that; see `Way.obstacles`."""
-        return self._way.obstacles(self.version)
+        """What may stand in the agent's way, and the names of that; see `Locomotion.obstacles`."""
+        return self._locomotion.obstacles(self.version)
 
     # Changes
 

@@ -30,10 +30,10 @@ SLENDER = frozenset(["Toilet"])
 KEPT = 4
 """Floor plans that are remembered."""
 
-_settings: OrderedDict[int, Setting] = OrderedDict()
+_settings: OrderedDict[int, StaticScene] = OrderedDict()
 
 
-class Setting:
+class StaticScene:
     """The unchanging side of a world."""
 
     def __init__(self, plan: FloorPlan) -> None:
@@ -45,11 +45,11 @@ class Setting:
         self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
 
     @staticmethod
-    def of(plan: FloorPlan) -> Setting:
+    def of(plan: FloorPlan) -> StaticScene:
         """The setting of `plan`, made once for the last few plans."""
         found = _settings.get(id(plan))
         if found is None or found.plan is not plan:
-            found = _settings[id(plan)] = Setting(plan)
+            found = _settings[id(plan)] = StaticScene(plan)
         _settings.move_to_end(id(plan))
         while len(_settings) > KEPT:
             _settings.popitem(last=False)

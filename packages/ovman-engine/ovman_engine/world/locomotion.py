@@ -10,14 +10,14 @@ from ovman_engine.bodies.body import Agent, Body
 from ovman_engine.bodies.embodiment import Embodiment
 from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.passage import Obstacles, first_hit, heading, reachable
-from ovman_engine.bodies.setting import PASSABLE, SKIN_M, Setting
+from ovman_engine.bodies.static_scene import PASSABLE, SKIN_M, StaticScene
 
 
-class Way:
+class Locomotion:
     """Answers for the agent where it is now. `version` is that of the world: obstacles are kept as long as it is the same."""
 
-    def __init__(self, setting: Setting, bodies: Mapping[str, Body], agent: Agent) -> None:
-        self._setting, self._bodies, self._agent = setting, bodies, agent
+    def __init__(self, static: StaticScene, bodies: Mapping[str, Body], agent: Agent) -> None:
+        self._static, self._bodies, self._agent = static, bodies, agent
         self._known: tuple[int, float, Embodiment, Obstacles, list[str]] | None = None
 
     def blocker(
@@ -37,7 +37,7 @@ class Way:
 
     def reachable(self, version: int, step_m: float, yaw_deg: float) -> list[tuple[float, float, float]]:
         """Positions that moves of `step_m` along the yaw and across it take the agent to, its own first; y is the agent's."""
-        x_0, z_0, x_1, z_1 = self._setting.room.rectangle
+        x_0, z_0, x_1, z_1 = self._static.room.rectangle
         here = self._agent.position[[0, 2]]
         axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])
         found = reachable(self.obstacles(version)[0], here, np.array([x_0, z_0]), np.array([x_1, z_1]), step_m, axes)
@@ -49,15 +49,15 @@ class Way:
         foot, agent = self._agent.foot, self._agent.embodiment
         if self._known is None or self._known[:3] != (version, foot, agent):
             bodies = [b for b in self._bodies.values() if b.present and b.obj.type not in PASSABLE]
-            known, walls = self._setting.clearances(agent), self._setting.room.walls
+            known, walls = self._static.clearances(agent), self._static.room.walls
             names, reach, boxes = [w.name for w in walls], [known[w.name] for w in walls], []
             for body in bodies:
-                barriers = self._setting.barriers(body.obj, body.box)
+                barriers = self._static.barriers(body.obj, body.box)
                 names += [body.object_id] * len(barriers)
                 boxes += barriers
                 away = np.full(len(barriers), agent.radius_m + SKIN_M)
                 reach.append(known[body.obj.object_id] if body.untouched else away)
-            solid = self._setting.walls.join(Boxes.of(boxes))
+            solid = self._static.walls.join(Boxes.of(boxes))
             obstacles = Obstacles(solid, np.concatenate([np.zeros(0), *reach]), agent.radius_m, *agent.axis(foot))
             self._known = version, foot, agent, obstacles, names
         return self._known[3:]
