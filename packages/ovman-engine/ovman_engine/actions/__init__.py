@@ -1,4 +1,4 @@
-"""What a client can ask for: one function an action. Importing the package fills the table."""
+"""The actions of a client, one function each. Importing the package registers all of them."""
 
 from ovman_engine.actions import (
     camera_pose,

@@ -1,4 +1,4 @@
-"""CreateHouse: a ProcTHOR house in the scene "Procedural"."""
+"""CreateHouse: puts a ProcTHOR house into the scene "Procedural"."""
 
 from __future__ import annotations
 
@@ -11,7 +11,11 @@ from ovman_engine.world.world import Refused
 
 @action("CreateHouse")
 def create_house(session: Session, house: Any) -> None:
-    """Contract, section 4. The agent is put where the house says; if it says nothing, where most room is."""
+    """CreateHouse (contract, section 4). The agent starts where the house says, else at the point farthest from walls and
+    objects.
+
+    Refused, with the scene unchanged, if `house` is not a valid house.
+    """
     from ovman_engine.plan.house_json import InvalidHouse, read
     from ovman_engine.plan.houseplan import plan_of
 

@@ -1,4 +1,4 @@
-"""Actions that let time pass."""
+"""Actions that let time pass, and that pause physics."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from ovman_engine.world.world import Refused
 
 MAX_STEP_S = 0.05
 MAX_S = 60.0
-"""Simulated time that one action may take: a client is waiting."""
+"""Longest simulated time of one action: the client is waiting."""
 
 
 @action("Pass")
@@ -23,16 +23,19 @@ def done(session: Session) -> None:
 
 @action("PausePhysicsAutoSim")
 def pause(session: Session) -> None:
+    """PausePhysicsAutoSim: physics runs only on AdvancePhysicsStep."""
     session.auto_simulation = False
 
 
 @action("UnpausePhysicsAutoSim")
 def unpause(session: Session) -> None:
+    """UnpausePhysicsAutoSim: physics runs with every action."""
     session.auto_simulation = True
 
 
 @action("AdvancePhysicsStep")
 def advance(session: Session, timeStep: float = 0.02, simSeconds: float | None = None, allowAutoSimulation: bool = False) -> None:
+    """AdvancePhysicsStep: lets physics run for `simSeconds`, or for one `timeStep`."""
     if session.auto_simulation and not allowAutoSimulation:
         raise Refused(
             "AdvancePhysicsStep can only be called if Physics AutoSimulation is currently paused or if you have passed"

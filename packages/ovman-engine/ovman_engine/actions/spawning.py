@@ -1,4 +1,4 @@
-"""Actions that find room on receptacles, and fill it at random."""
+"""Actions that find free places on receptacles, and put objects there at random."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ovman_engine.client.session import Session
 from ovman_engine.world.world import Body, Refused
 
 MAX_COPIES = 100
-"""Objects of one type that a scene may be given."""
+"""Largest number of objects of one type that a scene may be given."""
 
 
 def _found(session: Session, object_id: str) -> Body:
@@ -22,8 +22,8 @@ def _found(session: Session, object_id: str) -> Body:
 
 @action("GetSpawnCoordinatesAboveReceptacle")
 def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
-    """Contract, section 4. Points at which PlaceObjectAtPoint puts a small thing on the receptacle: above its surfaces, where
-    nothing stands; unless `anywhere`, those that the agent sees."""
+    """GetSpawnCoordinatesAboveReceptacle (contract, section 4): points at which PlaceObjectAtPoint puts a small object on the
+    receptacle. They lie above its surfaces, where nothing stands; unless `anywhere`, only those that the agent sees."""
     from ovman_engine.world.spawn import points, seen
 
     body = _found(session, objectId)
@@ -52,7 +52,7 @@ def initial_random_spawn(
     allowFloor: bool = False,
     allowMoveable: bool = False,
 ) -> None:
-    """Contract, section 4. Objects that find no place stay where they are."""
+    """InitialRandomSpawn (contract, section 4). Objects for which no place is found stay where they are."""
     from ovman_engine.shapes import FORMS, LOOSE
     from ovman_engine.world.spawn import SETTLED_S, SpawnOptions, spawn
 
