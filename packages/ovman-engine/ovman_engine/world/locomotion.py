@@ -1,4 +1,4 @@
-"""The agent's way through a world: what stands in it, and where it leads. World frame as in `floorplan`."""
+"""Where the agent can move in a world. World frame as in `floorplan`."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from ovman_engine.bodies.static_scene import PASSABLE, SKIN_M, StaticScene
 
 
 class Locomotion:
-    """Answers for the agent where it is now. `version` is that of the world: obstacles are kept as long as it is the same."""
+    """Answers for the agent at its current position. `version` is the world's; obstacles are cached for the last version."""
 
     def __init__(self, static: StaticScene, bodies: Mapping[str, Body], agent: Agent) -> None:
+        """`bodies` and `agent` are the world's own and may change between calls."""
         self._static, self._bodies, self._agent = static, bodies, agent
         self._known: tuple[int, float, Embodiment, Obstacles, list[str]] | None = None
 
     def blocker(
         self, version: int, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()
     ) -> str | None:
-        """Name of what blocks the straight way from `start_xz` to `end_xz` (metres), None if it is free.
+        """Name of the obstacle on the straight way from `start_xz` to `end_xz` (metres), None if it is free.
 
-        A body that the agent overlaps already blocks only ways that lead deeper into it. If the two points are one: what the
-        agent would collide with there.
+        A body that the agent overlaps already blocks only ways that lead deeper into it. If both points are equal, the result is
+        an obstacle that the agent overlaps there.
         """
         obstacles, names = self.obstacles(version)
         if ignore:
@@ -36,7 +37,8 @@ class Locomotion:
         return None if hit is None else names[hit]
 
     def reachable(self, version: int, step_m: float, yaw_deg: float) -> list[tuple[float, float, float]]:
-        """Positions that moves of `step_m` along the yaw and across it take the agent to, its own first; y is the agent's."""
+        """Positions (x, y, z) that moves of `step_m` along the yaw and across it reach, the agent's own first; y is the
+        agent's."""
         x_0, z_0, x_1, z_1 = self._static.room.rectangle
         here = self._agent.position[[0, 2]]
         axes = np.stack([heading(yaw_deg + 90.0), heading(yaw_deg)])
@@ -45,7 +47,7 @@ class Locomotion:
         return [(x, y, z) for x, z in found.tolist()]
 
     def obstacles(self, version: int) -> tuple[Obstacles, list[str]]:
-        """What may stand in the way, and the names of that: walls, then bodies, some of which are in several boxes."""
+        """Possible obstacles and their names: walls, then bodies, some of them in several boxes."""
         foot, agent = self._agent.foot, self._agent.embodiment
         if self._known is None or self._known[:3] != (version, foot, agent):
             bodies = [b for b in self._bodies.values() if b.present and b.obj.type not in PASSABLE]
