@@ -113,9 +113,11 @@ class Pieces:
         return Pieces(centre, half, rotation, centre - reach, centre + reach)
 
     def take(self, index: np.ndarray) -> Pieces:
+        """The pieces at `index` (integers or a mask)."""
         return Pieces(self.centre[index], self.half[index], self.rotation[index], self.low[index], self.high[index])
 
     def __len__(self) -> int:
+        """Number of pieces."""
         return len(self.centre)
 
     def levels(self) -> list[tuple[float, np.ndarray]]:

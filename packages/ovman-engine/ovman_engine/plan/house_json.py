@@ -1,7 +1,7 @@
-"""Houses read from JSON, and checked: whatever is not a house is refused with the place and the reason.
+"""Reads and checks houses in JSON. An invalid house is refused with the place and the reason.
 
-Source: the format of AI2-THOR's CreateHouse, as the types of the pip package ``procthor`` have it, and the later one in which
-holes are polygons.
+Source: the format of AI2-THOR's CreateHouse in the types of the pip package ``procthor``, and its later version, in which holes
+are polygons.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from ovman_engine.plan.assets import asset
 from ovman_engine.plan.house import MIN_SIDE_M, Furnishing, House, HouseRoom, Opening, WallSide, rectangles
 
 MAX_COORDINATE_M = 1000.0
-"""Largest coordinate."""
+"""Largest coordinate, metres."""
 MAX_OBJECTS, MAX_WALLS, MAX_ROOMS, MAX_CORNERS = 2000, 1000, 100, 200
 """Largest number of objects, walls and rooms of a house, and of corners of a floor."""
 
 
 class InvalidHouse(ValueError):
-    """What is not a house; the message says where and why."""
+    """A JSON value is no valid house. The message says where and why."""
 
 
 def read(given: Any) -> House:
-    """The house that the JSON value `given` describes. InvalidHouse if it describes none."""
+    """The house that the JSON value `given` describes. Raises InvalidHouse."""
     if not isinstance(given, Mapping):
         raise InvalidHouse(f"house is a JSON object, not {str(given)[:60]!r}")
     name = hashlib.blake2b(json.dumps(given, sort_keys=True).encode(), digest_size=4).hexdigest()
@@ -96,7 +96,7 @@ def _vector(given: Any, where: str, axes: str = "xyz") -> np.ndarray:
 
 
 def _material(given: Any) -> tuple[str, tuple[float, float, float] | None]:
-    """Name of a material, and its colour if one is given. Either a text or {name, color}."""
+    """Name of a material, and its colour if given, from a text or from {name, color}."""
     if isinstance(given, Mapping):
         colour = given.get("color")
         tone = None

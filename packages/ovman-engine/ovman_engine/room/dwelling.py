@@ -1,6 +1,6 @@
-"""What bounds a house: walls with holes for its doors and windows, and ceilings, as the house itself tells.
+"""The room of a house: walls with holes for doors and windows, and ceilings, as the house describes them.
 
-A wall of a house is two sheets back to back, one for the room on each side, which see each its own.
+A wall of a house has two sides back to back, one for the room on each side; each is seen from its own room.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
 
 SHEET_M = 0.002
-"""Thickness of a sheet as it is drawn: pictures hang 5 mm before it."""
+"""Thickness of a wall side as it is drawn: pictures hang 5 mm in front of it."""
 SOLID_M = 0.05
-"""Thickness of a wall as it is bumped into."""
+"""Thickness of a wall as it collides."""
 CEILING_M = 0.05
 ON_M = 0.05
-"""What is this close to a sheet's line is in that wall."""
+"""An opening this close to the line of a wall side is in that wall."""
 MIN_M = 1e-3
 
 Span = tuple[float, float, float, float]
-"""(low, high, bottom, top): along a sheet from its start, and heights, metres"""
+"""(low, high, bottom, top): distances along a wall side from its start, and heights, metres"""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Dwelling(Room):
 
     @staticmethod
     def of(plan: FloorPlan) -> Dwelling:
-        """What bounds `plan`, which carries a house."""
+        """The room of `plan`, which carries a house."""
         house = plan.house
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -67,7 +67,7 @@ class Dwelling(Room):
 
 
 def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
-    """Openings that lie in a sheet, whichever side of the wall it is."""
+    """Openings in a wall side, whichever side of the wall names them."""
     walls = {w.name: w for w in house.walls}
     out = []
     for opening in house.openings:
@@ -81,7 +81,7 @@ def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
 
 
 def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
-    """What is left of a sheet: upright strips between the sides of the holes, each cut at the holes that it meets."""
+    """The wall side without holes: upright strips between the sides of the holes, each cut at its holes."""
     edges = sorted({0.0, sheet.length, *(float(np.clip(e, 0.0, sheet.length)) for h in holes for e in h[:2])})
     out = []
     for low, high in zip(edges[:-1], edges[1:], strict=True):
@@ -98,7 +98,7 @@ def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
 
 
 def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
-    """Part of a sheet, `middle` metres to the left of its line (which sees +z on its left when it runs along +x)."""
+    """A piece of a wall side, shifted `middle` metres to the left of its line (to +z for a line along +x)."""
     low, high, bottom, top = piece
     x, z = sheet.along
     left = np.array([-z, x])
@@ -109,7 +109,7 @@ def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
 
 
 def _solids(sheet: WallSide, house: House) -> list[Wall]:
-    """What bodies bump into: the sheet without its open doors. The names of its pieces differ."""
+    """The colliding pieces of a wall side, without open doors. Their names differ."""
     pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
     return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
 
@@ -130,7 +130,7 @@ def _unique(name: str, taken: set[str]) -> str:
 
 
 def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
-    """Sheets of one material are alike in a house."""
+    """The palette of a wall side. Sides of one material look alike in a house."""
     style = Style(f"{plan.name}|{sheet.paint}|{sheet.colour}")
     made = finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03)(style)
     if sheet.colour is not None and "~" not in plan.name:
