@@ -6,6 +6,7 @@ place and renamed at the end, a journal belongs to one process at a time, and a 
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import gc
 import os
@@ -15,7 +16,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,9 @@ that a file there takes no other module's place."""
 COLLECTED = 10_000
 """New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
 fiftieth of its time."""
+
+UNWRITABLE = frozenset({errno.EROFS, errno.EACCES, errno.EPERM})
+"""Errors of the operating system that say all in one line: a place is read-only or belongs to another user."""
 
 
 class Job:
@@ -121,9 +125,12 @@ def job(snakemake: Any) -> Iterator[Job]:
             yield work
             work._done()
         except BaseException as error:
-            work._failed()
+            with suppress(OSError):
+                work._failed()
             if getattr(error, "says_all", False):
                 raise SystemExit(str(error)) from None
+            if isinstance(error, OSError) and error.errno in UNWRITABLE and error.filename is not None:
+                raise SystemExit(f"{error.filename}: {error.strerror}; make it writable for this user") from None
             raise
 
 
