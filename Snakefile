@@ -48,6 +48,10 @@ onstart:
     lift_rate_limit(workflow)
 
 
+onerror:
+    print_deaths()
+
+
 localrules:
     all,
 

@@ -20,6 +20,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ovman.workflow.at_work import job_at_work
 from ovman.workflow.parameter import StageSettings
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
@@ -118,6 +119,8 @@ def job(snakemake: Any) -> Iterator[Job]:
     if snakemake.log:
         _log_to(Path(str(snakemake.log)))
     with ExitStack() as stack:
+        if os.environ.get(WORKFLOW_PID):
+            stack.enter_context(job_at_work(snakemake.rule, str(snakemake.log)))
         if int(snakemake.resources.get("gpu", 0)) > 0:
             stack.enter_context(held(gpu_lock()))
         work = Job(snakemake, stack)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ovman.models.settings import Settings
-from ovman.workflow import provenance
+from ovman.workflow import at_work, provenance
 from ovman.workflow.config import ConfigError, file_with
 from ovman.workflow.job import AGENTS, WORKFLOW_PID
 
@@ -86,9 +86,16 @@ def release_stale_locks(directory: Path) -> None:
     except BlockingIOError:
         pass
     else:
+        at_work.dead(directory)
         for lock in (directory / ".snakemake" / "locks").glob("*.lock"):
             lock.unlink(missing_ok=True)
     fcntl.flock(file, fcntl.LOCK_SH)
+
+
+def print_deaths() -> None:
+    """Say in one line which job's process ended without a word, and with which arm and episode; for `onerror`."""
+    for line in at_work.dead(Path.cwd()):
+        print(line, file=sys.stderr, flush=True)
 
 
 def check_agents(config: Settings, files: Sequence[str | Path]) -> None:
