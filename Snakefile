@@ -7,7 +7,10 @@
 
 from snakemake.utils import min_version
 
+from ovman.workflow.settings_files import check_file
+
 min_version("9.19")
+check_file(os.path.join(workflow.basedir, "config.yaml"))
 
 
 configfile: os.path.join(workflow.basedir, "config.yaml")
@@ -43,6 +46,10 @@ include: "workflow/rules/models.smk"
 
 onstart:
     lift_rate_limit(workflow)
+
+
+onerror:
+    print_deaths()
 
 
 localrules:

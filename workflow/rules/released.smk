@@ -25,7 +25,6 @@ rule released_cow:
         "logs/released_cow.log",
     benchmark:
         "benchmarks/released_cow.tsv"
-    retries: 1
     resources:
         gpu=max(GPU, int(settings.released.cow.device == "cuda")),
     params:

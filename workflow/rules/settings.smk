@@ -9,7 +9,7 @@ from ovman.models.settings import Kind, Need, named, of_kind, arms_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.perception.weights import located
-from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare
+from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare, print_deaths
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
