@@ -18,6 +18,7 @@ from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Settings
 from ovman.workflow.parameter import flat
+from ovman.workflow.plugins import PluginError, plugin, with_sections
 from ovman.workflow.stages import matching
 
 __all__ = ["ConfigError", "file_with", "load"]
@@ -69,11 +70,16 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
         tree, files = _read(Path(source)), [Path(source)]
     if not isinstance(tree, Mapping):
         raise ConfigError(f"{file_with(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
+    model = with_sections(Settings, _plugins(tree, files))
     try:
-        config = Settings.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
+        config = model.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
     except ValidationError as error:
-        raise ConfigError(_line(error, files)) from None
+        raise ConfigError(_line(error, files, model)) from None
     values = flat(config)
+    for name, arm in config.arms.items():
+        if arm.made_by is not None and arm.made_by not in config.plugins:
+            says = f"is {arm.made_by}, which is not in section plugins; there are {', '.join(config.plugins) or 'none'}"
+            raise ConfigError(f"{file_with(files, ('arms', name, 'made_by'))}: arms.{name}.made_by {says}")
     if contradiction := contradictions(config.arms, values):
         key, says = contradiction
         raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
@@ -83,6 +89,20 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
             needs = f"{bound} must be {needed} that and is {values[bound]}"
             raise ConfigError(f"{where}: {verdict} is {values[verdict]}, but {needs}; change one of the two")
     return config
+
+
+def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str]:
+    """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
+    given = tree.get("plugins")
+    if not isinstance(given, Mapping):
+        return {}
+    named = {name: module for name, module in given.items() if isinstance(name, str) and isinstance(module, str)}
+    for name, module in named.items():
+        try:
+            plugin(name, module)
+        except PluginError as error:
+            raise ConfigError(f"{file_with(files, ('plugins', name))}: plugins.{name} is {module}, which {error}") from None
+    return named
 
 
 def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, Any]:
@@ -134,7 +154,7 @@ def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
 _ABSENT = object()
 
 
-def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
+def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
     """The first thing that is wrong: where, what, and what to do."""
     # A name that is not a setting explains a setting that is missing.
     first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "missing": 2}.get(e["type"], 1))
@@ -143,11 +163,13 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     name = ".".join(path)
     where = file_with(files, [p for p in location if not isinstance(p, int)])
     if first["type"] == "extra_forbidden":
-        return f"{where}: {name} is not a setting; {_nearest(path)}"
-    field = _field(path)
+        return f"{where}: {name} is not a setting; {_nearest(path, settings)}"
+    field = _field(path, settings)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     if first["type"] == "missing":
         remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        if path[0] not in Settings.model_fields:
+            remedy = "the plug-in's own overlay has its value"
         return f"{where}: {name}{meaning} is missing; add it, {remedy}"
     value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
     says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
@@ -168,8 +190,8 @@ def _shown(value: Any) -> str:
     return text if len(text) <= 60 else text[:57] + "..."
 
 
-def _models(path: Sequence[str]) -> type[BaseModel] | None:
-    model: Any = Settings
+def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:
+    model: Any = settings
     names = iter(path)
     for name in names:
         field = model.model_fields.get(name)
@@ -181,16 +203,16 @@ def _models(path: Sequence[str]) -> type[BaseModel] | None:
     return model
 
 
-def _field(path: Sequence[str]) -> Any:
-    model = _models(path[:-1])
+def _field(path: Sequence[str], settings: type[Settings]) -> Any:
+    model = _models(path[:-1], settings)
     return None if model is None or not path else model.model_fields.get(path[-1])
 
 
-def _nearest(path: Sequence[str]) -> str:
+def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
     """The nearest setting to a wrong name: in its own section first, then anywhere."""
-    model, wrong = _models(path[:-1]), path[-1]
+    model, wrong = _models(path[:-1], settings), path[-1]
     here = list(model.model_fields) if model is not None else []
-    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names()}
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names(settings)}
     for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
         near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
         if near:
@@ -201,7 +223,7 @@ def _nearest(path: Sequence[str]) -> str:
     return f"{'.'.join(path[:-1]) or 'config.yaml'} has {', '.join(here)}"
 
 
-def _names(model: type[BaseModel] = Settings, path: str = "") -> Iterator[str]:
+def _names(model: type[BaseModel], path: str = "") -> Iterator[str]:
     for name, field in model.model_fields.items():
         kind = field.annotation
         if isinstance(kind, type) and issubclass(kind, BaseModel):

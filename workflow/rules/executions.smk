@@ -16,6 +16,8 @@ rule executions:
     retries: 2
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
+    wildcard_constraints:
+        arm=OF_NO_PLUGIN,
     params:
         constants=stage_of_arm("executions"),
     script:
