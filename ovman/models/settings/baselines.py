@@ -78,9 +78,7 @@ class DualmapGlobal(Section):
     overlap: Fraction = Field(description="shared fraction of the smaller footprint above which two anchors merge")
     plane_bin_m: Metres = Field(description="metres, bin of heights; the commonest bin is an anchor's major plane")
     on_overlap: Fraction = Field(description="least fraction of the upper footprint that lies over the lower one")
-    on_below_m: Annotated[float, Field(ge=0)] = Field(
-        description="metres; farthest plane below the upper object's lowest point"
-    )
+    on_below_m: Annotated[float, Field(ge=0)] = Field(description="metres; farthest plane below the upper object's lowest point")
     on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres; farthest plane above that point")
 
 
