@@ -2,7 +2,7 @@
 rule tables:
     input:
         metrics=expand("results/metrics/{name}.csv", name=registry.in_tables(ARMS)),
-        released=expand("results/released/{system}.json", system=RELEASED),
+        notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS if arm.made_by)),
     output:
         tables=directory("results/tables"),
     log:

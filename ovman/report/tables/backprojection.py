@@ -44,7 +44,7 @@ def backprojection_table(masks: pd.DataFrame, settings: Settings) -> Table:
     caption = (
         f"Self-check of the back-projection on the untouched tours: distance in metres from the estimate to the object's "
         f"axis-aligned box (0 inside) and, on the floor plane, to the box's centre, which no visible surface need be near. "
-        f"True masks of at least {settings.perception.detector.minimum_mask_px} px; detected ones that meet a true instance at "
+        f"True masks of at least {settings.perception.detector.min_mask_px} px; detected ones that meet a true instance at "
         f"an IoU of {LEAST_IOU}. Objects count by their worst mask."
     )
     return Table(caption, columns, pd.DataFrame(rows), wide=True)

@@ -94,7 +94,7 @@ def perception_table(rows: pd.DataFrame, settings: Settings) -> Table:
     )
     caption = (
         f"Perception against the true instances of the recorded tours, each distinct tour once. Recall: true masks of at "
-        f"least {detector.minimum_mask_px} px in single views that a detected one meets at an IoU of {LEAST_IOU}; precision: "
+        f"least {detector.min_mask_px} px in single views that a detected one meets at an IoU of {LEAST_IOU}; precision: "
         f"detected masks at confidence {detector.confidence} that meet a true one; walls, ceilings and floors are no instances. "
         f"Doubled: masks that meet an instance which a mask of higher confidence meets, too; precision counts them as right, and "
         f"less doubled as wrong. Top-1 and top-5: the right category among all of the scene, for the crops of the masks that "

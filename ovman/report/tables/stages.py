@@ -9,22 +9,22 @@ from tempfile import TemporaryDirectory
 
 from ovman.analysis import frames, metrics
 from ovman.analysis.registry import in_static_tables, table_of
+from ovman.models.note import sentence
 from ovman.models.settings import Kind, Settings, arms_of
 from ovman.report.tables.constants import constants_table
 from ovman.report.tables.specs import SPECS
 from ovman.report.tables.table import Table, csv_text, latex, markdown
-from ovman_released.status import note
 
 
-def run(metrics_files: Sequence[Path], constants: Settings, output_dir: Path, released: Sequence[Path] = ()) -> None:
+def run(metrics_files: Sequence[Path], constants: Settings, output_dir: Path, notes: Sequence[Path] = ()) -> None:
     """Write the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
 
-    metrics_files: files that the registry has a table for. constants: what the stage owns. released: records of whether the
-    released systems were run, each called after its system; tables have a note of those that were not.
+    metrics_files: files that the registry has a table for. constants: what the stage owns. notes: records of whether plug-ins
+    made their arms' records, each called after its plug-in; the tables of these arms say which did not.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
     made = {
-        table_of(path.stem): noted(table(path, constants), SPECS[path.stem].kind, released, constants) for path in metrics_files
+        table_of(path.stem): noted(table(path, constants), SPECS[path.stem].kind, notes, constants) for path in metrics_files
     }
     write({"constants": constants_table(constants), **made}, output_dir)
 
@@ -50,10 +50,10 @@ def table(path: Path, constants: Settings) -> Table:
         raise ValueError(f"{path}: {error.args[0]}") from None
 
 
-def noted(table: Table, kind: Kind | None, released: Sequence[Path], constants: Settings) -> Table:
-    """A table of all arms of a kind with a sentence for each released system that would be in it and was not run."""
-    mine = {arm.released for arm in arms_of(constants.arms) if arm.released is not None and arm.kind is kind}
-    sentences = [sentence for path in released if path.stem in mine and (sentence := note(path)) is not None]
+def noted(table: Table, kind: Kind | None, notes: Sequence[Path], constants: Settings) -> Table:
+    """A table of all arms of a kind with a sentence for each plug-in with such arms that did not make their records."""
+    mine = {arm.made_by for arm in arms_of(constants.arms) if arm.kind is kind}
+    sentences = [said for path in notes if path.stem in mine and (said := sentence(path)) is not None]
     return replace(table, caption=" ".join([table.caption, *sentences]))
 
 
