@@ -8,16 +8,13 @@ from ovman.models.settings import Pair
 
 
 def among(arms: Iterable[str], candidates: Iterable[Pair]) -> tuple[list[Pair], list[str]]:
-    """The candidates of which both arms are among `arms`, and a line for each of the others that says which arm is missing.
-
-    Nothing is said of optional pairs: they have a released system, which is rarely there.
-    """
+    """The candidates of which both arms are among `arms`, and a line for each of the others that says which arm is missing."""
     there = set(arms)
     pairs, left_out = [], []
     for pair in candidates:
         lacking = [name for name in (pair.arm, pair.baseline) if name not in there]
         if not lacking:
             pairs.append(pair)
-        elif not pair.optional:
+        else:
             left_out.append(f"not compared: {pair.name}; there is no arm {' and no '.join(lacking)}")
     return pairs, left_out

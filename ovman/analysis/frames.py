@@ -21,17 +21,14 @@ def frame_of(kind: type[RowType], rows: Iterable[RowType]) -> pd.DataFrame:
     """A data frame with a typed column for each field of the dataclass `kind`. None is NaN, or NA in a column of counts."""
     every = list(rows)
     return pd.DataFrame(
-        {
-            name: pd.Series([_plain(getattr(row, name)) for row in every], dtype=dtype)  # type: ignore[call-overload]
-            for name, dtype in dtypes(kind).items()
-        }
+        {name: pd.Series([_plain(getattr(row, name)) for row in every], dtype=dtype) for name, dtype in dtypes(kind).items()}
     )
 
 
 def csv_text(kind: type[RowType], rows: Iterable[RowType]) -> str:
     """RFC 4180 with a line feed at each end of line: six decimals for floats, 1 and 0 for truth values, nothing for None."""
     frame = frame_of(kind, rows)
-    for name in frame.columns.intersection(P_VALUES):
+    for name in frame.columns.intersection(list(P_VALUES)):
         frame[name] = frame[name].map("{:.6g}".format, na_action="ignore").astype(str).where(frame[name].notna(), "")
     return frame.to_csv(index=False, lineterminator="\n", float_format=_decimals)
 
@@ -66,7 +63,7 @@ def typed(text: pd.DataFrame, kind: type[RowType]) -> pd.DataFrame:
                 raise ValueError(f"{name} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
             if dtype == "int64" and numbers.isna().any():
                 raise ValueError(f"{name} is empty in a row; make the metrics again")
-            column = numbers.astype(dtype)
+            column = pd.Series(numbers, dtype=dtype)
         columns[name] = column
     return pd.DataFrame(columns)
 
@@ -116,6 +113,6 @@ def _tuples(frame: pd.DataFrame) -> Iterable[tuple[Any, ...]]:
     return frame.itertuples(index=False, name=None)
 
 
-def _decimals(value: float) -> str:
+def _decimals(value: object) -> str:
     # Python rounds exactly, NumPy does not. Adding zero drops the sign that rounding may leave on a zero.
-    return f"{round(float(value), 6) + 0.0:.6f}"
+    return f"{round(float(str(value)), 6) + 0.0:.6f}"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis import frames
@@ -148,35 +148,38 @@ def language_rates(
         What.OBJECT: lambda one: one.object_right,
         What.RELATION: lambda one: one.relation_right,
         What.BOTH: lambda one: one.object_right and one.relation_right,
-        **{what: lambda one, of=of: of[one.episode] for what, of in succeeded.items()},
+        **{what: partial(_succeeds, of) for what, of in succeeded.items()},
     }
     groups = {str(relation): [one for one in asked if one.relation is relation] for relation in Relation} | {ALL: list(asked)}
     groups = {relation: group for relation, group in groups.items() if group}
 
-    def rate(what: What, relation: str, count: int, **more: Any) -> LanguageRate:
+    def rate(what: What, relation: str, count: int, read_as: str | None = None) -> LanguageRate:
         n = len(groups[relation])
         low, high = wilson_interval(count, n, confidence)
-        return LanguageRate(
-            what, relation, more.pop("read_as", None), n, count, count / n, low, high, confidence, origin=origin, **more
-        )
+        return LanguageRate(what, relation, read_as, n, count, count / n, low, high, confidence, origin=origin)
 
     rows = []
     for what, is_right in right.items():
         for relation, group in groups.items():
-            paired = _paired(group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else {}
-            rows.append(rate(what, relation, sum(map(is_right, group)), **paired))
+            row = rate(what, relation, sum(map(is_right, group)))
+            rows.append(_paired(row, group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else row)
     for relation, group in groups.items():
         for name in (*map(str, Relation), *map(str, ParseFailure)):
             count = sum(one.read_as == name for one in group)
             if count:
-                rows.append(rate(What.READ_AS, relation, count, read_as=name))
+                rows.append(rate(What.READ_AS, relation, count, name))
     return rows
 
 
 _INFERRED = (What.RELATION_INFERRED, What.INFERRED)
 
 
-def _paired(group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> dict[str, Any]:
+def _succeeds(of: Mapping[str, bool], one: Asked) -> bool:
+    return of[one.episode]
+
+
+def _paired(row: LanguageRate, group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> LanguageRate:
+    """The row with its test against the success with the query supplied."""
     wins = sum(of[one.episode] and not supplied[one.episode] for one in group)
     losses = sum(supplied[one.episode] and not of[one.episode] for one in group)
-    return {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}
+    return replace(row, wins=wins, losses=losses, p=mcnemar_exact(wins, losses))

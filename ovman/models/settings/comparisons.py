@@ -18,7 +18,6 @@ class Pair(Section):
     name: str = Field(description="the key of its entry: the title of the comparison in the tables")
     arm: str = Field(description="the arm that is tested")
     baseline: str = Field(description="the arm that it is tested against")
-    optional: bool = Field(False, description="nothing is said where one of its arms is not there, as of a released system")
 
 
 def _without_nulls(value: Any) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ovman.analysis.difficulty import MANY, By
 from ovman.analysis.language import What
@@ -70,31 +71,25 @@ def outcomes(verdict: str, relation: str = ALL) -> Reading:
 
 def static_lines(settings: Settings, paper: Paper) -> list[Line]:
     """The static arms of section `paper`, each beside its row of the paper."""
-    lines = []
-    for title, arm, row in _beside(settings, paper, Kind.STATIC):
-        lines.append(Line(title, row, _EVERY, lambda relation, arm=arm: static(arm, relation)))
-    return lines
+    return [Line(title, row, _EVERY, partial(static, arm)) for title, arm, row in _beside(settings, paper, Kind.STATIC)]
 
 
 def embodied_lines(settings: Settings, paper: Paper) -> list[Line]:
     """The embodied arms of section `paper`, each beside its row of the paper."""
-
-    def reading(arm: str, column: str) -> Reading:
-        return embodied(arm, ALL, "spl") if column == "spl" else embodied(arm, column)
-
     return [
-        Line(title, row, (*_EVERY, "spl"), lambda column, arm=arm: reading(arm, column))
+        Line(title, row, (*_EVERY, "spl"), partial(_embodied_or_spl, arm))
         for title, arm, row in _beside(settings, paper, Kind.EMBODIED)
     ]
+
+
+def _embodied_or_spl(arm: str, column: str) -> Reading:
+    return embodied(arm, ALL, "spl") if column == "spl" else embodied(arm, column)
 
 
 def taxonomy_lines(paper: Paper) -> list[Line]:
     """The outcomes of the agent, each beside its row of the paper."""
     rows = (*(verdict.value for verdict in Verdict), EPISODES, LOST)
-    return [
-        Line(paper.titles[f"taxonomy.{row}"], f"taxonomy.{row}", _EVERY, lambda r, row=row: outcomes(row, r), Form.COUNT)
-        for row in rows
-    ]
+    return [Line(paper.titles[f"taxonomy.{row}"], f"taxonomy.{row}", _EVERY, partial(outcomes, row), Form.COUNT) for row in rows]
 
 
 def _beside(settings: Settings, paper: Paper, kind: Kind) -> list[tuple[str, str, str]]:

@@ -174,20 +174,18 @@ def _taken(reading: Reading, rows: pd.DataFrame, words: str) -> Cell:
         case Take.MEAN:
             value, words = _values(reading, rows, words).mean(), f"{words}, mean of {of}"
         case _:
-            values = _values(reading, rows, words)
-            place = values.idxmin() if reading.take is Take.MIN else values.idxmax()
-            names = [name for name in _IDENTIFYING if name in rows and rows.loc[place, name]]
-            extreme = f"{'lowest' if reading.take is Take.MIN else 'highest'} of {len(values)}"
-            words = ", ".join([words, extreme, *(f"{name} {rows.loc[place, name]}" for name in names)])
-            value = values.loc[place]
+            values = _values(reading, rows, words).to_list()
+            value = min(values) if reading.take is Take.MIN else max(values)
+            chosen = rows.iloc[values.index(value)]
+            which = [f"{name} {chosen[name]}" for name in _IDENTIFYING if name in rows and chosen[name]]
+            words = ", ".join([words, f"{'lowest' if reading.take is Take.MIN else 'highest'} of {len(values)}", *which])
     return Cell(float(value), f"{file} ({words}): {column}")
 
 
 def _values(reading: Reading, rows: pd.DataFrame, words: str) -> pd.Series[float]:
     """The column of a reading, or the expression of columns."""
     numbers = _numbers(reading, reading.column, rows, words)
-    values: pd.Series[float] = numbers[reading.column] if reading.column in numbers else numbers.eval(reading.column)
-    return values
+    return pd.Series(numbers[reading.column] if reading.column in numbers else numbers.eval(reading.column), dtype="float64")
 
 
 def _numbers(reading: Reading, expression: str, rows: pd.DataFrame, words: str) -> pd.DataFrame:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Self
 
 import yaml
-from jinja2 import StrictUndefined, TemplateSyntaxError
+from jinja2 import StrictUndefined, TemplateSyntaxError, meta
 from jinja2.sandbox import SandboxedEnvironment
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
@@ -155,10 +155,8 @@ def _figure(quantity: Quantity, cells: Mapping[str, Cell], metrics: Metrics) -> 
     text = quantity.of or ""
     if absent := [name for name in _names(text) if name not in values]:
         raise Missing(f"{absent[0]} is not known")
-    return Cell(float(_EXPRESSIONS.compile_expression(text)(**values)), text)
+    return Cell(float(_EXPRESSIONS.compile_expression(text, undefined_to_none=False)(**values) or 0.0), text)
 
 
 def _names(text: str) -> list[str]:
-    from jinja2 import meta
-
     return sorted(meta.find_undeclared_variables(_EXPRESSIONS.parse(f"{{{{ {text} }}}}")))

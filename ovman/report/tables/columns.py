@@ -69,9 +69,11 @@ def small_capitals(text: str) -> str:
     return _NAMES.sub(lambda name: rf"\textsc{{{name.group().lower()}}}", escaped(text))
 
 
-def words(key: str, title: str | None = None, formats: frozenset[Format] = EVERYWHERE, **how: Callable[[str], str]) -> Column:
+def words(
+    key: str, title: str | None = None, formats: frozenset[Format] = EVERYWHERE, tex: Callable[[str], str] = escaped
+) -> Column:
     """A column of words, aligned to the left."""
-    return Column(key, key if title is None else title, formats=formats, **how)
+    return Column(key, key if title is None else title, tex=tex, formats=formats)
 
 
 def numbers(

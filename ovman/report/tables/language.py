@@ -38,7 +38,7 @@ ROWS = {
 def language_table(rates: pd.DataFrame, settings: Settings) -> Table:
     """Accuracies and success by relation, then what each relation was read as. rates: rows of `LanguageRate`."""
     counted = rates["what"] == What.READ_AS
-    measured = [_rates(What(what), of_what) for what, of_what in rates[~counted].groupby("what", sort=False)]
+    measured = [_rates(What(str(what)), of_what) for what, of_what in rates[~counted].groupby("what", sort=False)]
     n = rates.drop_duplicates("relation").set_index("relation")["n"]
     read_as = {str(name): of_name.set_index("relation")["count"] for name, of_name in rates[counted].groupby("read_as")}
     names = sorted(read_as, key=lambda name: (RELATIONS.index(name) if name in RELATIONS else len(RELATIONS), name))

@@ -28,7 +28,7 @@ def own_task_table(runs: pd.DataFrame, settings: Settings) -> Table:
     """One row an arm and relation, means over the seeds. runs: rows of `OwnTask`."""
     confidence, agents = settings.evaluation.confidence, arms_frame(settings)["system"]
     groups = runs.groupby(["arm", "relation"], sort=False)
-    rows = [_row(agents[arm], relation, seeds, confidence) for (arm, relation), seeds in groups]
+    rows = [_row(agents[str(arm)], str(relation), seeds, confidence) for (arm, relation), seeds in groups]
     columns = (
         words("agent", formats=CSV_AND_MARKDOWN),
         relation_column(),

@@ -98,8 +98,7 @@ def _by_arm(rates: pd.DataFrame, arms: Sequence[Arm], whole: str) -> pd.DataFram
         raise ValueError(f"{strangers[0]!r} is not an arm of this table; its arms are {', '.join(names)}")
     renamed = rates.assign(relation=rates["relation"].replace(ALL, whole))
     parts = [
-        renamed.pivot(index="arm", columns="relation", values=column).rename(columns=lambda key, suffix=suffix: f"{key}{suffix}")
-        for column, suffix in _SUFFIXES.items()
+        renamed.pivot(index="arm", columns="relation", values=column).add_suffix(suffix) for column, suffix in _SUFFIXES.items()
     ]
     over_all = rates[rates["relation"] == ALL].set_index("arm")
     marks = [MARK if interval == Interval.POISSON_BINOMIAL else "" for interval in over_all["interval"]]

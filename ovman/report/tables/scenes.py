@@ -39,7 +39,7 @@ def scenes_table(rates: pd.DataFrame, settings: Settings) -> Table:
 
 def _row(arm: str, scenes: pd.DataFrame) -> dict[str, object]:
     # Of equal scenes the first.
-    worst, best = (scenes.loc[place] for place in (scenes["rate"].idxmin(), scenes["rate"].idxmax()))
+    worst, best = (scenes.iloc[int(place)] for place in (scenes["rate"].argmin(), scenes["rate"].argmax()))
     return {
         SECTION: SECTIONS[Kind(scenes["kind"].iloc[0])],
         "arm": arm,

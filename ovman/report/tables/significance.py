@@ -67,7 +67,8 @@ def _caption(shown: pd.DataFrame, others: pd.DataFrame) -> str:
         caption += " 0: more successes than the pick can come to."
     for title, seeds in others.groupby("title", sort=False):
         further = "; ".join(
-            f"seed {row.seed}: {count(row.wins)} to {count(row.losses)}, p = {p_value(row.p)}" for row in seeds.itertuples()
+            f"seed {row['seed']}: {count(row['wins'])} to {count(row['losses'])}, p = {p_value(row['p'])}"
+            for _, row in seeds.iterrows()
         )
         seed = shown.loc[shown["title"] == title, "seed"].iloc[0]
         caption += f" {str(title)[0].upper()}{str(title)[1:]}: shown for seed {seed}; over all, {further}."
@@ -76,7 +77,8 @@ def _caption(shown: pd.DataFrame, others: pd.DataFrame) -> str:
 
 def pairings_table(pairings: pd.DataFrame, settings: Settings) -> Table:
     """One row a pair of arms and relation: mean, worst and best over the pairings. pairings: rows of `Pairing`."""
-    rows = [_row(title, relation, runs) for (title, relation), runs in pairings.groupby(["title", "relation"], sort=False)]
+    groups = pairings.groupby(["title", "relation"], sort=False)
+    rows = [_row(str(title), str(relation), runs) for (title, relation), runs in groups]
     columns = (
         words("comparison", formats=CSV_AND_MARKDOWN),
         words("arm", formats=DATA),

@@ -23,9 +23,7 @@ def run(metrics_files: Sequence[Path], constants: Settings, output_dir: Path, no
     made their arms' records, each called after its plug-in; the tables of these arms say which did not.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    made = {
-        table_of(path.stem): noted(table(path, constants), SPECS[path.stem].kind, notes, constants) for path in metrics_files
-    }
+    made = {table_of(path.stem): noted(table(path, constants), SPECS[path.stem].kind, notes, constants) for path in metrics_files}
     write({"constants": constants_table(constants), **made}, output_dir)
 
 
