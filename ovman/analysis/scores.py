@@ -40,8 +40,8 @@ class Score:
     """One row: the members of a group. What does not apply is None.
 
     true, recalled: true instances in single views, and how many were found. found, right: detected masks, and how many show an
-    instance; doubled: how many of those show one that a mask of higher confidence shows, which precision counts as right and precision_once as
-    wrong. crops: right masks whose category was looked for;
+    instance; doubled: how many of those show one that a mask of higher confidence shows, which precision counts as right and
+    precision_once as wrong. crops: right masks whose category was looked for;
     named: those whose category has synonyms, on which own_* and synonym_* are compared. chance_*: guessing. off_box_*: from the
     place of a right mask to its object's box, metres.
     """
