@@ -1,7 +1,7 @@
-"""Triangles of a world, each with its instance, its material and the frame that its texture hangs in.
+"""The triangles of a world, with instances, materials and texture frames.
 
-World frame as in `floorplan`. An object's mesh is made once per floor plan, in the frame of the object's oriented box, and only
-carried along when the object moves: normals and texture frames turn with it, so textures stick to things.
+World frame as in `floorplan`. The mesh of an object is built once for each floor plan, in the frame of the object's oriented box,
+and transformed when the object moves: normals and texture frames turn with it, so textures do not slide.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from ovman_engine.picture import corners
 from ovman_engine.plan.floorplan import Box, FloorPlan
 
 SAME = 1e-6
-"""Metres, and entries of a rotation matrix, within which two poses are one."""
+"""Tolerance of equal poses: metres, and entries of a rotation matrix."""
 PLANS_KEPT = 3
-"""Floor plans whose meshes are kept: a session resets the same few scenes again and again."""
+"""Floor plans whose meshes are cached: a session resets the same few scenes again and again."""
 
 
 @dataclass(frozen=True)
 class SceneMesh:
-    """A triangle soup. V vertices, T triangles, P parts, N names.
+    """A triangle mesh with V vertices, T triangles, P parts and N names.
 
-    Frames: everything in world coordinates, metres. Triangles wind as their parts do; shading uses the side that is seen.
+    All is in world coordinates, metres. Triangles wind as their parts do; shading uses the visible side.
     """
 
     vertices: np.ndarray
@@ -44,7 +44,7 @@ class SceneMesh:
     part: np.ndarray
     """(T,) int32 into frames and extents"""
     axis: np.ndarray
-    """(T,) int32: axis 0, 1, 2 of the part that the triangle faces; its texture is laid on the other two"""
+    """(T,) int32: axis 0, 1 or 2 of the part that the triangle faces; its texture lies on the other two"""
     frames: np.ndarray
     """(P, 3, 4) float32: world point -> point in the frame of the part, metres"""
     extents: np.ndarray
@@ -55,7 +55,7 @@ class SceneMesh:
 
     @cached_property
     def spans(self) -> Mapping[int, tuple[slice, slice]]:
-        """Instance -> (its vertices, its triangles); both are consecutive."""
+        """Instance -> slices of its vertices and of its triangles."""
         starts = np.flatnonzero(np.diff(self.instance, prepend=-1))
         ends = np.append(starts[1:], len(self.instance))[: len(starts)]
         spans = {}
@@ -67,7 +67,7 @@ class SceneMesh:
 
 @dataclass(frozen=True)
 class _Local:
-    """Mesh of one instance in the frame of its box; material and part count from zero within the instance's own lists."""
+    """The mesh of one instance in the frame of its box; materials and parts count from zero."""
 
     vertices: np.ndarray
     triangles: np.ndarray
@@ -79,11 +79,11 @@ class _Local:
     extents: np.ndarray
     materials: tuple[paint.Material, ...]
     slots: tuple[str, ...]
-    """Slots of the palette that `materials` are"""
+    """Palette slots of `materials`"""
 
     @property
     def radius_m(self) -> float:
-        """Of the sphere around the centre of the instance's box that its vertices and the boxes of its parts lie in."""
+        """Radius, metres, of the sphere around the centre of the box that contains all vertices and the boxes of all parts."""
         parts = np.linalg.norm(self.frames[:, :, 3], axis=1) + np.linalg.norm(self.extents, axis=1)
         return float(max(np.linalg.norm(self.vertices, axis=1).max(), parts.max()))
 
@@ -123,7 +123,8 @@ def _joined(
     materials: tuple[paint.Material, ...],
     offsets: Mapping[int, int],
 ) -> SceneMesh:
-    """The instances' meshes, posed by their boxes, one after the other. `offsets`: instance -> index of its first material."""
+    """The meshes of the instances at the poses of their boxes, one after the other. `offsets`: instance -> index of its first
+    material."""
     columns: list[tuple[np.ndarray, ...]] = []
     vertex = part = 0
     for instance, local, box in items:
@@ -155,13 +156,13 @@ def _joined(
 
 
 _WORLD_BOX = Box(np.zeros(3), np.ones(3), np.eye(3))
-"""Structures are given in the world frame."""
+"""Box of a structure, whose parts are given in the world frame."""
 
 
 @dataclass(frozen=True)
 class Placement:
-    """An object drawn at a box of its own. `source`: the object of the plan whose shape and materials it has (itself or, for a
-    copy, the original)."""
+    """An object drawn at the pose of `box`. `source` is the object of the plan with its shape and materials: itself, or the
+    original of a copy."""
 
     object_id: str
     source: str
@@ -169,8 +170,8 @@ class Placement:
 
 
 def structures(plan: FloorPlan, room) -> tuple[tuple[str, tuple[shapes.Part, ...], Mapping[str, paint.Material]], ...]:
-    """Names, parts in the world frame and palettes of what is seen of a scene but is none of its objects: the room and the
-    bodies of its counters."""
+    """Name, parts in the world frame and palette of everything visible that is no object: the room, and the bodies of
+    counters."""
     below = []
     for counter, parts in shapes.bodies(plan):
         x, y, z = (float(v) for v in counter.box.centre)
@@ -179,12 +180,13 @@ def structures(plan: FloorPlan, room) -> tuple[tuple[str, tuple[shapes.Part, ...
 
 
 class PlanMeshes:
-    """The meshes of all that a floor plan and its room hold, made once.
+    """The meshes of a floor plan and its room.
 
-    `untouched` is the scene as the floor plan records it; `posed` gives any of its objects at other poses.
+    `untouched` is the scene as recorded; `posed` gives any of its objects at other poses.
     """
 
     def __init__(self, plan: FloorPlan, room) -> None:
+        """Builds the meshes of `plan` and of `room`, a room.Room."""
         self.plan = plan
         fixtures = structures(plan, room)
         self.names = tuple(o.object_id for o in plan.objects) + tuple(name for name, _, _ in fixtures)
@@ -213,23 +215,23 @@ class PlanMeshes:
         return _joined(((i, self._locals[i], box) for i, box in poses), self.names, self.materials, self._offsets)
 
     def repainted(self, palettes: Mapping[str, Mapping[str, paint.Material]]) -> tuple[paint.Material, ...]:
-        """`materials` with those of other `palettes` by the names of instances, in the same order."""
+        """`materials` with other `palettes`, by names of instances, in the same order."""
         return tuple(palettes[self.names[i]][slot] for i, made in self._locals.items() for slot in made.slots)
 
     def index(self, object_id: str) -> int:
-        """Index of an instance in `names`. KeyError if there is none."""
+        """Index of an instance in `names`. Raises KeyError for an unknown one."""
         return self._index[object_id]
 
     def radius_m(self, object_id: str) -> float:
-        """How far from the centre of its box an object of the plan and the boxes of its parts reach, metres, whichever way it is
-        turned; 0 for one of which nothing is drawn. KeyError if there is none."""
+        """Radius, metres, around the centre of its box that contains an object of the plan in any rotation; 0 for an object
+        without a mesh. Raises KeyError for an unknown object."""
         if object_id not in self._radius_m:
             local = self._locals.get(self._index[object_id])
             self._radius_m[object_id] = 0.0 if local is None else local.radius_m
         return self._radius_m[object_id]
 
     def posed(self, placements: Sequence[Placement]) -> SceneMesh:
-        """Mesh of some objects, each at its placement. Objects that the plan does not name (copies) come last."""
+        """Mesh of objects at their placements. Copies, which the plan does not name, come last."""
         copies = tuple(p.object_id for p in placements if p.object_id not in self._index)
         index = self._index | {name: len(self.names) + i for i, name in enumerate(copies)}
         locals_, offsets, poses = {}, {}, []
@@ -247,7 +249,7 @@ _plans: OrderedDict[int, tuple[FloorPlan, PlanMeshes]] = OrderedDict()
 
 
 def of_plan(plan: FloorPlan, room) -> PlanMeshes:
-    """`PlanMeshes` of a floor plan, remembered for the last few plans. The room must be the plan's own (`room_of(plan)`)."""
+    """`PlanMeshes` of a floor plan, cached for the last few plans. The room must be the plan's own (`room_of(plan)`)."""
     found = _plans.get(id(plan))
     if found is None or found[0] is not plan:
         found = (plan, PlanMeshes(plan, room))
@@ -260,18 +262,18 @@ def of_plan(plan: FloorPlan, room) -> PlanMeshes:
 
 @dataclass(frozen=True)
 class Changes:
-    """How a world differs from its floor plan, for the eye."""
+    """The visible differences between a world and its floor plan."""
 
     displaced: frozenset[str]
-    """Objects of the plan that are not drawn where it has them"""
+    """Objects that are not drawn at their recorded poses"""
     placements: tuple[Placement, ...]
-    """What is drawn elsewhere"""
+    """Objects that are drawn at other poses"""
 
 
 def changes(world) -> Changes:
-    """What differs between a world and its floor plan: a function of the current state, not of how it came about.
+    """The differences between a world and its floor plan: a function of the current state, not of its history.
 
-    An object that is back to within `SAME` is where the plan has it, so that moving it there and back restores every pixel.
+    An object within `SAME` of its recorded pose counts as undisplaced, so moving it there and back restores every pixel.
     """
     displaced, placements = {o.object_id for o in world.plan.objects}, []
     for object_id, body in world.bodies.items():
@@ -291,7 +293,7 @@ def _back(body) -> bool:
 
 
 def without(mesh: SceneMesh, instances: Iterable[int]) -> SceneMesh:
-    """The mesh with the vertices of some instances taken out of the world (NaN), so that rays pass; all indices stay."""
+    """The mesh with the vertices of some instances set to NaN, so that rays miss them; all indices stay valid."""
     vertices = mesh.vertices.copy()
     for instance in instances:
         if instance in mesh.spans:
@@ -300,7 +302,7 @@ def without(mesh: SceneMesh, instances: Iterable[int]) -> SceneMesh:
 
 
 def subset(mesh: SceneMesh, triangles: np.ndarray) -> SceneMesh:
-    """The `triangles` (N,) of a mesh, given by number in ascending order; names, materials, frames and extents are all kept."""
+    """The `triangles` (N,) of a mesh, by ascending number; names, materials, frames and extents are kept."""
     used, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
     return replace(
         mesh,
@@ -315,14 +317,14 @@ def subset(mesh: SceneMesh, triangles: np.ndarray) -> SceneMesh:
 
 
 def figure(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material], box: Box, beside: SceneMesh) -> SceneMesh:
-    """A mesh of `parts` in the frame of `box` that is no instance: -1. It has the names of the mesh `beside` it. Its materials,
+    """A mesh of `parts` in the frame of `box` without an instance (-1). It has the names of the mesh `beside` it. Its materials,
     one for each slot in the order of the parts, are numbered after those of that mesh."""
     local = _local(parts, palette)
     return _joined([(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
 
 
 def joined(first: SceneMesh, second: SceneMesh) -> SceneMesh:
-    """Both meshes of one plan as one; triangles of `second` come after all of `first`, and its names count."""
+    """Both meshes of one plan as one; triangles of `second` come last, and its names count."""
     vertex, part = np.int32(len(first.vertices)), np.int32(len(first.frames))
     return SceneMesh(
         np.concatenate([first.vertices, second.vertices]),
@@ -340,7 +342,7 @@ def joined(first: SceneMesh, second: SceneMesh) -> SceneMesh:
 
 
 def build(world) -> SceneMesh:
-    """Everything that a world draws now, as one mesh: what is where the plan has it first, then what was displaced."""
+    """All that a world shows now, as one mesh: undisplaced objects first, then displaced ones."""
     meshes = of_plan(world.plan, world.room)
     now = changes(world)
     fixed = without(meshes.untouched, [meshes.index(o) for o in now.displaced])
