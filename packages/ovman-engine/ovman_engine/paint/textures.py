@@ -497,7 +497,7 @@ def albedo(
     """Writes the colours of N hits to out (N, 3) float32, linear RGB; rows without a hit (prim negative) stay as they are.
 
     prim (N,) triangle, points (N, 3) world metres, footprint (N,) metres; triangle tables (T,), part tables frames (P, 3, 4) and
-    extents (P, 3) as in SceneMesh; material tables colours (M, 3), kinds, scales (metres), seeds, emissions (M,).
+    extents (P, 3) as in TriangleMesh; material tables colours (M, 3), kinds, scales (metres), seeds, emissions (M,).
     """
     for i in range(len(prim)):
         t = prim[i]

@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ovman_engine.paint.decor import Decor
-from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine
+from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine, triangle_mesh
 from ovman_engine.picture.painter import Appearance, Painter
 from ovman_engine.picture.stage import Stage
 from ovman_engine.plan.floorplan import rotation_matrix
@@ -111,7 +111,7 @@ class _Plan:
         """Embree scene of the whole plan without the objects `displaced`."""
         if displaced not in self._scenes:
             without = [self.meshes.index(o) for o in displaced]
-            changed = scene_mesh.without(self.meshes.untouched, without) if without else None
+            changed = triangle_mesh.without(self.meshes.untouched, without) if without else None
             self._scenes[displaced] = rays.untouched(self.meshes) if changed is None else rays.committed(changed)
             while len(self._scenes) > FIXED_KEPT:
                 self._scenes.popitem(last=False)
@@ -164,7 +164,7 @@ class Renderer:
         moved = self._shared.meshes.posed(now.placements)
         untouched = self._shared.meshes.untouched
         self._displaced, self._moved = now.displaced, moved
-        self._mesh = scene_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
+        self._mesh = triangle_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
         self._caster = rays.Caster(self._shared.fixed(now.displaced), len(untouched.triangles), moved)
         self._drawn = self.world.version
 
@@ -179,13 +179,13 @@ class Renderer:
             self._lit = self.world.version, self.decor
         return self._rig
 
-    def _staged(self, view: View, looks: Appearance) -> tuple[scene_mesh.SceneMesh, Appearance, rays.Caster]:
+    def _staged(self, view: View, looks: Appearance) -> tuple[triangle_mesh.TriangleMesh, Appearance, rays.Caster]:
         """Mesh, materials and caster for a camera other than the agent's. The visible part of the shell depends on the view, so
         the shell is a displaced object."""
         stage, untouched = self._shared.stage, self._shared.meshes.untouched
-        extra = scene_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
+        extra = triangle_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
         caster = rays.Caster(self._shared.fixed(self._displaced | stage.names), len(untouched.triangles), extra)
-        return scene_mesh.joined(untouched, extra), stage.looks(looks), caster
+        return triangle_mesh.joined(untouched, extra), stage.looks(looks), caster
 
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
         """The requested images of the world as it is now."""

@@ -12,7 +12,7 @@ from ovman_engine.paint.materials import Material
 from ovman_engine.picture import film, optics, shading, sunshine
 from ovman_engine.picture.lights import Rig
 from ovman_engine.picture.rays import Caster
-from ovman_engine.picture.scene_mesh import SceneMesh
+from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 PANES = 2
 """Number of panes of glass, one behind the other, that are seen through."""
@@ -76,7 +76,7 @@ class Surface:
 class Painter:
     """Casts and colours the rays of one view of a mesh."""
 
-    def __init__(self, view, mesh: SceneMesh, looks: Appearance, caster: Caster) -> None:
+    def __init__(self, view, mesh: TriangleMesh, looks: Appearance, caster: Caster) -> None:
         """`view`: camera.View."""
         self._view, self._mesh, self._looks, self._caster = view, mesh, looks, caster
         self._flat = view.orthographic_size is not None

@@ -14,7 +14,8 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from ovman_engine.picture import embree
-from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh
+from ovman_engine.picture.scene_mesh import PlanMeshes
+from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 FAR = np.float32(1e30)
 LANES = embree.LANES
@@ -137,7 +138,7 @@ def _occluded(function, fixed, displaced, valid, numbers, bits, arguments, origi
             blocked[first + k] = numbers[_REACH, k] < 0
 
 
-def committed(mesh: SceneMesh, number: int = _FIXED) -> embree.Scene:
+def committed(mesh: TriangleMesh, number: int = _FIXED) -> embree.Scene:
     """The Embree scene of a mesh."""
     return embree.Scene(mesh.vertices, mesh.triangles, number)
 
@@ -155,7 +156,7 @@ def untouched(meshes: PlanMeshes) -> embree.Scene:
 class Caster:
     """Casts rays into a fixed and a displaced scene. Triangles of the second are numbered after those of the first."""
 
-    def __init__(self, fixed: embree.Scene, offset: int, displaced: SceneMesh) -> None:
+    def __init__(self, fixed: embree.Scene, offset: int, displaced: TriangleMesh) -> None:
         """`offset`: number of triangles of the fixed mesh."""
         self._fixed, self._displaced = fixed, committed(displaced, _DISPLACED)
         self._offset = np.int32(offset)

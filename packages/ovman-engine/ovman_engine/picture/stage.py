@@ -12,7 +12,8 @@ import numpy as np
 from ovman_engine.bodies.embodiment import DEFAULT
 from ovman_engine.picture import agent_body
 from ovman_engine.picture.painter import Appearance
-from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh, figure, joined, subset
+from ovman_engine.picture.scene_mesh import PlanMeshes
+from ovman_engine.picture.triangle_mesh import TriangleMesh, figure, joined, subset
 from ovman_engine.plan.floorplan import Box, rotation_matrix
 
 SHELL = frozenset({"wall", "door", "ceiling"})
@@ -43,11 +44,11 @@ class Stage:
         self._centres, self._normals = centres[shell], normals[shell]
         ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
         self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
-        self._last_body: tuple[tuple, SceneMesh] | None = None
+        self._last_body: tuple[tuple, TriangleMesh] | None = None
         slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
         self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
-    def set_for(self, view, agent) -> SceneMesh:
+    def set_for(self, view, agent) -> TriangleMesh:
         """The visible part of the shell for a camera.View, and the body of a body.Agent, whose instance is -1.
 
         The body's materials, which `looks` gives, follow those of the plan. A camera within the body does not see it.
@@ -66,7 +67,7 @@ class Stage:
         pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Appearance))
         return Appearance(*(np.concatenate(pair) for pair in pairs))
 
-    def _body(self, agent) -> SceneMesh:
+    def _body(self, agent) -> TriangleMesh:
         key = (agent.embodiment, agent.standing, *np.round(agent.position, 6).tolist(), agent.yaw_deg)
         if self._last_body is None or self._last_body[0] != key:
             box = Box(np.asarray(agent.position, dtype=float), np.ones(3), rotation_matrix(np.array([0.0, agent.yaw_deg, 0.0])))
