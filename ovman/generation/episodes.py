@@ -21,6 +21,12 @@ REJECTION_COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"
 
 
+class ShortSplitError(ValueError):
+    """Fewer episodes were certified than benchmark.split asks for; one line with the counts and the remedies."""
+
+    says_all = True
+
+
 def rejection(verdict: Mapping[str, Any], runs: Sequence[Mapping[str, Any]], constants: Success) -> Rejection | None:
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict["rejected"] is not None:
@@ -115,7 +121,10 @@ def run(
     episodes_out: Path,
     rejections_out: Path,
 ) -> None:
-    """Write the released episodes and the audit of rejections, and say which relations fell short."""
+    """Write the released episodes and the audit of rejections.
+
+    ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
+    """
     success = constants.success
     trials = {t["candidate"]["id"]: t for t in _records(trials_files)}
     verdicts = {v["id"]: v for v in _records(admissible_files)}
@@ -123,6 +132,7 @@ def run(
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), success) for k in trials}
     relation_of = {k: Relation(v["relation"]) for k, v in verdicts.items()}
     released: list[str] = []
+    short: list[str] = []
     for relation in Relation:
         pool: dict[str, list[str]] = {}
         for k, against in rejections.items():
@@ -132,10 +142,12 @@ def run(
         chosen = select(pool, wanted, seeds.generator(constants.benchmark.seed, "split", relation.value))
         certified = sum(map(len, pool.values()))
         print(f"{relation.value}: {len(chosen)} released of {certified} certified, {wanted} wanted", flush=True)
-        if len(chosen) < wanted:
-            remedy = f"raise candidates.draws.{relation.value} in config.yaml"
-            print(f"SHORT: {relation.value} has {certified} certified episodes of {wanted}; {remedy}", flush=True)
+        if len(chosen) < wanted and not constants.benchmark.allow_short_split:
+            short.append(f"{relation.value} {certified} of {wanted}")
         released += chosen
+    if short:
+        remedy = "raise candidates.draws, lower benchmark.split, or set benchmark.allow_short_split to true"
+        raise ShortSplitError(f"benchmark.split asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     order = {scene: i for i, scene in enumerate(constants.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k]["candidate"]["scene"]], list(Relation).index(relation_of[k]), k))
     records = [episode(trials[k], runs[k], constants.benchmark.backend, success) for k in released]

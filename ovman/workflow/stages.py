@@ -47,6 +47,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "benchmark.backend",
         "benchmark.scenes",
         "benchmark.split.*",
+        "benchmark.allow_short_split",
         "success.*",
     ),
     "pictures": (

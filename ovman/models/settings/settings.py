@@ -62,7 +62,7 @@ class Settings(Section):
             here = tree.get("released")
             for key in (entry.get("released") if isinstance(entry, dict) else None, "root"):
                 here = here.get(key) if isinstance(here, dict) and isinstance(key, str) else None
-            return here != ""
+            return bool(here != "")
 
         if not isinstance(tree, dict) or not isinstance(tree.get("arms"), dict):
             return tree
