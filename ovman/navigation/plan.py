@@ -70,7 +70,8 @@ def steps_from(grid: Grid, start: Cell) -> dict[Cell, int]:
 
 
 def _trace(came_from: dict[Cell, Cell | None], goal: Cell) -> tuple[Cell, ...]:
-    path, cell = [], goal
+    path: list[Cell] = []
+    cell: Cell | None = goal
     while cell is not None:
         path.append(cell)
         cell = came_from[cell]

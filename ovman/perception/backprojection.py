@@ -37,19 +37,23 @@ class Camera:
 
 def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """World points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): metres along the optical axis."""
-    return pixel_points(depth, *np.nonzero(mask), camera)
+    rows, columns = np.nonzero(mask)
+    return pixel_points(depth, rows, columns, camera)
 
 
 def pixel_points(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, camera: Camera) -> np.ndarray:
     """World points (N, 3) of N pixels, metres. `depth` (H, W): metres along the optical axis."""
-    return _rays(rows + 0.5, columns + 0.5, depth.shape, camera) * depth[rows, columns, None] + np.array(camera.position)
+    rays = _rays(rows + 0.5, columns + 0.5, depth.shape, camera)
+    points: np.ndarray = rays * depth[rows, columns, None] + np.array(camera.position)
+    return points
 
 
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """Component-wise median (3,) of a mask's world points. ValueError for an empty mask. Source: Eq. backproj."""
     if not mask.any():
         raise ValueError("an empty mask has no place")
-    return np.median(world_points(depth, mask, camera), axis=0)
+    point: np.ndarray = np.median(world_points(depth, mask, camera), axis=0)
+    return point
 
 
 def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.ndarray:
@@ -77,7 +81,8 @@ def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.
     if not len(rows):
         raise ValueError("an empty mask has no place")
     ray = _rays(np.array([rows.mean() + 0.5]), np.array([columns.mean() + 0.5]), depth.shape, camera)[0]
-    return ray * np.median(depth[rows, columns]) + np.array(camera.position)
+    point: np.ndarray = ray * np.median(depth[rows, columns]) + np.array(camera.position)
+    return point
 
 
 @lru_cache(maxsize=4)
@@ -89,7 +94,8 @@ def _lens(height: int, width: int, field_of_view_deg: float) -> np.ndarray:
 
 def _rays(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, ...], camera: Camera) -> np.ndarray:
     """R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
-    return (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+    rays: np.ndarray = (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+    return rays
 
 
 def _before(rows: np.ndarray, columns: np.ndarray, height: int, width: int, field_of_view_deg: float) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Mapping, Sequence
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from ovman.models.settings import Settings
@@ -41,7 +41,7 @@ def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], ke
     seen: dict[str, Detected] = {}
     for name, directory in visits.items():
         began, content = time.process_time(), tour_files.digest(directory, field_of_view_deg, seen_by)
-        seen[name], known = store.kept(content, lambda directory=directory, content=content: look(directory, content))
+        seen[name], known = store.kept(content, partial(look, directory, content))
         took = "seen before" if known else f"{time.process_time() - began:.1f} s of the processor"
         print(f"{name}: {len(seen[name])} detections, {took}", flush=True)
     write_detections(output, seen)

@@ -64,7 +64,8 @@ class Detector:
     @property
     def network(self) -> Callable[[Any], Any]:
         """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs."""
-        return self._predict.inference
+        inference: Callable[[Any], Any] = self._predict.inference
+        return inference
 
     def at(self, side_px: int) -> Detector:
         """The same network for pictures that are scaled to another side, a multiple of 32."""
@@ -90,7 +91,8 @@ def empty_network(architecture: str, classes: int = 1) -> Any:
     from ultralytics.nn.tasks import SegmentationModel
 
     try:
-        return SegmentationModel(f"{architecture}.yaml", nc=classes, verbose=False)
+        made: Callable[..., Any] = SegmentationModel  # ultralytics has no types
+        return made(f"{architecture}.yaml", nc=classes, verbose=False)
     except (FileNotFoundError, KeyError, AttributeError):
         raise WeightsError(f"{KEY}.architecture is {architecture}, which ultralytics does not have; yolov8n-seg is one") from None
 

@@ -120,13 +120,16 @@ class Encoder:
     def _tokens(self) -> Callable[[list[str]], Any]:
         from open_clip.tokenizer import SimpleTokenizer
 
-        return SimpleTokenizer(context_length=self._towers[1].towers["text_cfg"].get("context_length", 77))
+        length = self._towers[1].towers["text_cfg"].get("context_length", 77)
+        tokenizer: Callable[[list[str]], Any] = SimpleTokenizer(context_length=length)
+        return tokenizer
 
     @cached_property
     def look(self) -> Callable[[Any], Any]:
         """What crops (N, 3, side_px, side_px) go through: the image tower, on a processor as a graph."""
         if self._device != "cpu":
-            return self._towers[0].encode_image
+            tower: Callable[[Any], Any] = self._towers[0].encode_image
+            return tower
         shape = (0, 3, self.side_px, self.side_px)
         graph = Graph(self._kept.content("images.onnx", lambda: exported(self._towers[0].visual, shape)))
         return lambda crops: graph(crops)[0]

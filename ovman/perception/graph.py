@@ -21,6 +21,7 @@ def exported(network: Any, shape: Sequence[int]) -> bytes:
 
     number, *picture = shape
     file = io.BytesIO()
+    to: Any = file  # torch writes to one, and its types do not say so
     fast = torch.backends.mha.get_fastpath_enabled()
     torch.backends.mha.set_fastpath_enabled(False)  # one operation of torch's own, which no graph has
     try:
@@ -28,7 +29,7 @@ def exported(network: Any, shape: Sequence[int]) -> bytes:
             torch.onnx.export(
                 network,
                 (torch.zeros(number or 2, *picture),),
-                file,
+                to,
                 dynamo=False,
                 opset_version=OPSET,
                 input_names=["pictures"],

@@ -27,4 +27,5 @@ def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold
         with np.errstate(invalid="ignore"):
             overlap = shared / (area[first] + area[waiting] - shared)
         waiting = waiting[~(overlap > np.float64(iou_threshold))]
-    return order[np.array(stay, int)]
+    kept: np.ndarray = order[np.array(stay, int)]
+    return kept

@@ -38,14 +38,13 @@ def with_network(options: Mapping[str, Any], network: Any) -> Any:
     from ultralytics.models.yolo.segment import SegmentationPredictor
 
     class Unhurried(SegmentationPredictor):
-        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
+        def postprocess(self, preds: Any, img: Any, orig_imgs: Any, **kwargs: Any) -> list[Any]:
+            each: Any = super()
             boxes, prototypes = preds[0] if isinstance(preds[0], tuple) else preds[:2]
             return [
                 result
                 for n in range(len(orig_imgs))
-                for result in super(Unhurried, self).postprocess(
-                    ((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1]
-                )
+                for result in each.postprocess(((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1])
             ]
 
     network = network.to(options["device"]).float().eval()
@@ -62,7 +61,9 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
     """
     import torch
     from ultralytics.models.yolo.segment import SegmentationPredictor
-    from ultralytics.utils.ops import xywh2xyxy
+    from ultralytics.utils import ops
+
+    untyped: Any = ops  # as all of ultralytics
 
     facts = Facts(**json.loads(kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(load()))).encode())))
 
@@ -75,11 +76,12 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
         def inference(self, im: Any, *args: Any, **kwargs: Any) -> Any:
             return [graph(1, *im.shape[1:])(picture[None]) for picture in im]
 
-        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
+        def postprocess(self, preds: Any, img: Any, orig_imgs: Any, **kwargs: Any) -> list[Any]:
+            whole: Any = self
             return [
                 result
                 for n, (boxes, prototypes) in enumerate(preds)
-                for result in self.construct_results(
+                for result in whole.construct_results(
                     [self._instances(boxes[0], prototypes.shape[1])], img[n : n + 1], orig_imgs[n : n + 1], prototypes
                 )
             ]
@@ -92,11 +94,11 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
             end = len(boxes) - coefficients
             found = boxes[:, boxes[4:end].amax(0) > sure].T
             confidence, of = found[:, 4:end].max(1, keepdim=True)
-            corners = xywh2xyxy(found[:, :4])
+            corners = untyped.xywh2xyxy(found[:, :4])
             stay = torch.from_numpy(non_max_suppression(corners.numpy(), confidence[:, 0].numpy(), self.args.iou, most))
             return torch.cat((corners, confidence, of.float(), found[:, end:]), 1)[stay]
 
-    made = Graphs(overrides=dict(options))
+    made: Any = Graphs(overrides=dict(options))
     made.device = torch.device("cpu")
     made.model = SimpleNamespace(  # what it asks of a network that takes pictures of any shape
         format="onnx",

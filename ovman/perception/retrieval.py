@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -63,12 +64,21 @@ def ranks(
         against = features[rows] @ of_noun[others].T
         phrases = [nouns[order[i]][0] for i in others]
 
-        def before(phrase: str, rows=rows, against=against, phrases=phrases) -> np.ndarray:
-            rival = np.array([other != phrase for other in phrases], bool)
-            return (against[:, rival] >= (features[rows] @ text[phrase].astype(float))[:, None]).sum(axis=1)
-
+        before = partial(_before, features[rows], against, phrases, text)
         own[rows] = before(nouns[category][0])
         renamed = np.stack([before(phrase) for phrase in nouns[category][1:]] or [np.zeros(len(rows), int)], axis=1)
         for row, of_row in zip(rows, renamed[:, : len(nouns[category]) - 1], strict=True):
             by_synonym[row] = of_row
     return Ranks(own, tuple(by_synonym), np.full(len(features), len(order)))
+
+
+def _before(
+    features: np.ndarray, against: np.ndarray, phrases: Sequence[str], text: Mapping[str, np.ndarray], phrase: str
+) -> np.ndarray:
+    """(R,) how many other categories come before the right one, if that goes by `phrase`.
+
+    features (R, K): of the crops; against (R, C): similarities to the nouns `phrases` of the C other categories.
+    """
+    rival = np.array([other != phrase for other in phrases], bool)
+    ahead: np.ndarray = (against[:, rival] >= (features @ text[phrase].astype(float))[:, None]).sum(axis=1)
+    return ahead

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from ovman.perception.backprojection import Camera, median_points
 from ovman.perception.crop import crop
 from ovman.perception.detected import Detected, Masks
+from ovman.perception.protocols import ImageEncoder, Segmenter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,29 +22,8 @@ class View:
     camera: Camera
 
 
-class Segments(Protocol):
-    """masks (N, H, W) bool of one picture, the surest first, and how sure (N,)."""
-
-    masks: np.ndarray
-    confidence: np.ndarray
-
-
-class Segmenter(Protocol):
-    """Finds instances in pictures: `ovman.perception.detector.Detector`."""
-
-    def detect(self, pictures: Sequence[np.ndarray]) -> Sequence[Segments]: ...
-
-
-class Embedder(Protocol):
-    """Embeds crops: `ovman.perception.encoder.Encoder`."""
-
-    side_px: int
-
-    def images(self, crops: np.ndarray) -> np.ndarray: ...
-
-
 def detections(
-    views: Sequence[View], detector: Segmenter, encoder: Embedder, min_mask_px: int, crop_padding: float, content: str = ""
+    views: Sequence[View], detector: Segmenter, encoder: ImageEncoder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
     """What is detected in the views of a tour (at least one), in their order.
 

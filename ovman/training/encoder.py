@@ -136,7 +136,7 @@ def run(
             model.logit_scale.fill_(math.log(SCALES[0]) + rise * math.log(SCALES[1] / SCALES[0]))
         optimiser.zero_grad(set_to_none=True)
         loss = _loss(model, lessons, batch, generator)
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(model.parameters(), CLIPPED)
         optimiser.step()
         keep = min(MEMORY, step / (step + 10))
@@ -192,7 +192,8 @@ def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Ge
     said = F.normalize(model.encode_text(lessons.attributed[word, noun]), dim=-1)
     true = (lessons.right[noun][:, labels[few]].T & words[:, word]).float()
     own = (scale * seen[few] @ said.T).log_softmax(1)
-    return loss - ATTRIBUTE * (true / true.sum(1, keepdim=True) * own).sum(1).mean()
+    total: torch.Tensor = loss - ATTRIBUTE * (true / true.sum(1, keepdim=True) * own).sum(1).mean()
+    return total
 
 
 @torch.no_grad()

@@ -91,7 +91,8 @@ def _draw(controller: Any, rng: np.random.Generator, own: bool) -> list[dict[str
         for found in controller.last_event.metadata["objects"]:
             if (found["pickupable"] or found["moveable"]) and rng.random() < TAKEN:
                 step("DisableObject", objectId=found["objectId"])
-    return step("GetReachablePositions").metadata["actionReturn"]
+    positions: list[dict[str, float]] = step("GetReachablePositions").metadata["actionReturn"]
+    return positions
 
 
 def picture_of(event: Any) -> Picture:

@@ -26,7 +26,7 @@ def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]
     labels, count = ndimage.label(frontier, EIGHT if constants.cluster_voxels > np.sqrt(2.0) else None)
     cells = np.argwhere(frontier)
     label = labels[frontier]
-    means = np.stack([np.bincount(label, cells[:, axis], count + 1)[1:] for axis in (0, 1)], axis=1)
+    means: np.ndarray = np.stack([np.bincount(label, cells[:, axis], count + 1)[1:] for axis in (0, 1)], axis=1)
     means /= np.bincount(label, minlength=count + 1)[1:, None]
     off = np.hypot(*(cells - means[label - 1]).T)
     order = np.lexsort((off, label))

@@ -128,10 +128,10 @@ class VoxelMap:
         here = np.argwhere(occupied & (self._interest > 0)) + self._origin
         if len(here):
             nearest = here[np.argmin(np.hypot(*(here - np.array(agent)).T))]
-            found = (int(nearest[0]), int(nearest[1]))
-            if found not in self.regions:
+            region = (int(nearest[0]), int(nearest[1]))
+            if region not in self.regions:
                 self.regions = tuple(
-                    sorted({*self.regions, found}, key=lambda c: (np.hypot(c[0] - agent[0], c[1] - agent[1]), c))
+                    sorted({*self.regions, region}, key=lambda c: (np.hypot(c[0] - agent[0], c[1] - agent[1]), c))
                 )
 
     def _cover(self, seen: Scan, agent: Cell) -> None:
@@ -154,4 +154,5 @@ class VoxelMap:
 def _with_neighbours(chosen: np.ndarray, outside: bool) -> np.ndarray:
     """(A, B) bool: the chosen cells and the four neighbours of each. outside: whether what is not in the array is chosen."""
     padded = np.pad(chosen, 1, constant_values=outside)
-    return chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+    grown: np.ndarray = chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+    return grown

@@ -85,7 +85,8 @@ class MapObject:
         for part in self.parts:
             if left.shape[1]:
                 left = left[:, ~part.near(left, near_m)]
-        return 1.0 - left.shape[1] / len(cloud)
+        fraction: float = 1.0 - left.shape[1] / len(cloud)
+        return fraction
 
     @property
     def columns(self) -> np.ndarray:
@@ -119,7 +120,8 @@ class MapObject:
     @property
     def position(self) -> np.ndarray:
         """(2,) x and z of the centre of its box, metres."""
-        return (self.box[:3] + self.box[3:])[FLOOR] / 2
+        centre: np.ndarray = (self.box[:3] + self.box[3:])[FLOOR] / 2
+        return centre
 
 
 def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:
