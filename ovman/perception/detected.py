@@ -9,7 +9,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Masks:
+class PackedMasks:
     """N masks of a height and a width, one bit a pixel: `bits()` gives them as np.packbits does, (N, ceil(height * width / 8))
     uint8.
     """
@@ -19,11 +19,11 @@ class Masks:
     bits: Callable[[], np.ndarray]
 
     @staticmethod
-    def of(masks: np.ndarray) -> Masks:
+    def of(masks: np.ndarray) -> PackedMasks:
         """The masks (N, H, W) bool."""
         count, height, width = masks.shape
         packed = np.packbits(masks.reshape(count, height * width), axis=1)
-        return Masks(height, width, lambda: packed)
+        return PackedMasks(height, width, lambda: packed)
 
     def unpacked(self) -> np.ndarray:
         """(N, H, W) bool."""
@@ -46,7 +46,7 @@ class Detected:
     feature: np.ndarray
     pixels: np.ndarray
     confidence: np.ndarray
-    packed: Masks
+    packed: PackedMasks
     content: str
 
     def __len__(self) -> int:

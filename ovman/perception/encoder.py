@@ -75,7 +75,7 @@ def network_of(weights: Path, of: Architecture, trust_pickles: bool = False) -> 
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
+class EncoderFacts:
     """What has to be known of the towers to prepare crops for them and to read what they give.
 
     side_px: of the crops; size: of the embeddings; mean and deviation (3,): of the pictures.
@@ -87,9 +87,9 @@ class Facts:
     deviation: tuple[float, ...]
 
     @staticmethod
-    def of(network: Any, of: Architecture) -> Facts:
+    def of(network: Any, of: Architecture) -> EncoderFacts:
         side = network.visual.image_size
-        return Facts(int(side if isinstance(side, int) else side[0]), int(of.towers["embed_dim"]), of.mean, of.deviation)
+        return EncoderFacts(int(side if isinstance(side, int) else side[0]), int(of.towers["embed_dim"]), of.mean, of.deviation)
 
 
 class Encoder:
@@ -105,7 +105,7 @@ class Encoder:
         import torch
 
         self._load, self._device, self._kept = load, device, kept or NetworkCache(None)
-        facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(*self._towers))).encode()))
+        facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(EncoderFacts.of(*self._towers))).encode()))
         self.side_px, self.size = facts["side_px"], facts["size"]
         self._mean, self._deviation = (
             torch.tensor(facts[name], device=device).view(1, 3, 1, 1) for name in ("mean", "deviation")

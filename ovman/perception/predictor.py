@@ -16,7 +16,7 @@ from ovman.perception.non_max_suppression import non_max_suppression
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
+class DetectorFacts:
     """What has to be known of a network to prepare pictures for its graph and to read what that gives.
 
     stride: sides of its pictures are multiples of it; end2end: it suppresses overlaps itself.
@@ -26,8 +26,8 @@ class Facts:
     end2end: bool
 
     @staticmethod
-    def of(network: Any) -> Facts:
-        return Facts(max(int(network.stride.max()), 32), bool(getattr(network, "end2end", False)))
+    def of(network: Any) -> DetectorFacts:
+        return DetectorFacts(max(int(network.stride.max()), 32), bool(getattr(network, "end2end", False)))
 
 
 def with_network(options: Mapping[str, Any], network: Any) -> Any:
@@ -65,7 +65,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
 
     untyped: Any = ops  # as all of ultralytics
 
-    facts = Facts(**json.loads(kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(load()))).encode())))
+    facts = DetectorFacts(**json.loads(kept.content("facts.json", lambda: json.dumps(asdict(DetectorFacts.of(load()))).encode())))
 
     @cache
     def graph(*shape: int) -> Graph:
@@ -127,6 +127,6 @@ def _boxes(network: Any, most: int) -> Any:
             return given[0] if isinstance(given[0], tuple) else given[:2]
 
     fused = deepcopy(network).float().eval().fuse(verbose=False)
-    if Facts.of(fused).end2end:
+    if DetectorFacts.of(fused).end2end:
         fused.set_head_attr(max_det=max(most, 300), agnostic_nms=True)
     return Boxes(fused).eval()

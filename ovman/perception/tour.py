@@ -9,7 +9,7 @@ import numpy as np
 
 from ovman.perception.backprojection import Camera, median_points
 from ovman.perception.crop import crop
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.protocols import ImageEncoder, Segmenter
 
 
@@ -52,6 +52,6 @@ def detections(
         feature=encoder.images(squares),
         pixels=every.sum(axis=(1, 2), dtype=np.int64),
         confidence=np.concatenate(confidence).astype(np.float32),
-        packed=Masks.of(every),
+        packed=PackedMasks.of(every),
         content=content,
     )

@@ -10,7 +10,7 @@ import numpy as np
 from ovman.agents.dualmap.classes import Classes
 from ovman.agents.dualmap.dbscan import largest_cluster
 from ovman.agents.dualmap.masks import filtered
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.models.settings.baselines import DualmapObservation
 from ovman.perception.backprojection import pixel_points
 from ovman.perception.crop import squared
@@ -40,7 +40,7 @@ class Observer:
         crops = [crop for look in looks for crop, _, _ in look]
         named = iter(self._named(crops))
         return [
-            Shot(tuple(Seen(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
+            Shot(tuple(FrameObject(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
             for frame, look in zip(frames, looks, strict=True)
         ]
 
