@@ -1,4 +1,4 @@
-"""What was detected on a tour, as arrays."""
+"""The detections of a tour as arrays."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ class PackedMasks:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detected:
-    """The N detections of a tour, in the order of its views and within a view the surest first.
+    """The N detections of a tour, in the order of its views, and within a view by descending confidence.
 
     view (N,): index in the tour; point (N, 3): median of a mask's world points, metres; feature (N, K): unit embeddings of the
-    crops; pixels (N,): sizes of the masks; confidence (N,) in [0, 1]; packed: the masks; content: digest of the tour's frames
-    and camera poses and of the networks and constants that looked at them.
+    crops; pixels (N,): sizes of the masks; confidence (N,) in [0, 1]; packed: the masks; content: digest of the tour's frames,
+    its camera poses, the networks and their constants.
     """
 
     view: np.ndarray
@@ -53,5 +53,5 @@ class Detected:
         return len(self.view)
 
     def masks(self) -> np.ndarray:
-        """(N, H, W) bool. They lie packed in their file, and are read from it when they are asked for."""
+        """(N, H, W) bool. Masks of a file are read from it at this call."""
         return self.packed.unpacked()

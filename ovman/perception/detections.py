@@ -1,4 +1,4 @@
-"""Stage `detections`: what the networks see in the recorded tours of a scene."""
+"""Stage `detections`: detections of the recorded tours of a scene."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from ovman.perception.records import write_detections
 from ovman.perception.store import Store
 
 SIGHT = (networks, tour, tour_files)
-"""The modules that decide, with what they import, what is detected."""
+"""The modules that, with their imports, determine what is detected."""
 
 
 def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, output: Path) -> None:
     """Writes the detections of `visits` (name -> directory of its recording), in their order.
 
-    code: digests of the code of SIGHT; kept: directory of a `Store`, to which what is new is added. A network is loaded
-    when there is a tour to look at. Raises WeightsError, TourError.
+    code: digests of the code of SIGHT; kept: directory of a `Store`, which takes new detections. The networks are loaded at
+    the first tour that the store does not have. Raises WeightsError, TourError.
     """
     perception, store = constants.perception, Store(kept)
     field_of_view_deg = constants.camera.field_of_view_deg

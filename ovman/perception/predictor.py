@@ -1,4 +1,4 @@
-"""ultralytics' predictor, which prepares pictures and reads masks from what a network gives for them."""
+"""ultralytics' predictor: preprocessing of pictures and decoding of masks."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from ovman.perception.non_max_suppression import non_max_suppression
 
 @dataclass(frozen=True, slots=True)
 class DetectorFacts:
-    """What has to be known of a network to prepare pictures for its graph and to read what that gives.
+    """What preprocessing and decoding need of a network.
 
-    stride: sides of its pictures are multiples of it; end2end: it suppresses overlaps itself.
+    stride: divides the sides of its pictures; end2end: it has non-maximum suppression of its own.
     """
 
     stride: int
@@ -27,13 +27,14 @@ class DetectorFacts:
 
     @staticmethod
     def of(network: Any) -> DetectorFacts:
+        """The facts of a network of ultralytics."""
         return DetectorFacts(max(int(network.stride.max()), 32), bool(getattr(network, "end2end", False)))
 
 
 def with_network(options: Mapping[str, Any], network: Any) -> Any:
-    """ultralytics' predictor, which looks for the instances of one picture after the other.
+    """ultralytics' predictor, one picture at a time.
 
-    Given several, its suppression of overlaps stops after two seconds of wall clock and leaves the rest of them without any.
+    For a batch its non-maximum suppression stops after two seconds of wall time and drops the remaining pictures.
     """
     from ultralytics.models.yolo.segment import SegmentationPredictor
 
@@ -55,9 +56,9 @@ def with_network(options: Mapping[str, Any], network: Any) -> Any:
 
 
 def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: NetworkCache) -> Any:
-    """ultralytics' predictor on a processor, where pictures go one by one through a graph for their shape.
+    """ultralytics' predictor on a processor: pictures go one by one through a graph of their shape.
 
-    load: gives the network, if there is a graph to make of it that is not kept yet.
+    load: returns the network; called only for a graph that the cache does not have.
     """
     import torch
     from ultralytics.models.yolo.segment import SegmentationPredictor
@@ -87,7 +88,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
             ]
 
         def _instances(self, boxes: Any, coefficients: int) -> Any:
-            """Corners, confidence, class and coefficients of the mask (N, 6 + coefficients) of what is sure enough and stays."""
+            """Corners, confidence, class and mask coefficients (N, 6 + coefficients) of the kept boxes."""
             sure, most = self.args.conf, self.args.max_det
             if facts.end2end:
                 return boxes[boxes[:, 4] > sure][:most]
@@ -100,7 +101,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
 
     made: Any = Graphs(overrides=dict(options))
     made.device = torch.device("cpu")
-    made.model = SimpleNamespace(  # what it asks of a network that takes pictures of any shape
+    made.model = SimpleNamespace(  # what the predictor asks of a network for pictures of any shape
         format="onnx",
         dynamic=True,
         stride=facts.stride,
@@ -114,7 +115,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
 
 
 def _boxes(network: Any, most: int) -> Any:
-    """Of what a network gives, what counts where nothing is learned: boxes with their scores, and prototypes of masks."""
+    """The outputs that inference uses: boxes with scores, and mask prototypes."""
     import torch
 
     class Boxes(torch.nn.Module):

@@ -1,4 +1,4 @@
-"""Retrieval: where the right category stands among all categories of a scene, by similarity of crops and nouns."""
+"""Retrieval: the rank of the right category among all categories of a scene, by similarity of crops and nouns."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ class Ranks:
         return (self.own < k).astype(float)
 
     def top_by_synonym(self, k: int) -> np.ndarray:
-        """(N,) share of the synonyms by which the right category is among the first k; NaN where there are none."""
+        """(N,) share of the synonyms by which the right category is among the first k; NaN without synonyms."""
         return np.array([np.mean(ranks < k) if len(ranks) else np.nan for ranks in self.synonyms])
 
     def chance(self, k: int) -> np.ndarray:
-        """(N,) what guessing gives."""
+        """(N,) expected value for a random order."""
         return np.minimum(k / self.choices, 1.0)
 
 

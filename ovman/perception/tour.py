@@ -1,4 +1,4 @@
-"""From the views of a tour to its detections: masks, their places in the world, and embeddings of their crops."""
+"""From the views of a tour to its detections: masks, their positions in the world, and embeddings of their crops."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ovman.perception.protocols import ImageEncoder, Segmenter
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """One frame. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis, 0 where there is none; camera: of both."""
+    """One frame. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis, 0 if unknown; camera: of both."""
 
     rgb: np.ndarray
     depth: np.ndarray
@@ -25,9 +25,9 @@ class View:
 def detections(
     views: Sequence[View], detector: Segmenter, encoder: ImageEncoder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
-    """What is detected in the views of a tour (at least one), in their order.
+    """The detections in the views of a tour (at least one), in their order.
 
-    A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its place is the median of those
+    A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its position is the median of those
     (Eq. backproj). ValueError for a tour without views.
     """
     if not views:
