@@ -41,7 +41,7 @@ def exported(network: Any, shape: Sequence[int]) -> bytes:
 
 
 class Graph:
-    """A graph of `exported`, run on one thread, so that its output does not depend on the load. It equals torch's up to rounding."""
+    """A graph of `exported`, run on one thread, so that its output does not depend on load. It equals torch's up to rounding."""
 
     def __init__(self, file: bytes) -> None:
         from onnxruntime import InferenceSession, SessionOptions
