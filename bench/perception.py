@@ -22,6 +22,7 @@ import numpy as np
 
 from measure.bars import Bar, show
 from measure.clock import processor, taken
+from ovman.models.record import read_records
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
@@ -32,7 +33,6 @@ from ovman.sim import visit
 from ovman.sim.change import World
 from ovman.sim.mover import Gait
 from ovman.sim.session import Session
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings

@@ -18,8 +18,8 @@ from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.evaluation import prediction
+from ovman.models.record import records
 from ovman.models.settings import Arm, Kind, Settings, arms_of
-from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
 STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"

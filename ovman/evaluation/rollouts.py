@@ -19,13 +19,12 @@ from ovman.evaluation.predictions import predict
 from ovman.evaluation.rollout import Terms, execute, handed
 from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.language import noun
+from ovman.models.record import read_records
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
-from ovman.navigation import Primitives
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -78,7 +77,7 @@ def execution(
     if arm.answer is Source.HANDED:
         moving = assignment.relation is Relation.MOVING
         told = Told(assignment.answer, handed(visits["second"], assignment.target) if moving else None)
-    given = Given(draws("picks"), constants, Pilot(Primitives.of(constants), draws("paths")), senses, told)
+    given = Given(draws("picks"), constants, Pilot(constants.primitives, draws("paths")), senses, told)
     made = function(arm.name, arm.agent)
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         agent = made(given)

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ovman.models.record import read_records
 from ovman.models.settings import Settings
 from ovman.sim.recorded import world_state
 from ovman.task import Instance, Query, Rejection, Relation, WorldState, admissible
-from ovman.task.record import read_records
 
 SCHEMA = "ovman-verdict/1"
 BEYOND_MEASUREMENT = "beyond_measurement"

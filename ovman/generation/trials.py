@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman.models.record import read_records
 from ovman.navigation import geodesic_m
 from ovman.sim import measurement, visit
 from ovman.sim.change import Alteration, World, dynamic
@@ -20,7 +21,6 @@ from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.sim.visit import Visit
 from ovman.task import Rejection, Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings

@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import VISITS
+from ovman.models.record import read_records
 from ovman.models.settings import Settings
 from ovman.sim.visit import Visit
 from ovman.task import Relation
-from ovman.task.record import read_records
 
 PANEL_INCHES = 2.6
 PIN = "#ffd23f"

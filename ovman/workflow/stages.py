@@ -47,6 +47,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "benchmark.backend",
         "benchmark.scenes",
         "benchmark.split.*",
+        "tour.headings",
+        "camera.*",
+        "primitives.*",
+        "mover.*",
         "success.*",
     ),
     "pictures": (

@@ -7,10 +7,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.models.settings import Settings
+from ovman.models.settings.baselines import Cow
 from ovman.perception.crop import crop
 
 PROMPT = "a photo of a {}"
@@ -61,7 +61,7 @@ class OpenVocabularyLocaliser:
     """
 
     def __init__(
-        self, detector: Segmenter, encoder: Embedder, constants: CowConstants, min_mask_share: float, crop_padding: float
+        self, detector: Segmenter, encoder: Embedder, constants: Cow, min_mask_share: float, crop_padding: float
     ) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self._min_mask_share, self._crop_padding = min_mask_share, crop_padding
@@ -111,9 +111,7 @@ def localiser(constants: Settings, detector: Any, encoder: Any) -> OpenVocabular
     camera, perception = constants.camera, constants.perception
     min_mask_share = perception.detector.min_mask_px / (camera.width_px * camera.height_px)
     of_frames = detector.at(constants.locobot.side_px)
-    return OpenVocabularyLocaliser(
-        of_frames, encoder, CowConstants.of(constants), min_mask_share, perception.encoder.crop_padding
-    )
+    return OpenVocabularyLocaliser(of_frames, encoder, constants.cow, min_mask_share, perception.encoder.crop_padding)
 
 
 def _box(mask: np.ndarray) -> np.ndarray:

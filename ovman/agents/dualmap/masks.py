@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-
-@dataclass(frozen=True, slots=True)
-class MaskConstants:
-    """same_iou: two masks above it are one; colour_bins: of a channel, in a mask's histogram; same_colours: cosine of two masks'
-    histograms above which they are one where they overlap."""
-
-    same_iou: float
-    colour_bins: int
-    same_colours: float
+from ovman.models.settings.baselines import DualmapObservation
 
 
 def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
@@ -25,7 +15,7 @@ def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
 
 
 def filtered(
-    masks: np.ndarray, rgb: np.ndarray, min_mask_px: float, constants: MaskConstants
+    masks: np.ndarray, rgb: np.ndarray, min_mask_px: float, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The masks that are observed, of masks (N, H, W) bool in a picture rgb (H, W, 3).
 
@@ -78,7 +68,7 @@ def _first_of_same(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np
 
 
 def _merged(
-    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: MaskConstants
+    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray]:
     """Masks (N, H * W), the largest first, without those that were merged into a larger one; and which of them they are."""
     meet = np.argwhere(np.triu(shared > 0, 1)).tolist()

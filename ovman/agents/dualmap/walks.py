@@ -20,6 +20,7 @@ import numpy as np
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
+from ovman.models.record import read_records
 from ovman.perception import networks
 from ovman.perception.records import RecordError, read_arrays, write_arrays
 from ovman.sim import walk
@@ -29,7 +30,6 @@ from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings

@@ -42,7 +42,7 @@ def compile_all() -> None:
         do("Initialize", **dict.fromkeys(KINDS, True))
         for _ in range(4):
             do("RotateRight")
-    moved = next(b for b in engine.world.bodies.values() if b.dynamic)
+    moved = next(b for b in engine.session.world.bodies.values() if b.dynamic)
     x, y, z = (float(v) for v in moved.pose.position)
     do("TeleportObject", objectId=moved.object_id, position={"x": x, "y": y + 0.3, "z": z}, forceAction=True)
     do("ToggleMapView")

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.masks import MaskConstants, filtered, histogram
+from ovman.agents.dualmap.masks import filtered, histogram
+from ovman.workflow.config import load
 
-CONSTANTS = MaskConstants(same_iou=0.8, colour_bins=16, same_colours=0.95)
+CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap.observation
 RED, BLUE = (200, 30, 30), (30, 30, 200)
 
 

@@ -15,12 +15,12 @@ import pytest
 from ovman.analysis import metrics
 from ovman.evaluation import predictions
 from ovman.language import noun
+from ovman.models.record import line
 from ovman.models.settings import Kind, Need, Settings, of_kind
 from ovman.perception import maps
 from ovman.perception.detected import Detected, Masks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
-from ovman.task.record import line
 from ovman.workflow import config
 from tests.arms import REFERENCE
 

@@ -11,7 +11,7 @@ import numpy as np
 from ovman_engine.actions.registry import Thrown, action, out_of_range
 from ovman_engine.actions.values import FARTHEST, PartialVector3, Vector3
 from ovman_engine.client.resolution import objection
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.picture.map_view import MapView
 from ovman_engine.picture.third_party import ThirdPartyCamera, normal_angles
 from ovman_engine.world.world import Refused
@@ -49,7 +49,7 @@ NAMED = {
 
 @action("AddThirdPartyCamera")
 def add_third_party_camera(
-    engine: Engine,
+    session: Session,
     position: Vector3,
     rotation: Vector3,
     fieldOfView: float = 90.0,
@@ -60,11 +60,11 @@ def add_third_party_camera(
     farClippingPlane: float | None = None,
     antiAliasing: str = "none",
 ) -> None:
-    if len(engine.cameras) >= MOST:
+    if len(session.cameras) >= MOST:
         raise Refused(f"This engine has at most {MOST} third-party cameras.")
-    if problem := objection(engine.width, engine.height, 2 + len(engine.cameras)):
+    if problem := objection(session.width, session.height, 2 + len(session.cameras)):
         raise Refused(problem)
-    settings = engine.settings
+    settings = session.settings
     blank = ThirdPartyCamera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), fieldOfView, settings.near_m, settings.far_m)
     camera = _changed(
         blank,
@@ -77,12 +77,12 @@ def add_third_party_camera(
         nearClippingPlane,
         farClippingPlane,
     )
-    engine.cameras = (*engine.cameras, camera)
+    session.cameras = (*session.cameras, camera)
 
 
 @action("UpdateThirdPartyCamera")
 def update_third_party_camera(
-    engine: Engine,
+    session: Session,
     thirdPartyCameraId: int = 0,
     position: PartialVector3 | None = None,
     rotation: PartialVector3 | None = None,
@@ -93,7 +93,7 @@ def update_third_party_camera(
     nearClippingPlane: float | None = None,
     farClippingPlane: float | None = None,
 ) -> None:
-    cameras = engine.cameras
+    cameras = session.cameras
     if fieldOfView is not None:
         _check_field_of_view(fieldOfView)
     if not 0 <= thirdPartyCameraId < len(cameras):
@@ -113,7 +113,7 @@ def update_third_party_camera(
         nearClippingPlane,
         farClippingPlane,
     )
-    engine.cameras = (*cameras[:thirdPartyCameraId], camera, *cameras[thirdPartyCameraId + 1 :])
+    session.cameras = (*cameras[:thirdPartyCameraId], camera, *cameras[thirdPartyCameraId + 1 :])
 
 
 def _changed(
@@ -177,10 +177,10 @@ def _colour(text: str) -> tuple[int, int, int] | None:
 
 
 @action("ToggleMapView")
-def toggle_map_view(engine: Engine) -> None:
-    engine.map_view = MapView.of(engine.world) if engine.map_view is None else None
+def toggle_map_view(session: Session) -> None:
+    session.map_view = MapView.of(session.world) if session.map_view is None else None
 
 
 @action("GetMapViewCameraProperties")
-def map_view_camera_properties(engine: Engine) -> dict[str, Any]:
-    return MapView.of(engine.world).properties()
+def map_view_camera_properties(session: Session) -> dict[str, Any]:
+    return MapView.of(session.world).properties()

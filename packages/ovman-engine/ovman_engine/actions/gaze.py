@@ -14,7 +14,7 @@ from ovman_engine.actions.movement import full_circle
 from ovman_engine.actions.registry import Failed, action
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
 LOOK_DEG = 30.0
@@ -23,9 +23,9 @@ BEYOND = "LookDownCantExceedMin"
 """AI2-THOR's error code at either limit."""
 
 
-def _look(engine: Engine, degrees: float, sign: int) -> None:
+def _look(session: Session, degrees: float, sign: int) -> None:
     """Pitches the camera, `sign` 1 down and -1 up. Limits are compared to a tenth of a degree."""
-    settings, agent = engine.settings, engine.world.agent
+    settings, agent = session.settings, session.world.agent
     horizon = round(agent.horizon_deg + sign * degrees, 9)
     if sign > 0 and round(horizon, 1) > settings.look_down_deg:
         raise Failed(f"can't look down beyond {settings.look_down_deg:g} degrees below the forward horizon", BEYOND)
@@ -44,51 +44,51 @@ def _checked(name: str, degrees: float) -> float:
 
 
 @action("LookDown", mode=DEFAULT.mode)
-def look_down(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, _checked("LookDown", degrees), 1)
+def look_down(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    _look(session, _checked("LookDown", degrees), 1)
 
 
 @action("LookUp", mode=DEFAULT.mode)
-def look_up(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, _checked("LookUp", degrees), -1)
+def look_up(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    _look(session, _checked("LookUp", degrees), -1)
 
 
-def _tilt(engine: Engine, degrees: float, sign: int) -> None:
+def _tilt(session: Session, degrees: float, sign: int) -> None:
     if degrees != 0:
         raise Refused("Must have degrees == 0 for now.")
-    _look(engine, LOOK_DEG, sign)
+    _look(session, LOOK_DEG, sign)
 
 
 @action("LookDown", mode=LOCOBOT.mode)
-def tilt_down(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _tilt(engine, degrees, 1)
+def tilt_down(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    _tilt(session, degrees, 1)
 
 
 @action("LookUp", mode=LOCOBOT.mode)
-def tilt_up(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _tilt(engine, degrees, -1)
+def tilt_up(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    _tilt(session, degrees, -1)
 
 
 @action("RotateLook")
-def rotate_look(engine: Engine, rotation: Vector3 | None = None, horizon: float = 0.0, **rest: Any) -> None:
+def rotate_look(session: Session, rotation: Vector3 | None = None, horizon: float = 0.0, **rest: Any) -> None:
     """Nothing is checked. A pitch is the same again after a full circle."""
-    agent = engine.world.agent
+    agent = session.world.agent
     agent.yaw_deg = full_circle(0.0 if rotation is None else rotation.y)
     pitch = full_circle(horizon)
     agent.horizon_deg = pitch - 360.0 if pitch > 180.0 else pitch
 
 
 @action("Crouch", mode=DEFAULT.mode)
-def crouch(engine: Engine) -> None:
-    agent = engine.world.agent
+def crouch(session: Session) -> None:
+    agent = session.world.agent
     if not agent.standing:
         raise Refused("Already crouching.")
     agent.standing = False
 
 
 @action("Stand", mode=DEFAULT.mode)
-def stand(engine: Engine) -> None:
-    agent = engine.world.agent
+def stand(session: Session) -> None:
+    agent = session.world.agent
     if agent.standing:
         raise Refused("Already standing.")
     agent.standing = True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ovman_engine.actions.registry import action
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
 LONGEST_STEP_S = 0.05
@@ -12,28 +12,28 @@ LONGEST_S = 60.0
 
 
 @action("Pass")
-def pass_(engine: Engine) -> None:
+def pass_(session: Session) -> None:
     """Nothing but the time that every action takes."""
 
 
 @action("Done")
-def done(engine: Engine) -> None:
+def done(session: Session) -> None:
     """Nothing but the time that every action takes."""
 
 
 @action("PausePhysicsAutoSim")
-def pause(engine: Engine) -> None:
-    engine.auto_simulation = False
+def pause(session: Session) -> None:
+    session.auto_simulation = False
 
 
 @action("UnpausePhysicsAutoSim")
-def unpause(engine: Engine) -> None:
-    engine.auto_simulation = True
+def unpause(session: Session) -> None:
+    session.auto_simulation = True
 
 
 @action("AdvancePhysicsStep")
-def advance(engine: Engine, timeStep: float = 0.02, simSeconds: float | None = None, allowAutoSimulation: bool = False) -> None:
-    if engine.auto_simulation and not allowAutoSimulation:
+def advance(session: Session, timeStep: float = 0.02, simSeconds: float | None = None, allowAutoSimulation: bool = False) -> None:
+    if session.auto_simulation and not allowAutoSimulation:
         raise Refused(
             "AdvancePhysicsStep can only be called if Physics AutoSimulation is currently paused or if you have passed"
             " allowAutoSimulation=true! Either use the PausePhysicsAutoSim() action first, or if you already used it, Physics"
@@ -46,4 +46,4 @@ def advance(engine: Engine, timeStep: float = 0.02, simSeconds: float | None = N
         raise Refused(f"simSeconds must be non-negative (simSeconds=={seconds:g}).")
     if seconds > LONGEST_S:
         raise Refused(f"simSeconds must be at most {LONGEST_S:g} (simSeconds=={seconds:g}).")
-    engine.world.advance(seconds)
+    session.world.advance(seconds)

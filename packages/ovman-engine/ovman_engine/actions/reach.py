@@ -6,7 +6,7 @@ import math
 
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import Vector3
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
 MANY_STEPS = 10_000
@@ -17,12 +17,12 @@ FINEST_M = 0.01
 
 @action("GetReachablePositions")
 def reachable_positions(
-    engine: Engine, maxStepCount: int | None = None, directionsRelativeAgent: bool = False, gridSize: float | None = None
+    session: Session, maxStepCount: int | None = None, directionsRelativeAgent: bool = False, gridSize: float | None = None
 ) -> list[dict[str, float]]:
-    step = engine.settings.grid_m if gridSize is None else gridSize
+    step = session.settings.grid_m if gridSize is None else gridSize
     if step < FINEST_M:
         raise Refused(f"grid size must be at least {FINEST_M:g} to look for reachable positions, not {step:g}.")
-    found = engine.world.reachable(step, engine.world.agent.yaw_deg if directionsRelativeAgent else 0.0)
+    found = session.world.reachable(step, session.world.agent.yaw_deg if directionsRelativeAgent else 0.0)
     if len(found) > math.floor((MANY_STEPS if maxStepCount is None else maxStepCount) / (step * step)):
         raise Thrown("InvalidOperationException", "Too many steps taken in GetReachablePositions.")
     return [Vector3.of(p).to_json() for p in found]

@@ -1,6 +1,6 @@
 """The table of actions, and how an action says that it did not succeed.
 
-An action is a function `f(engine, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
+An action is a function `f(session, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
 arguments are read from it, and a `**rest` accepts anything besides. Several functions of one name are overloads.
 """
 
@@ -61,6 +61,11 @@ def out_of_range(message: str) -> Thrown:
     return Thrown(
         "ArgumentOutOfRangeException", f"Specified argument was out of the range of valid values.\nParameter name: {message}"
     )
+
+
+def null_reference() -> Thrown:
+    """.NET's NullReferenceException: what AI2-THOR answers when an action needs a text and is given null."""
+    return Thrown("NullReferenceException", "Object reference not set to an instance of an object")
 
 
 TABLE: dict[str, list[Action]] = {}

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ovman_engine.actions.registry import action
+from ovman_engine.actions.registry import action, null_reference
 from ovman_engine.actions.values import FARTHEST
 from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman_engine.client.resolution import objection
+from ovman_engine.client.session import PROCEDURAL, SCENE_SUFFIX, Session
 from ovman_engine.client.settings import Settings
-from ovman_engine.engine import PROCEDURAL, SCENE_SUFFIX, Engine
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import Refused
 
@@ -22,22 +22,22 @@ NEAR_CORNER = 1e-3
 
 
 @action("GetScenesInBuild")
-def scenes_in_build(engine: Engine) -> list[str]:
+def scenes_in_build(session: Session) -> list[str]:
     return [*(name + SCENE_SUFFIX for name in floorplan.names()), PROCEDURAL]
 
 
 @action("Reset")
-def reset(engine: Engine, sceneName: str | None = None, **rest: Any) -> None:
-    scene = sceneName or engine.scene_name
+def reset(session: Session, sceneName: str | None = None, **rest: Any) -> None:
+    scene = sceneName or session.scene_name
     try:
-        engine.load(scene)
+        session.load(scene)
     except KeyError:
         raise Refused(f"Scene '{scene}' couldn't be loaded because it is not in this build.") from None
 
 
 @action("Initialize")
 def initialize(
-    engine: Engine,
+    session: Session,
     gridSize: float = Settings.grid_m,
     snapToGrid: bool = Settings.snap_to_grid,
     rotateStepDegrees: float = Settings.turn_deg,
@@ -55,7 +55,7 @@ def initialize(
     maxUpwardLookAngle: float = Settings.look_up_deg,
     maxDownwardLookAngle: float = Settings.look_down_deg,
     timeScale: float = 1.0,
-    agentMode: str = DEFAULT.mode,
+    agentMode: str | None = DEFAULT.mode,
     agentCount: int = 1,
     makeAgentsVisible: bool = Settings.agent_visible,
     applyActionNoise: bool = True,
@@ -68,6 +68,8 @@ def initialize(
     **rest: Any,
 ) -> dict[str, float]:
     """What is not positive leaves the planes, the visibility distance, the look angles and the noise at their defaults."""
+    if agentMode is None:
+        raise null_reference()
     embodiment = EMBODIMENTS.get(agentMode.lower())
     if embodiment is None:
         modes = " and ".join(f"'{mode}'" for mode in sorted({e.mode for e in EMBODIMENTS.values()}))
@@ -102,7 +104,7 @@ def initialize(
         move = (movementGaussianMu, movementGaussianSigma)
         turn = (rotateGaussianMu, rotateGaussianSigma)
         noise = ActionNoise(_positive(move, noise.move), _positive(turn, noise.turn))
-    engine.change(
+    session.change(
         grid_m=gridSize,
         snap_to_grid=snapToGrid,
         turn_deg=rotateStepDegrees,
@@ -121,10 +123,10 @@ def initialize(
         agent_visible=makeAgentsVisible,
         fast_emit=fastActionEmit,
     )
-    engine.auto_simulation = autoSimulation
-    agent = engine.world.agent
+    session.auto_simulation = autoSimulation
+    agent = session.world.agent
     agent.embodiment, agent.standing = embodiment, True
-    agent.position = _on_grid(engine)
+    agent.position = _on_grid(session)
     return {"cameraNearPlane": near, "cameraFarPlane": far}
 
 
@@ -132,47 +134,47 @@ def _positive(given: tuple[float, float], otherwise: tuple[float, float]) -> tup
     return (given[0] if given[0] > 0 else otherwise[0], given[1] if given[1] > 0 else otherwise[1])
 
 
-def _on_grid(engine: Engine) -> np.ndarray:
+def _on_grid(session: Session) -> np.ndarray:
     """Where the agent begins: the first corner of its cell of the grid that it can go to, (3,) metres; if there is none, where
     it is."""
     import numpy as np
 
-    world, grid = engine.world, engine.settings.grid_m
+    world, grid = session.world, session.settings.grid_m
     here = world.agent.position
     cell = np.floor(here[[0, 2]] / grid + NEAR_CORNER)
     for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
         x, z = (cell + (i, j)) * grid
         corner = np.array([x, here[1], z])
         if np.abs(corner - here).max() < NEAR_CORNER * grid:
-            return engine.snapped(here)
-        if engine.in_bounds(corner) and world.blocker(here[[0, 2]], corner[[0, 2]]) is None:
+            return session.snapped(here)
+        if session.in_bounds(corner) and world.blocker(here[[0, 2]], corner[[0, 2]]) is None:
             return corner
     return here
 
 
 @action("ChangeResolution")
-def change_resolution(engine: Engine, x: int, y: int) -> None:
-    if problem := objection(x, y, 1 + len(engine.cameras)):
+def change_resolution(session: Session, x: int, y: int) -> None:
+    if problem := objection(x, y, 1 + len(session.cameras)):
         raise Refused(problem)
-    engine.width, engine.height = x, y
+    session.width, session.height = x, y
 
 
 @action("ChangeQuality")
-def change_quality(engine: Engine, quality: str) -> None:
+def change_quality(session: Session, quality: str) -> None:
     """There is one quality."""
 
 
 @action("SetRandomSeed")
-def set_random_seed(engine: Engine, seed: int) -> None:
-    engine.seed, engine.draws = seed, 0
-    engine.random.seed(seed)
+def set_random_seed(session: Session, seed: int) -> None:
+    session.seed, session.draws = seed, 0
+    session.random.seed(seed)
 
 
 @action("SetObjectFilter")
-def set_object_filter(engine: Engine, objectIds: list[str]) -> None:
-    engine.change(shown=frozenset(objectIds))
+def set_object_filter(session: Session, objectIds: list[str]) -> None:
+    session.change(shown=frozenset(objectIds))
 
 
 @action("ResetObjectFilter")
-def reset_object_filter(engine: Engine) -> None:
-    engine.change(shown=None)
+def reset_object_filter(session: Session) -> None:
+    session.change(shown=None)

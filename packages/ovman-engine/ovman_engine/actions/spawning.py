@@ -6,40 +6,40 @@ from typing import Any
 
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import Vector3
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Body, Refused
 
 MOST_COPIES = 100
 """Objects of one type that a scene may be given."""
 
 
-def _found(engine: Engine, object_id: str) -> Body:
-    body = engine.world.bodies.get(object_id)
+def _found(session: Session, object_id: str) -> Body:
+    body = session.world.bodies.get(object_id)
     if body is None or body.removed:
         raise Refused(f"Cannot find sim object with id '{object_id}'")
     return body
 
 
 @action("GetSpawnCoordinatesAboveReceptacle")
-def spawn_coordinates(engine: Engine, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
+def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
     """Contract, section 4. Points at which PlaceObjectAtPoint puts a small thing on the receptacle: above its surfaces, where
     nothing stands; unless `anywhere`, those that the agent sees."""
     from ovman_engine.world.spawn import points, seen
 
-    body = _found(engine, objectId)
+    body = _found(session, objectId)
     if not body.obj.record["receptacle"]:
         raise Refused(f"{objectId} is not a receptacle!")
     if not body.present:
         return []
-    found = points(engine.world, body)
+    found = points(session.world, body)
     if not anywhere:
-        found = found[seen(engine.world, engine.view(), found)]
+        found = found[seen(session.world, session.view(), found)]
     return [Vector3.of(p).to_json() for p in found]
 
 
 @action("InitialRandomSpawn")
 def initial_random_spawn(
-    engine: Engine,
+    session: Session,
     randomSeed: int = 0,
     forceVisible: bool = False,
     placeStationary: bool = True,
@@ -64,7 +64,7 @@ def initial_random_spawn(
             raise Refused(f"invalid Object Type used in excludedReceptacles array: {kind}")
     for names in (excludedObjectIds, objectIds, receptacleObjectIds):
         for name in names or ():
-            _found(engine, name)
+            _found(session, name)
     wishes = Wishes(
         seed=randomSeed,
         only_outside=forceVisible,
@@ -77,9 +77,9 @@ def initial_random_spawn(
         counts=dict(_count(wish, types) for wish in numDuplicatesOfType or ()),
         moveable=allowMoveable,
     )
-    spawn(engine.world, wishes)
-    if not placeStationary or not engine.world.at_rest:
-        engine.world.advance(SETTLED_S)
+    spawn(session.world, wishes)
+    if not placeStationary or not session.world.at_rest:
+        session.world.advance(SETTLED_S)
 
 
 def _count(wish: Any, types: set[str]) -> tuple[str, int]:

@@ -14,7 +14,7 @@ from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.forms import within
 from ovman_engine.bodies.passage import DEEPER_M
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
-from ovman_engine.room.room import Room
+from ovman_engine.room.building import room_of
 from ovman_engine.shapes import collision, compound
 
 SKIN_M = 0.01
@@ -38,7 +38,7 @@ class Setting:
 
     def __init__(self, plan: FloorPlan) -> None:
         self.plan = plan
-        self.room = Room.of(plan)
+        self.room = room_of(plan)
         self.walls = Boxes.of([w.box for w in self.room.walls])
         self.carriers = carriers(plan)
         self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}

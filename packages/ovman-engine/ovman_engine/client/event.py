@@ -12,7 +12,7 @@ from ovman_engine.plan.vector import vector
 
 if TYPE_CHECKING:
     from ovman_engine.client.metadata import SceneMetadata
-    from ovman_engine.engine import Engine
+    from ovman_engine.client.session import Session
 
 NO_BOUNDS = {"center": {"x": 0.0, "y": 0.0, "z": 0.0}, "size": {"x": 0.0, "y": 0.0, "z": 0.0}, "cornerPoints": [[0.0] * 3] * 8}
 
@@ -61,7 +61,7 @@ def _result(request: Mapping[str, Any], outcome: Outcome) -> dict[str, Any]:
 
 
 def agent(
-    engine: Engine,
+    session: Session,
     request: Mapping[str, Any],
     outcome: Outcome,
     scene: SceneMetadata | None,
@@ -85,22 +85,22 @@ def agent(
             "sceneBounds": NO_BOUNDS,
         }
     else:
-        state = scene.state(engine.settings, engine.width / engine.height)
-        if engine.map_view is not None:
-            state["cameraPosition"] = vector(*engine.map_view.position)
+        state = scene.state(session.settings, session.width / session.height)
+        if session.map_view is not None:
+            state["cameraPosition"] = vector(*session.map_view.position)
     return {
         **state,
         **_result(request, outcome),
-        "sceneName": engine.scene_name,
-        "screenWidth": engine.width,
-        "screenHeight": engine.height,
+        "sceneName": session.scene_name,
+        "screenWidth": session.width,
+        "screenHeight": session.height,
         "agentId": 0,
         "colors": colours,
         "colorBounds": None,
         "depthFormat": "Meters",
-        "fov": engine.settings.field_of_view_deg,
-        "cameraOrthSize": -1.0 if engine.map_view is None else engine.map_view.half_m,
-        "thirdPartyCameras": [camera.metadata(number) for number, camera in enumerate(engine.cameras)],
+        "fov": session.settings.field_of_view_deg,
+        "cameraOrthSize": -1.0 if session.map_view is None else session.map_view.half_m,
+        "thirdPartyCameras": [camera.metadata(number) for number, camera in enumerate(session.cameras)],
         "heldObjectPose": {"position": nowhere, "rotation": nowhere, "localPosition": nowhere, "localRotation": nowhere},
         "arm": None,
         "collided": False,
@@ -118,5 +118,5 @@ def agent(
         "actionFloatsReturn": [],
         "actionVector3sReturn": [],
         "visibleRange": None,
-        "currentTime": engine.time_s,
+        "currentTime": session.time_s,
     }

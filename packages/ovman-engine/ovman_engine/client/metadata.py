@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -131,11 +132,11 @@ class SceneMetadata:
         for name in still:
             children[name] = [c for c in there[name].obj.record["receptacleObjectIds"] or () if c in still]
             parents[name] = [p for p in there[name].obj.parents if p in still]
-        active = np.array([b.active for b in bodies])
-        new = np.array([b.object_id in changed for b in bodies])
-        holds = active & np.array([b.obj.record["receptacle"] for b in bodies])
-        floor = np.array([b.obj.type == "Floor" for b in bodies])
-        vessel = np.array([b.obj.type in VESSELS for b in bodies])
+        active = _flags(b.active for b in bodies)
+        new = _flags(b.object_id in changed for b in bodies)
+        holds = active & _flags(b.obj.record["receptacle"] for b in bodies)
+        floor = _flags(b.obj.type == "Floor" for b in bodies)
+        vessel = _flags(b.obj.type in VESSELS for b in bodies)
         boxes = Boxes.of([self._boxes[b.object_id] for b in bodies])
         holder, held = np.nonzero(_resting(boxes, floor, vessel, self._world.plan.floor_y) & holds[:, None] & active)
         for h, o in zip(holder, held, strict=True):
@@ -164,6 +165,11 @@ def object_record(body: Body) -> dict[str, Any]:
         record["objectOrientedBoundingBox"] = {"cornerPoints": points.tolist()}
     record["axisAlignedBoundingBox"] = {"cornerPoints": _corners(low, high), **_aligned((low + high) / 2, high - low)}
     return record
+
+
+def _flags(values: Iterable[bool]) -> np.ndarray:
+    """(N,) bool; the type is given because NumPy takes an empty list for numbers, and a scene may have no objects."""
+    return np.array(list(values), dtype=bool)
 
 
 def _aligned(centre: np.ndarray, size: np.ndarray) -> dict[str, Any]:

@@ -22,6 +22,10 @@ MOST_CEILING, MOST_WINDOWS, MOST_LAMPS, MOST_ROOMS = 2, 2, 2, 7
 BELOW_CEILING_M = 0.12
 WIDEST_M = 0.28
 """Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
+BELOW_LIGHT_M = 1.0
+DARK = 1e-5
+"""If the middle of the scene gets less than this share of the light one metre below the lights, brightness is measured there
+instead: one object far outside the rooms of a house puts the middle of the scene outside as well."""
 MIDDLE_BRIGHTNESS = 1.1
 """Linear light that a white card facing up in the middle of the room sends back."""
 BOUNCE = (0.30, 0.32, 0.54)
@@ -148,6 +152,9 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     grid = np.stack(np.meshgrid(np.linspace(0.2, 0.8, 4), [0.3], np.linspace(0.2, 0.8, 4), indexing="ij"), axis=-1).reshape(-1, 3)
     points = low + grid * (high - low)
     upward = np.array([0.0, 1.0, 0.0])
+    below = table[:, :3] - BELOW_LIGHT_M * upward
+    if irradiance(table, points, upward).mean() < DARK * irradiance(table, below, upward).mean():
+        points = below
     shadowed = [light for light in lights if light.spread is not None]
     power = np.array([irradiance(table[k : k + 1], points, upward).sum() for k in range(len(shadowed))])
     share = np.maximum(1, np.floor(power / max(power.sum(), 1e-9) * PHASES)).astype(int)

@@ -15,11 +15,12 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.plan.assets import asset
-from ovman_engine.plan.house import Furnishing, House, Opening, Sheet, Storey
+from ovman_engine.plan.house import LEAST_SIDE_M, Furnishing, House, Opening, Sheet, Storey, rectangles
 
 LARGEST_M = 1000.0
 """Largest coordinate."""
-MOST_OBJECTS, MOST_WALLS, MOST_ROOMS = 2000, 1000, 100
+MOST_OBJECTS, MOST_WALLS, MOST_ROOMS, MOST_CORNERS = 2000, 1000, 100, 200
+"""Largest number of objects, walls and rooms of a house, and of corners of a floor."""
 
 
 class Malformed(ValueError):
@@ -110,11 +111,16 @@ def _room(given: Any, where: str) -> Storey:
     points = _value(given, "floorPolygon", where)
     if not isinstance(points, list) or len(points) < 3:
         raise Malformed(f"house.{where}.floorPolygon is a list of at least three points")
+    if len(points) > MOST_CORNERS:
+        raise Malformed(f"house.{where}.floorPolygon has {len(points)} points; at most {MOST_CORNERS} are possible")
     polygon = np.array([_vector(p, f"{where}.floorPolygon[{k}]", "xz") for k, p in enumerate(points)])
     x, z = polygon.T
     if abs(float(x @ np.roll(z, -1) - z @ np.roll(x, -1))) < 0.02:
         raise Malformed(f"house.{where}.floorPolygon encloses nothing")
-    return Storey(_text(given, "id", where), str(given.get("roomType", "")), polygon, _material(given.get("floorMaterial"))[0])
+    room = Storey(_text(given, "id", where), str(given.get("roomType", "")), polygon, _material(given.get("floorMaterial"))[0])
+    if not rectangles(room):
+        raise Malformed(f"house.{where}.floorPolygon encloses no floor: it covers itself, or is at most {LEAST_SIDE_M:g} m wide")
+    return room
 
 
 def _wall(given: Any, where: str) -> Sheet:
@@ -136,7 +142,7 @@ def _wall(given: Any, where: str) -> Sheet:
 
 def _opening(given: Any, where: str, walls: set[str], window: bool) -> Opening:
     beside = tuple(w for w in (given.get("wall0"), given.get("wall1")) if w) if isinstance(given, Mapping) else ()
-    if not beside or beside[0] not in walls:
+    if not beside or not isinstance(beside[0], str) or beside[0] not in walls:
         raise Malformed(f"house.{where}.wall0 is the id of none of its walls")
     if "holePolygon" in given:
         corners = given["holePolygon"]

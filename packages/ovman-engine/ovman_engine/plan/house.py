@@ -128,16 +128,20 @@ def side(sheet: Sheet, house: House) -> float:
 
 
 def rectangles(room: Storey) -> list[tuple[float, float, float, float]]:
-    """The room's floor as rectangles (x from, x to, z from, z to); slanting sides become steps."""
+    """The room's floor as rectangles (x from, x to, z from, z to), each with an area; slanting sides become steps.
+
+    A part of the polygon that another part covers again is outside (even-odd rule), as in `Storey.contains`.
+    """
     xs = np.unique(np.round(room.polygon[:, 0], 4))
     if not _straight(room):
         xs = np.unique(np.concatenate([xs, np.arange(xs[0], xs[-1], 0.1)]))
     out = []
     for a, b in zip(xs[:-1], xs[1:], strict=True):
+        if b - a <= LEAST_SIDE_M:
+            continue
         ends = _crossings(room.polygon, (a + b) / 2)
-        out += [
-            (float(a), float(b), float(c), float(d)) for c, d in zip(ends[::2], ends[1::2], strict=False) if b - a > LEAST_SIDE_M
-        ]
+        spans = zip(ends[::2], ends[1::2], strict=False)
+        out += [(float(a), float(b), float(c), float(d)) for c, d in spans if d > c]
     return out
 
 

@@ -15,8 +15,8 @@ from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
 from ovman_engine.plan.house import House, Opening, Sheet, rectangles, side
 from ovman_engine.plan.houseplan import hole
-from ovman_engine.room.masonry import WALLS, Structure
-from ovman_engine.room.room import Room, Wall
+from ovman_engine.room.masonry import WALLS
+from ovman_engine.room.room import Room, Structure, Wall
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
 
@@ -44,11 +44,13 @@ class Dwelling(Room):
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
         outline = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-        solid = tuple(wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house))
+        taken = {o.object_id for o in plan.objects}
+        walls = [wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house)]
+        solid = tuple(replace(wall, name=_unique(wall.name, taken)) for wall in walls)
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
-        """(name, parts in the world frame, palette by slot) of walls and ceilings. Names are unique."""
+        """Walls and ceilings."""
         house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
         out: list[Structure] = []
         for sheet in house.walls:

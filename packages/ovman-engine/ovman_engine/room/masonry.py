@@ -10,7 +10,7 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.paint.tones import Tone
-from ovman_engine.room.room import Room, structure_name
+from ovman_engine.room.room import Room, Structure, structure_name
 from ovman_engine.shapes.part import Part
 from ovman_engine.shapes.style import Style
 
@@ -29,7 +29,6 @@ DOOR_CLEAR_M = 0.3
 
 Opening = tuple[float, float, float, float]
 """(low, high, bottom, top) along a face and in height, metres"""
-Structure = tuple[str, tuple[Part, ...], Mapping[str, Material]]
 
 
 @dataclass(frozen=True)

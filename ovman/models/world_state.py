@@ -7,9 +7,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
+from typing import Annotated, Any
 
-Point = tuple[float, float]
-"""Floor-plane position (x, z) in metres, world frame."""
+from pydantic import PlainSerializer, PlainValidator, TypeAdapter
+
+from ovman.models.geometry import Point
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,3 +95,24 @@ def displacement_m(world_1: WorldState, world_2: WorldState, instance_id: str) -
     if instance_id not in world_1 or instance_id not in world_2:
         return None
     return math.dist(world_1[instance_id].position, world_2[instance_id].position)
+
+
+_INSTANCES: TypeAdapter[tuple[Instance, ...]] = TypeAdapter(tuple[Instance, ...])
+
+
+def _world(value: Any) -> WorldState:
+    return value if isinstance(value, WorldState) else WorldState(_INSTANCES.validate_python(value))
+
+
+def instance_json(instance: Instance) -> dict[str, Any]:
+    """An instance as files have it: {"id", "category", "x", "z"} and, where it has one, "track"."""
+    made: dict[str, Any] = {"id": instance.id, "category": instance.category, "x": float(instance.x), "z": float(instance.z)}
+    if instance.track:
+        made["track"] = [{"x": float(x), "z": float(z)} for x, z in instance.track]
+    return made
+
+
+RecordedWorld = Annotated[
+    WorldState, PlainValidator(_world), PlainSerializer(lambda world: [instance_json(instance) for instance in world])
+]
+"""A world state as a field of a record: a list of instances in files."""
