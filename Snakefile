@@ -7,7 +7,10 @@
 
 from snakemake.utils import min_version
 
+from ovman.workflow.settings_files import check_file
+
 min_version("9.19")
+check_file(os.path.join(workflow.basedir, "config.yaml"))
 
 
 configfile: os.path.join(workflow.basedir, "config.yaml")
@@ -47,6 +50,10 @@ for plugin in PLUGINS:
 
 onstart:
     lift_rate_limit(workflow)
+
+
+onerror:
+    print_deaths()
 
 
 localrules:

@@ -43,8 +43,6 @@ def three(path):
     return path.read_bytes().split(b"\n")[:-1]
 
 
-
-
 DAMAGES = {
     "a changed digit": (lambda line: line.replace(b"101", b"107"), "its content does not match its digest"),
     "a changed key": (lambda line: line.replace(b'"key":"1"', b'"key":"8"'), "its content does not match its digest"),

@@ -83,7 +83,7 @@ class Journal:
         return self._units[key]
 
     def write(self, key: str, record: Any) -> Any:
-        """Keep `record` (JSON-serialisable) under `key`; it survives a SIGKILL. Returns it as it will be read."""
+        """Keep `record` (JSON-serialisable) under `key` and return it as it will be read; it survives a SIGKILL from then on."""
         body = _body(key, record)
         durable_append(self.path, f"{body[:-1]},{_digest_field(body)}}}\n".encode())
         self._units[key] = json.loads(body)["record"]

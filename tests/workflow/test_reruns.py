@@ -54,6 +54,8 @@ OF_ARMS = {"static": "predictions", "embodied": "executions"}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
+    **{f"benchmark.split.{relation}": 0 for relation in ("moved", "former", "moving", "stable", "appeared", "removed")},
+    "primitives.turn_deg": 20.0,
     "success.sweep_deg": [0, 30],
     "perception.device": "cuda",
     "perception.trust_pickles": True,

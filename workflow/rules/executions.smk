@@ -13,7 +13,6 @@ rule executions:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
-    retries: 2
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     wildcard_constraints:

@@ -10,7 +10,7 @@ from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
 from ovman.perception.weights import located
-from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare
+from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare, print_deaths
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]

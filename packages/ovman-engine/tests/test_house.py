@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ovman_engine.plan.assets import asset
-from ovman_engine.plan.blueprint import Malformed, read
+from ovman_engine.plan.house_json import InvalidHouse, read
 from ovman_engine.plan.houseplan import plan_of
 from ovman_engine.world.world import Pose, World
 
@@ -262,7 +262,7 @@ def test_what_is_no_house(engine, broken, message):
     """Refused with what is wrong and where; the scene stays as it is."""
     given = copy.deepcopy(house())
     broken(given)
-    with pytest.raises(Malformed) as caught:
+    with pytest.raises(InvalidHouse) as caught:
         read(given)
     assert message in str(caught.value)
     world = engine()

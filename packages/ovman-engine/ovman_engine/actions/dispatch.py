@@ -1,6 +1,6 @@
-"""From the name and arguments of an action to the function that does it, by AI2-THOR's rules and with its error codes.
+"""Calls the function of an action, by AI2-THOR's rules and with its error codes.
 
-Functions are matched by the names of arguments alone: of an action's overloads, the one that bears most of the given names.
+Functions are matched by argument names alone: among the overloads of an action, the one with most of the given names is called.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ ALWAYS_ACCEPTED = frozenset(
         "sequenceId",
     }
 )
-"""Keys that any action may carry: they are the engine's, or the client adds them by itself."""
+"""Keys that any action may carry: the engine reads them, or the client adds them."""
 
 
 def perform(session: Session, request: Mapping[str, Any]) -> Outcome:
-    """Runs the action that `request` names. Never raises: whatever goes wrong is a failed outcome."""
+    """Performs the action that `request` names. Never raises: every error becomes a failed outcome."""
     name = request.get("action")
     arguments = {k: v for k, v in request.items() if k != "action"}
     try:

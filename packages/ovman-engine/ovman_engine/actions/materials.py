@@ -1,4 +1,4 @@
-"""Actions that change how a scene looks and nothing else."""
+"""Actions that change the appearance of a scene: materials, colours and lights."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ ROOM_TYPES = {
     "bathroom": "Bathroom",
     "robothor": "RoboTHOR",
 }
-"""As AI2-THOR compares and as it writes them"""
+"""Type of room as AI2-THOR compares it -> as it reports it."""
 LAST_TRAINING, LAST_VALIDATION = 20, 25
-"""Of the 30 scenes of a kind, which the materials of training and of validation are for; the others are for tests."""
+"""Last of the 30 scenes of each type that belong to training and to validation; the later ones are test scenes."""
 POOLS = ("train", "val", "test", "external")
 
 
 def _drawn(session: Session, what: str) -> str:
-    """Key of the next draw: it follows from the seed and from how many there were since."""
+    """Key of the next random draw: a function of the seed and of the number of earlier draws."""
     session.draws += 1
     return f"{what}|{session.seed}|{session.draws}"
 
@@ -33,7 +33,7 @@ def _redecorate(session: Session, **changes: Any) -> None:
 
 
 def _split(scene: str) -> str | None:
-    """The part of the scenes that `scene` belongs to; None for a house, which belongs to none."""
+    """The split that `scene` belongs to; None for a house."""
     digits = scene.removesuffix(SCENE_SUFFIX).removeprefix("FloorPlan")
     if not digits.isdigit():
         return None
@@ -69,7 +69,8 @@ def randomize_materials(
     useExternalMaterials: bool | None = None,
     inRoomTypes: list[str] | None = None,
 ) -> dict[str, Any]:
-    """Contract, section 4. Finishes are drawn rather than taken from lists; which lists are asked for is part of the draw."""
+    """RandomizeMaterials (contract, section 4). Finishes are drawn by rule, not from lists; the lists asked for are part of the
+    draw's key."""
     chosen, split = _room_types(session, inRoomTypes), _split(session.scene_name)
     asked = dict(zip(POOLS, (useTrainMaterials, useValMaterials, useTestMaterials, useExternalMaterials), strict=True))
     if split is not None and asked[split] is False:
@@ -88,23 +89,25 @@ def randomize_materials(
 
 @action("ResetMaterials")
 def reset_materials(session: Session) -> None:
-    """Also takes back the colours: they are the materials' own."""
+    """ResetMaterials: restores the materials of the scene, and with them its colours."""
     _redecorate(session, finishes=Decor.finishes, colours=Decor.colours)
 
 
 @action("RandomizeColors")
 def randomize_colors(session: Session) -> None:
+    """RandomizeColors: draws other colours for the materials of the scene."""
     _redecorate(session, colours=_drawn(session, "colours"))
 
 
 @action("ChangeColorOfMaterials")
 def change_color_of_materials(session: Session) -> None:
-    """The former name of RandomizeColors."""
+    """ChangeColorOfMaterials: the former name of RandomizeColors."""
     randomize_colors(session)
 
 
 @action("ResetColors")
 def reset_colors(session: Session) -> None:
+    """ResetColors: restores the colours."""
     _redecorate(session, colours=Decor.colours)
 
 
@@ -117,6 +120,10 @@ def randomize_lighting(
     hue: list[float] | None = None,
     saturation: list[float] | None = None,
 ) -> None:
+    """RandomizeLighting: draws brightness and, if `randomizeColor`, hue and saturation of each light within the given ranges.
+
+    `synchronized` gives all lights the same colour and brightness.
+    """
     for name, given in (("hue", hue), ("saturation", saturation)):
         if not randomizeColor and given is not None:
             raise Thrown("ArgumentException", f"Cannot pass in randomizeColor=False while also providing {name}={given}.")
@@ -143,4 +150,5 @@ def randomize_lighting(
 
 @action("ResetLighting")
 def reset_lighting(session: Session) -> None:
+    """ResetLighting: restores the lights of the scene."""
     _redecorate(session, lighting=None)

@@ -1,7 +1,7 @@
 """Actions that move the agent over the floor and turn it.
 
 Sources: contract, sections 2 and 4; AI2-THOR's PhysicsRemoteFPSAgentController (default) and LocobotFPSAgentController (locobot).
-Several arguments of AI2-THOR's are for agents with an arm or in company and change nothing here.
+Several of AI2-THOR's arguments are for agents with an arm, or for several agents, and change nothing here.
 """
 
 from __future__ import annotations
@@ -11,25 +11,25 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.actions.registry import Thrown, action
-from ovman_engine.actions.values import FARTHEST, Vector3
+from ovman_engine.actions.values import MAX_COMPONENT, Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.bodies.passage import heading
 from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
 TOWARDS_DEG = {"MoveAhead": 0.0, "MoveBack": 180.0, "MoveLeft": 270.0, "MoveRight": 90.0}
-"""Where a move goes, relative to the agent's yaw."""
+"""Direction of a move relative to the agent's yaw."""
 CLOCKWISE = {"RotateRight": 1, "RotateLeft": -1}
 NO_STRAFING = "Controller does not support horizontal movement by default. Set AllowHorizontalMovement to true on the Controller."
 
 
 def _go(session: Session, towards_deg: float, length_m: float) -> None:
-    """Moves the agent straight along a yaw relative to its own. Refused, the agent where it was, if the way is blocked."""
+    """Moves the agent straight, at a yaw relative to its own. Refused, with the agent unmoved, if the way is blocked."""
     world, agent = session.world, session.world.agent
     along_x, along_z = heading((agent.yaw_deg + towards_deg) % 360.0)
     step = np.array([along_x, 0.0, along_z]) * length_m
     target = agent.position + step
-    if np.abs(target).max() > FARTHEST or not session.in_bounds(target):
+    if np.abs(target).max() > MAX_COMPONENT or not session.in_bounds(target):
         raise Refused(f"Scene bounds do not contain target position: {Vector3.of(target).text(2)}")
     blocker = world.blocker(agent.position[[0, 2]], target[[0, 2]])
     if blocker is not None:
@@ -60,7 +60,7 @@ def _too_far(session: Session, object_id: str, limit_m: float) -> str:
 
 
 def _walker(name: str, towards_deg: float) -> None:
-    """Registers the default agent's move of a direction relative to its own."""
+    """Registers a move of the default agent."""
 
     @action(name, mode=DEFAULT.mode)
     def walk(
@@ -89,7 +89,7 @@ def _turn(session: Session, degrees: float) -> None:
 
 
 def full_circle(degrees: float) -> float:
-    """The angle in [0, 360), free of the last bits that sums of decimal fractions leave."""
+    """The angle in [0, 360), rounded to nine decimals: sums of decimal fractions are not exact."""
     return round(degrees % 360.0, 9) % 360.0
 
 
@@ -103,6 +103,8 @@ def _rotate(session: Session, degrees: float | None, sign: int) -> None:
 
 
 def _rotator(name: str, sign: int) -> None:
+    """Registers a rotation of the default agent."""
+
     @action(name, mode=DEFAULT.mode)
     def rotate(
         session: Session,
@@ -122,11 +124,11 @@ for _name, _sign in CLOCKWISE.items():
     _rotator(_name, _sign)
 
 
-# The locobot
+# Locobot
 
 
 def _drive(session: Session, towards_deg: float, moveMagnitude: float | None, noise_m: float) -> None:
-    """A wheeled robot swerves a little and does not stop exactly where it should."""
+    """Moves the agent with the noise of a wheeled robot: a small turn first, and an error along the way."""
     if moveMagnitude is not None and moveMagnitude <= 0:
         raise Thrown("InvalidOperationException", "moveMagnitude must be null or >= 0.")
     length_m = (session.settings.grid_m if moveMagnitude is None else moveMagnitude) + noise_m
@@ -139,21 +141,25 @@ def _drive(session: Session, towards_deg: float, moveMagnitude: float | None, no
 
 @action("MoveAhead", mode=LOCOBOT.mode)
 def drive_ahead(session: Session, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    """MoveAhead of the locobot."""
     _drive(session, 0.0, moveMagnitude, noise)
 
 
 @action("MoveBack", mode=LOCOBOT.mode)
 def drive_back(session: Session, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    """MoveBack of the locobot."""
     _drive(session, 180.0, moveMagnitude, noise)
 
 
 @action("MoveLeft", mode=LOCOBOT.mode)
 def drive_left(session: Session, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    """MoveLeft of the locobot: always refused."""
     raise Thrown("InvalidOperationException", NO_STRAFING)
 
 
 @action("MoveRight", mode=LOCOBOT.mode)
 def drive_right(session: Session, moveMagnitude: float | None = None, noise: float = 0.0, forceAction: bool = False) -> None:
+    """MoveRight of the locobot: always refused."""
     raise Thrown("InvalidOperationException", NO_STRAFING)
 
 
@@ -165,9 +171,11 @@ def _swivel(session: Session, degrees: float, sign: int) -> None:
 
 @action("RotateRight", mode=LOCOBOT.mode)
 def swivel_right(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """RotateRight of the locobot."""
     _swivel(session, degrees, 1)
 
 
 @action("RotateLeft", mode=LOCOBOT.mode)
 def swivel_left(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """RotateLeft of the locobot."""
     _swivel(session, degrees, -1)

@@ -1,4 +1,4 @@
-"""Ways to an object, and poses that show it. Read-only: the agent stays where it is.
+"""Shortest paths to an object or a point, and poses from which an object is visible. The agent does not move.
 
 Sources: contract, section 4; AI2-THOR's BaseFPSAgentController (getShortestPath, SafelyComputeNavMeshPath) and the controllers'
 getInteractablePoses.
@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman_engine.actions.reach import reachable_positions
+from ovman_engine.actions.reachable import reachable_positions
 from ovman_engine.actions.registry import Thrown, action, null_reference, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.body import Agent
@@ -28,16 +28,16 @@ from ovman_engine.sight.visibility import axes, in_picture
 from ovman_engine.world.world import Refused
 
 HORIZONS_DEG = (-30.0, 0.0, 30.0, 60.0)
-"""Horizons that are tried unless an action says otherwise."""
+"""Default horizons."""
 ERROR_M = 1e-4
-"""How far beside the navigation mesh both ends of a way may be unless an action says otherwise."""
-FARTHEST_SNAP_M = 1.0
-"""How far beside the mesh a point may be however large an error is allowed."""
-FINEST_M = 0.05
-"""Smallest moves by which a place that sees an object is looked for."""
-MANY = 2**31 - 1
-MOST_LOOKS = 20_000
-"""Places of the camera that one action looks from: a client is waiting."""
+"""Default of allowedError: how far the ends of a path may lie beside the navigation mesh."""
+MAX_SNAP_M = 1.0
+"""Largest distance of a point from the mesh, whatever allowedError is."""
+MIN_STEP_M = 0.05
+"""Smallest step of the search for a position from which an object is visible."""
+UNLIMITED = 2**31 - 1
+MAX_VIEWPOINTS = 20_000
+"""Largest number of camera positions that one action tries: the client is waiting."""
 
 
 def _known(session: Session, object_id: str) -> str:
@@ -73,8 +73,8 @@ def _floor(session: Session) -> Floor:
 
 
 def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
-    """The point (2,) of the floor that is taken for `point` (3,). Refused if there is none near."""
-    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), FARTHEST_SNAP_M))
+    """The point (2,) of the navigation mesh for `point` (3,). Refused if the mesh has none near it."""
+    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), MAX_SNAP_M))
     if found is None:
         where = Vector3(float(point[0]), float(session.world.plan.floor_y), float(point[2]))
         raise Refused(f"No point on NavMesh near {where.text(3)}.")
@@ -82,7 +82,7 @@ def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float
 
 
 def _path(session: Session, start: np.ndarray, target: np.ndarray, allowed_m: float) -> dict[str, Any]:
-    """The way from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused where there is none."""
+    """The path from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused if the mesh has none."""
     floor, height = _floor(session), float(session.world.plan.floor_y)
 
     def text(point: np.ndarray) -> str:
@@ -101,8 +101,8 @@ def _path(session: Session, start: np.ndarray, target: np.ndarray, allowed_m: fl
 
 
 def _nearest_first(session: Session, start: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions (3,) that moves lead to from `start` (3,), by the number of moves that are needed."""
-    world, step = session.world, max(session.settings.grid_m, FINEST_M)
+    """Positions (3,) that moves reach from `start` (3,), in the order of the number of moves."""
+    world, step = session.world, max(session.settings.grid_m, MIN_STEP_M)
     x_0, z_0, x_1, z_1 = world.room.rectangle
     here, low, high = start[[0, 2]], np.array([x_0, z_0]), np.array([x_1, z_1])
     found = reachable(world.obstacles()[0], here, low, high, step, np.eye(2))
@@ -120,10 +120,11 @@ def _nearest_first(session: Session, start: np.ndarray) -> Iterator[np.ndarray]:
 
 
 def _seeing(session: Session, object_id: str, start: np.ndarray) -> np.ndarray:
-    """The first position (3,) on the way from `start` at which an agent that looks at the object can reach it."""
+    """The first position (3,), in the order of `_nearest_first`, from which an agent that faces the object can interact with
+    it."""
     world, s, sight = session.world, session.settings, session.sight
     pivot = world.bodies[object_id].pose.position
-    for position in islice(_nearest_first(session, start), MOST_LOOKS):
+    for position in islice(_nearest_first(session, start), MAX_VIEWPOINTS):
         agent = replace(world.agent, position=position)
         ways = reaching(sight, object_id, agent, s.visibility_m)
         if len(ways) and in_picture(ways, _facing(agent, pivot), s.field_of_view_deg, session.width / session.height).any():
@@ -141,7 +142,7 @@ def _facing(agent: Agent, point: np.ndarray) -> np.ndarray:
 
 
 def _start(session: Session, position: Vector3 | None, allowed_m: float) -> np.ndarray:
-    """Where a way begins, (3,): at the height of the agent, whatever the height that was given."""
+    """Start (3,) of a path, at the height of the agent whatever height was given."""
     if allowed_m < 0:
         raise Refused(f"allowedError must not be negative. You gave {allowed_m:g}.")
     here = session.world.agent.position
@@ -165,6 +166,7 @@ def shortest_path_from_pose(
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
+    """GetShortestPath from a pose; the rotation is not used."""
     return _to_object(session, objectType, objectId, _start(session, position, allowedError), allowedError)
 
 
@@ -176,6 +178,7 @@ def shortest_path_from_position(
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
+    """GetShortestPath from a position."""
     return _to_object(session, objectType, objectId, _start(session, position, allowedError), allowedError)
 
 
@@ -183,6 +186,7 @@ def shortest_path_from_position(
 def shortest_path(
     session: Session, objectType: str | None = None, objectId: str | None = None, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
+    """GetShortestPath from the agent."""
     return _to_object(session, objectType, objectId, _start(session, None, allowedError), allowedError)
 
 
@@ -190,17 +194,19 @@ def shortest_path(
 def shortest_path_to_point_from_position(
     session: Session, position: Vector3, x: float, y: float, z: float, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
+    """GetShortestPathToPoint from a position."""
     return _path(session, _start(session, position, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("GetShortestPathToPoint")
 def shortest_path_to_point(session: Session, x: float, y: float, z: float, allowedError: float = ERROR_M) -> dict[str, Any]:
+    """GetShortestPathToPoint from the agent."""
     return _path(session, _start(session, None, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("ObjectTypeToObjectIds")
 def object_ids_of_type(session: Session, objectType: str | None) -> list[str]:
-    """The objectIds of all objects of one type; none if the scene has no object of it."""
+    """ObjectTypeToObjectIds: the objectIds of all objects of a type, an empty list if the scene has none."""
     if objectType is None:
         raise null_reference()
     wanted = objectType.replace(" ", "").lower()
@@ -211,7 +217,7 @@ def object_ids_of_type(session: Session, objectType: str | None) -> list[str]:
 
 
 def _clear(session: Session, places: np.ndarray) -> np.ndarray:
-    """At which of the positions (P, 3) the agent would collide with nothing: (P,) bool. There it can be teleported to."""
+    """(P,) bool: at which of the positions (P, 3) the agent collides with nothing, so that it can be teleported there."""
     obstacles, _ = session.world.obstacles()
     gaps = obstacles.distances(places[:, [0, 2]], float(obstacles.reach.max(initial=0.0)))
     return (gaps >= obstacles.reach).all(axis=1) | (places == session.world.agent.position).all(axis=1)
@@ -255,8 +261,8 @@ def _poses(
         rotations = [float(offset + k * step) for k in range(round(360.0 / step))]
     if not (horizons and rotations and standings) or positions == []:
         raise Thrown("InvalidOperationException", "Every degree of freedom must have at least 1 valid value.")
-    if len(places) * len(standings) > MOST_LOOKS:
-        raise Refused(f"GetInteractablePoses looks from at most {MOST_LOOKS} places, not {len(places) * len(standings)}.")
+    if len(places) * len(standings) > MAX_VIEWPOINTS:
+        raise Refused(f"GetInteractablePoses looks from at most {MAX_VIEWPOINTS} places, not {len(places) * len(standings)}.")
     found = poses(
         session.sight,
         object_id,
@@ -281,8 +287,9 @@ def interactable_poses(
     horizons: list[float] | None = None,
     standings: list[bool] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
+    """GetInteractablePoses of the default agent."""
     stances: list[bool | None] = [False, True] if standings is None else list(standings)
     return _poses(session, objectId, positions, rotations, horizons, stances, maxDistance, maxPoses)
 
@@ -295,6 +302,7 @@ def interactable_poses_of_a_locobot(
     rotations: list[float] | None = None,
     horizons: list[float] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
+    """GetInteractablePoses of the locobot, which does not crouch."""
     return _poses(session, objectId, positions, rotations, horizons, [None], maxDistance, maxPoses)

@@ -1,4 +1,4 @@
-"""Actions that put objects somewhere, hide them or take them away."""
+"""Actions that place, hide, show and remove objects."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ def _turned(rotation: Vector3 | None) -> np.ndarray | None:
 def place_object_at_point(
     session: Session, objectId: str, position: Vector3, rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
+    """PlaceObjectAtPoint: puts an object on the surface below a point. Returns where its pivot comes to rest, metres."""
     rested = session.world.place(objectId, position.array, _turned(rotation), forceKinematic, settle=session.auto_simulation)
     return Vector3.of(rested).to_json()
 
@@ -29,6 +30,7 @@ def place_object_at_point(
 def place_object_at_first_free_point(
     session: Session, objectId: str, positions: list[Vector3], rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
+    """PlaceObjectAtPoint at the first of several points that is free."""
     refusal = Refused("")
     for position in positions:
         try:
@@ -51,7 +53,7 @@ def teleport_object(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
-    """Nothing is held or breaks."""
+    """TeleportObject: puts an object exactly at a pose. The last two arguments have no effect: nothing is held or breaks."""
     session.world.teleport(objectId, position.array, _turned(rotation), forceAction, forceKinematic)
 
 
@@ -68,6 +70,7 @@ def teleport_object_to_coordinates(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
+    """TeleportObject with x, y and z in place of a position."""
     teleport_object(session, objectId, Vector3(x, y, z), rotation, forceAction, forceKinematic)
 
 
@@ -82,6 +85,7 @@ def teleport_object_to_first_free_point(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
+    """TeleportObject to the first of several positions that is free."""
     refusal = Refused("")
     for position in positions:
         try:
@@ -95,6 +99,7 @@ def teleport_object_to_first_free_point(
 def set_object_poses(
     session: Session, objectPoses: list[ObjectPose] | None = None, placeStationary: bool = True, **rest: Any
 ) -> str:
+    """SetObjectPoses: arranges the movable objects as listed, and removes all others."""
     if objectPoses is None:
         raise Refused(
             "objectPoses was not initialized correctly. Please make sure each element in the objectPoses list is initialized."
@@ -111,21 +116,25 @@ def set_object_poses(
 
 @action("DisableObject")
 def disable_object(session: Session, objectId: str) -> None:
+    """DisableObject: makes an object invisible and without collisions."""
     session.world.set_active(objectId, False)
 
 
 @action("EnableObject")
 def enable_object(session: Session, objectId: str) -> None:
+    """EnableObject: undoes DisableObject."""
     session.world.set_active(objectId, True)
 
 
 @action("RemoveFromScene")
 def remove_from_scene(session: Session, objectId: str) -> None:
+    """RemoveFromScene of one object."""
     session.world.remove(objectId)
 
 
 @action("RemoveFromScene")
 def remove_all_from_scene(session: Session, objectIds: list[str]) -> None:
+    """RemoveFromScene of several objects."""
     if not objectIds:
         raise Refused("objectIds must not be empty!")
     session.world.remove(*objectIds)
@@ -133,4 +142,5 @@ def remove_all_from_scene(session: Session, objectIds: list[str]) -> None:
 
 @action("RemoveObjsFromScene")
 def remove_objects_from_scene(session: Session, objectIds: list[str]) -> None:
+    """RemoveObjsFromScene: the former name of RemoveFromScene for several objects."""
     remove_all_from_scene(session, objectIds)

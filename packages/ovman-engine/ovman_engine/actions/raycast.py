@@ -1,4 +1,4 @@
-"""What is where: in the agent's picture, and how far the scene goes. Read-only.
+"""The object or the point behind a pixel of the agent's image, and the bounds of the scene. Nothing changes.
 
 Source: AI2-THOR's BaseFPSAgentController (GetObjectInFrame, GetCoordinateFromRaycast, GetSceneBounds).
 """
@@ -17,8 +17,8 @@ from ovman_engine.world.world import Refused
 
 
 def _met(session: Session, x: float, y: float) -> tuple[str | None, np.ndarray]:
-    """Name of the instance that is met first through a point of the picture (shares of its width and height, from the top left),
-    and where, (3,) metres. Beyond everything, the name is None and the point the camera's far plane."""
+    """The first instance on the ray through a point of the image (fractions of its width and height, from the top left), and
+    where the ray meets it, (3,) metres. Without a hit the name is None, and the point lies at the distance of the far plane."""
     agent, s = session.world.agent, session.settings
     tall = math.tan(math.radians(s.field_of_view_deg) / 2)
     right, up, forward = axes(agent.yaw_deg, agent.horizon_deg)
@@ -39,6 +39,7 @@ def _interactable(session: Session) -> set[str]:
 
 @action("GetObjectInFrame")
 def object_in_frame(session: Session, x: float, y: float, checkVisible: bool = False) -> str:
+    """GetObjectInFrame: the objectId behind a point of the image. Refused if the ray meets no object."""
     if not (0 <= x <= 1 and 0 <= y <= 1):
         raise out_of_range("x/y must be in [0:1]")
     name, _ = _met(session, x, y)
@@ -51,6 +52,7 @@ def object_in_frame(session: Session, x: float, y: float, checkVisible: bool = F
 
 @action("GetCoordinateFromRaycast")
 def coordinate_from_raycast(session: Session, x: float, y: float) -> dict[str, float]:
+    """GetCoordinateFromRaycast: where the ray through a point of the image meets the scene, metres."""
     if not (0 <= x <= 1 and 0 <= y <= 1):
         raise out_of_range(f"x and y must be in [0:1] not (x={x:g}, y={y:g}).")
     return Vector3.of(_met(session, x, y)[1]).to_json()
@@ -58,4 +60,5 @@ def coordinate_from_raycast(session: Session, x: float, y: float) -> dict[str, f
 
 @action("GetSceneBounds")
 def scene_bounds(session: Session) -> list[dict[str, float]]:
+    """GetSceneBounds: lower and upper corner of the scene, metres."""
     return [Vector3.of(corner).to_json() for corner in session.world.bounds()]

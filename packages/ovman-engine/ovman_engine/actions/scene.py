@@ -1,11 +1,11 @@
-"""Actions that set up the scene and the way it is shown."""
+"""Actions that load a scene and set how it is shown."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 from ovman_engine.actions.registry import action, null_reference
-from ovman_engine.actions.values import FARTHEST
+from ovman_engine.actions.values import MAX_COMPONENT
 from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman_engine.client.resolution import objection
 from ovman_engine.client.session import PROCEDURAL, SCENE_SUFFIX, Session
@@ -16,18 +16,20 @@ from ovman_engine.world.world import Refused
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_GRID_M = 5.0
+MAX_GRID_M = 5.0
 NEAR_CORNER = 1e-3
-"""Part of the grid's spacing within which an agent is on the grid: single precision, which recorded starts have gone through."""
+"""Fraction of the grid's spacing within which an agent is on the grid: recorded starts have single precision."""
 
 
 @action("GetScenesInBuild")
 def scenes_in_build(session: Session) -> list[str]:
+    """GetScenesInBuild: the names of all scenes."""
     return [*(name + SCENE_SUFFIX for name in floorplan.names()), PROCEDURAL]
 
 
 @action("Reset")
 def reset(session: Session, sceneName: str | None = None, **rest: Any) -> None:
+    """Reset: loads a scene, or the current one again. Refused if no scene has this name."""
     scene = sceneName or session.scene_name
     try:
         session.load(scene)
@@ -67,7 +69,7 @@ def initialize(
     renderClassImage: bool = False,
     **rest: Any,
 ) -> dict[str, float]:
-    """What is not positive leaves the planes, the visibility distance, the look angles and the noise at their defaults."""
+    """Initialize. Values that are not positive leave planes, visibility distance, look angles and noise at their defaults."""
     if agentMode is None:
         raise null_reference()
     embodiment = EMBODIMENTS.get(agentMode.lower())
@@ -93,11 +95,11 @@ def initialize(
     for name, angle in (("maxDownwardLookAngle", maxDownwardLookAngle), ("maxUpwardLookAngle", maxUpwardLookAngle)):
         if angle < 0:
             raise Refused(f"{name} must be a non-negative float")
-    if not 0 < gridSize <= LARGEST_GRID_M:
+    if not 0 < gridSize <= MAX_GRID_M:
         raise Refused("grid size must be in the range (0,5]")
     near = cameraNearPlane if cameraNearPlane > 0 else Settings.near_m
     far = cameraFarPlane if cameraFarPlane > 0 else Settings.far_m
-    if not near < far <= FARTHEST:
+    if not near < far <= MAX_COMPONENT:
         raise Refused(f"The camera's planes must satisfy 0 < near < far. You gave {cameraNearPlane:g} and {cameraFarPlane:g}.")
     noise = embodiment.noise if applyActionNoise else None
     if noise is not None:
@@ -135,8 +137,8 @@ def _positive(given: tuple[float, float], otherwise: tuple[float, float]) -> tup
 
 
 def _on_grid(session: Session) -> np.ndarray:
-    """Where the agent begins: the first corner of its cell of the grid that it can go to, (3,) metres; if there is none, where
-    it is."""
+    """Start position (3,) metres: the first corner of the agent's grid cell that it can move to, or its own position if no corner
+    is free."""
     import numpy as np
 
     world, grid = session.world, session.settings.grid_m
@@ -154,6 +156,7 @@ def _on_grid(session: Session) -> np.ndarray:
 
 @action("ChangeResolution")
 def change_resolution(session: Session, x: int, y: int) -> None:
+    """ChangeResolution: the size of all images, pixels."""
     if problem := objection(x, y, 1 + len(session.cameras)):
         raise Refused(problem)
     session.width, session.height = x, y
@@ -161,20 +164,23 @@ def change_resolution(session: Session, x: int, y: int) -> None:
 
 @action("ChangeQuality")
 def change_quality(session: Session, quality: str) -> None:
-    """There is one quality."""
+    """ChangeQuality: accepted without effect; the engine has one quality."""
 
 
 @action("SetRandomSeed")
 def set_random_seed(session: Session, seed: int) -> None:
+    """SetRandomSeed: restarts all later random draws."""
     session.seed, session.draws = seed, 0
     session.random.seed(seed)
 
 
 @action("SetObjectFilter")
 def set_object_filter(session: Session, objectIds: list[str]) -> None:
+    """SetObjectFilter: metadata list only these objects."""
     session.change(shown=frozenset(objectIds))
 
 
 @action("ResetObjectFilter")
 def reset_object_filter(session: Session) -> None:
+    """ResetObjectFilter: metadata list all objects."""
     session.change(shown=None)

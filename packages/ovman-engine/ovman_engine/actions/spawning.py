@@ -1,4 +1,4 @@
-"""Actions that find room on receptacles, and fill it at random."""
+"""Actions that find free places on receptacles, and put objects there at random."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from ovman_engine.actions.values import Vector3
 from ovman_engine.client.session import Session
 from ovman_engine.world.world import Body, Refused
 
-MOST_COPIES = 100
-"""Objects of one type that a scene may be given."""
+MAX_COPIES = 100
+"""Largest number of objects of one type that a scene may be given."""
 
 
 def _found(session: Session, object_id: str) -> Body:
@@ -22,8 +22,8 @@ def _found(session: Session, object_id: str) -> Body:
 
 @action("GetSpawnCoordinatesAboveReceptacle")
 def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
-    """Contract, section 4. Points at which PlaceObjectAtPoint puts a small thing on the receptacle: above its surfaces, where
-    nothing stands; unless `anywhere`, those that the agent sees."""
+    """GetSpawnCoordinatesAboveReceptacle (contract, section 4): points at which PlaceObjectAtPoint puts a small object on the
+    receptacle. They lie above its surfaces, where nothing stands; unless `anywhere`, only those that the agent sees."""
     from ovman_engine.world.spawn import points, seen
 
     body = _found(session, objectId)
@@ -52,9 +52,9 @@ def initial_random_spawn(
     allowFloor: bool = False,
     allowMoveable: bool = False,
 ) -> None:
-    """Contract, section 4. Objects that find no place stay where they are."""
+    """InitialRandomSpawn (contract, section 4). Objects for which no place is found stay where they are."""
     from ovman_engine.shapes import FORMS, LOOSE
-    from ovman_engine.world.spawn import SETTLED_S, Wishes, spawn
+    from ovman_engine.world.spawn import SETTLED_S, SpawnOptions, spawn
 
     if numPlacementAttempts <= 0:
         raise Refused("numPlacementAttempts must be a positive integer.")
@@ -65,7 +65,7 @@ def initial_random_spawn(
     for names in (excludedObjectIds, objectIds, receptacleObjectIds):
         for name in names or ():
             _found(session, name)
-    wishes = Wishes(
+    wishes = SpawnOptions(
         seed=randomSeed,
         only_outside=forceVisible,
         stationary=placeStationary,
@@ -89,6 +89,6 @@ def _count(wish: Any, types: set[str]) -> tuple[str, int]:
     kind, count = wish["objectType"], wish["count"]
     if kind not in types:
         raise Thrown("ArgumentException", f"Requested value '{kind}' was not found.")
-    if not 0 <= count <= MOST_COPIES:
-        raise Refused(f"count must be within 0 and {MOST_COPIES}, not {count}.")
+    if not 0 <= count <= MAX_COPIES:
+        raise Refused(f"count must be within 0 and {MAX_COPIES}, not {count}.")
     return kind, count

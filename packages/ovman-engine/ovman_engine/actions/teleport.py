@@ -1,4 +1,4 @@
-"""Actions that put the agent somewhere.
+"""Actions that put the agent at a pose.
 
 Sources: contract, section 4; AI2-THOR's BaseFPSAgentController.teleportFull and the controllers' overloads of Teleport.
 """
@@ -14,11 +14,11 @@ from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.client.session import Session
 
 GROUND_M = 0.05
-"""How far from its height above the floor the agent may be put."""
+"""Largest difference between a given height and the agent's height on the floor."""
 EXACT_M = 1e-4
-"""How near a coordinate must be to another to be the same: single precision, which clients may have gone through."""
+"""Tolerance of equal coordinates: clients may have stored them in single precision."""
 UPRIGHT_DEG = 1e-2
-"""Pitch and roll up to which an agent's rotation is a yaw."""
+"""Pitch and roll below which a rotation counts as a yaw."""
 
 
 def _teleport(
@@ -29,7 +29,7 @@ def _teleport(
     standing: bool | None,
     force: bool,
 ) -> None:
-    """What is None stays as it is. On failure nothing changes."""
+    """Arguments that are None keep their value. On failure nothing changes."""
     world, agent, settings = session.world, session.world.agent, session.settings
     if not force and rotation is not None and max(abs(rotation.x), abs(rotation.z)) >= UPRIGHT_DEG:
         raise out_of_range(
@@ -84,6 +84,7 @@ def teleport(
     standing: bool | None = None,
     forceAction: bool = False,
 ) -> None:
+    """Teleport of the default agent."""
     _teleport(session, position, rotation, horizon, standing, forceAction)
 
 
@@ -98,6 +99,7 @@ def teleport_by_coordinates(
     standing: bool | None = None,
     forceAction: bool = False,
 ) -> None:
+    """Teleport with x, y and z in place of a position."""
     _teleport(session, Vector3(x, y, z), rotation, horizon, standing, forceAction)
 
 
@@ -105,6 +107,7 @@ def teleport_by_coordinates(
 def teleport_full(
     session: Session, position: Vector3, rotation: Vector3, horizon: float, standing: bool, forceAction: bool = False
 ) -> None:
+    """TeleportFull of the default agent."""
     _teleport(session, position, rotation, horizon, standing, forceAction)
 
 
@@ -119,10 +122,11 @@ def teleport_full_by_coordinates(
     standing: bool,
     forceAction: bool = False,
 ) -> None:
+    """TeleportFull with x, y and z in place of a position."""
     _teleport(session, Vector3(x, y, z), rotation, horizon, standing, forceAction)
 
 
-# The locobot, which does not crouch
+# Locobot, which does not crouch
 
 
 @action("Teleport", mode=LOCOBOT.mode)
@@ -133,6 +137,7 @@ def locobot_teleport(
     horizon: float | None = None,
     forceAction: bool = False,
 ) -> None:
+    """Teleport of the locobot."""
     _teleport(session, position, rotation, horizon, None, forceAction)
 
 
@@ -146,6 +151,7 @@ def locobot_teleport_by_coordinates(
     horizon: float | None = None,
     forceAction: bool = False,
 ) -> None:
+    """Teleport of the locobot, with x, y and z in place of a position."""
     _teleport(session, Vector3(x, y, z), rotation, horizon, None, forceAction)
 
 
@@ -153,6 +159,7 @@ def locobot_teleport_by_coordinates(
 def locobot_teleport_full(
     session: Session, position: Vector3, rotation: Vector3, horizon: float, forceAction: bool = False
 ) -> None:
+    """TeleportFull of the locobot."""
     _teleport(session, position, rotation, horizon, None, forceAction)
 
 
@@ -160,4 +167,5 @@ def locobot_teleport_full(
 def locobot_teleport_full_by_coordinates(
     session: Session, x: float, y: float, z: float, rotation: Vector3, horizon: float, forceAction: bool = False
 ) -> None:
+    """TeleportFull of the locobot, with x, y and z in place of a position."""
     _teleport(session, Vector3(x, y, z), rotation, horizon, None, forceAction)

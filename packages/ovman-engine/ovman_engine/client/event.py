@@ -1,4 +1,4 @@
-"""The metadata of an event: all of AI2-THOR's keys. Light: the first event is sent before any scene is loaded."""
+"""The metadata of an event, with all of AI2-THOR's keys. Imports little: the first event is sent before a scene is loaded."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ NO_BOUNDS = {"center": {"x": 0.0, "y": 0.0, "z": 0.0}, "size": {"x": 0.0, "y": 0
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an action: `value` is its actionReturn."""
+    """Result of an action. `value` is its actionReturn, `code` one of AI2-THOR's error codes."""
 
     value: Any = None
     success: bool = True
@@ -28,7 +28,8 @@ class Outcome:
 
 
 def thrown(error: Exception) -> Outcome:
-    """An action in which the engine itself failed, in the form in which Unity reports exceptions; the log has all of it."""
+    """Outcome of an action in which the engine itself failed, in the form of Unity's exceptions. The log has the whole
+    traceback."""
     log.note("".join(traceback.format_exception(error)))
     where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
     return Outcome(success=False, message=f"{type(error).__name__}: {error}. trace: {where}")
@@ -45,7 +46,7 @@ def message(agent: Mapping[str, Any], sequence: Any) -> dict[str, Any]:
 
 
 def patch(request: Mapping[str, Any], outcome: Outcome, time_s: float) -> dict[str, Any]:
-    """Body of a METADATA_PATCH frame: what an event says anew when the world is as in the event before."""
+    """Body of a METADATA_PATCH frame: the keys that differ from the event before if the world is unchanged."""
     return {"agentId": 0, **_result(request, outcome), "currentTime": time_s}
 
 
@@ -67,7 +68,10 @@ def agent(
     scene: SceneMetadata | None,
     colours: list[dict[str, Any]] | None,
 ) -> dict[str, Any]:
-    """Metadata of the agent and of the world around it. `colours` go with segmentation images; `scene` is None before Reset."""
+    """Metadata of the agent and of the world around it.
+
+    `colours` is the table of colours if the event carries segmentation images; `scene` is None before the first Reset.
+    """
     nowhere = vector(0.0, 0.0, 0.0)
     if scene is None:
         state = {

@@ -22,40 +22,41 @@ from ovman_engine.room.room import Block, Rectangle, Room, Structure, Wall, stru
 from ovman_engine.shapes import stoves
 
 FLOOR_MARGIN_M = 0.35
-"""How far inside the recorded floor the agent's bounds are, where nothing says otherwise."""
+"""Default distance of the agent's bounds from the edge of the recorded floor."""
 BOUNDS_MARGIN_M = 0.15
-"""How far inside the bounds of everything they are: windows, curtains and lamps reach into walls and beyond."""
+"""Distance of the agent's bounds from the bounds of all objects: windows, curtains and lamps reach into walls and beyond."""
 FACE_MARGIN_M = 0.2
-"""How far from the plane of a wall item the agent is kept: it is the middle of the item, and skirtings stand out."""
+"""Distance that the agent keeps from the plane of a wall item: the plane is the middle of the item, and skirting boards stand
+out."""
 WALL_ITEMS = frozenset(
     ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains"]
     + ["HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
 )
 """Types that hang flat on a wall."""
 MOUNTED = frozenset(["LightSwitch", "HandTowelHolder", "TowelHolder", "ToiletPaperHanger"])
-"""Those whose recorded rotation tells which way the wall is: behind them, at -z. For the others it is the way to the nearer side
-of the floor."""
+"""Types whose recorded rotation tells the direction of the wall: behind them, at -z. For other types, the wall is on the nearer
+side of the floor."""
 SQUARE = 0.9
-"""Cosine between an item's back and an axis of the world that counts as along it."""
+"""Least cosine between an item's back and an axis of the world."""
 THIN_M, STICKS_OUT_M = 0.2, 0.3
-"""A wall item at least this thick, or a mounted one that sticks out so far, does not tell where its wall is."""
+"""A wall item this thick, or a mounted one that sticks out this far, does not tell where its wall is."""
 BESIDE_M = 0.3
-"""How far to both sides of an item on another plane its own wall goes on."""
+"""How far a wall extends to both sides of an item on another plane."""
 BEYOND_M = 0.05
-"""What reaches this far beyond a plane shows that there is no wall."""
+"""An object that reaches this far beyond a plane shows that no wall is there."""
 OUTSIDE_M = 0.3
-"""What is farther outside the recorded floor than this is scenery beyond the window."""
+"""An object farther outside the recorded floor than this is scenery beyond a window."""
 ELBOW_M = 0.2
-"""Around the agent's start there is no wall."""
+"""No wall is this close to the agent's start."""
 PARTITION_ITEMS = frozenset(["Window", "Painting", "LightSwitch", "Mirror", "Poster"])
-"""Types that show a thin wall where they hang in the middle of the room; holders hang on furniture too."""
+"""Types that show a thin wall where they hang in the middle of a room. Holders do not: they hang on furniture as well."""
 PARTITION_M = 0.12
 SLAB_M = 3.0
-"""Depth of the solid behind a wall's face: nothing passes at any speed that physics allows."""
+"""Depth of the solid behind a wall's face: nothing passes it at any speed of the simulation."""
 HOB_M = 0.03
 """How far the solid of a stove stays below its hob, on which the burners stand out."""
 SHELL_M = 0.02
-"""Distance of the shell from everything."""
+"""Distance of the shell from all objects."""
 CEILING_M = (2.5, 3.0)
 """Lowest and highest ceiling above the floor."""
 
@@ -133,7 +134,7 @@ def _agent_rectangle(plan: FloorPlan) -> Rectangle:
 
 
 def _outline(plan: FloorPlan) -> Rectangle:
-    """The least rectangle around the agent's bounds, what stands in the room and the planes of what hangs on its walls."""
+    """The least rectangle around the agent's bounds, the objects in the room, and the planes of its wall items."""
     rectangle, floor = np.array(_agent_rectangle(plan)), _plan_bounds(plan.floor.box)
     low, high = rectangle[:2], rectangle[2:]
     for obj in plan.objects:
@@ -157,7 +158,7 @@ def _ceiling(plan: FloorPlan) -> float:
 
 
 def _hung(item: SimObject, plan: FloorPlan) -> tuple[int, int, float] | None:
-    """Axis, outward direction and coordinate of the wall that `item` hangs on, if it tells."""
+    """Axis, outward direction and coordinate of the wall on which `item` hangs; None if it does not tell."""
     if item.type not in WALL_ITEMS:
         return None
     low, high = _plan_bounds(item.box)
@@ -205,7 +206,7 @@ def _blocks(plan: FloorPlan, rectangle: Rectangle) -> tuple[Block, ...]:
 def _partition(
     item: SimObject, hung: tuple[int, int, float], objects: list[tuple[SimObject, np.ndarray, np.ndarray]], start: np.ndarray
 ) -> tuple[float, float] | None:
-    """The stretch of a thin wall that carries an item with room behind it, if one fits between the objects."""
+    """The stretch of a thin wall with room behind it that carries an item, if one fits between the objects."""
     axis, outwards, plane = hung
     along = 1 - axis
     near, far = sorted((plane + outwards * BEYOND_M, plane + outwards * PARTITION_M))
@@ -220,7 +221,7 @@ def _partition(
 def _stretch(
     low: float, high: float, limits: tuple[float, float], intruders: list[tuple[float, float]]
 ) -> tuple[float, float] | None:
-    """The longest stretch around [`low`, `high`] within `limits` that no intruder cuts; None if one covers it all."""
+    """The longest stretch around [`low`, `high`] within `limits` that no intruder cuts; None if one covers it."""
     first, last = limits
     for begin, end in intruders:
         if begin < low + BEYOND_M and end > high - BEYOND_M:

@@ -30,7 +30,8 @@ class Wall:
 
 @dataclass(frozen=True)
 class Block:
-    """Everything beyond a plane, over a stretch of it: the wall of an item that hangs deeper inside the room than the others."""
+    """A wall inside the outline, behind an item that hangs deeper in the room than others: a stretch of everything beyond a
+    plane."""
 
     axis: int
     """0: the plane is x = `plane`; 1: it is z = `plane`"""
@@ -40,10 +41,10 @@ class Block:
     low: float
     high: float
     thick: float = np.inf
-    """Infinite but for a partition, which has room on both sides"""
+    """Infinite, except for a partition, which has room on both sides"""
 
     def nearer(self, margin_m: float) -> Block:
-        """The block with its face moved into the room; a partition is thin enough to be known as it is."""
+        """The block with its face moved into the room by `margin_m`; a partition, which is thin, stays."""
         return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * margin_m)
 
     def rectangle(self, beyond: Rectangle) -> Rectangle:
@@ -63,20 +64,21 @@ class Room(ABC):
 
     plan: FloorPlan
     rectangle: Rectangle
-    """The agent's body stays inside"""
+    """Bounds of the agent's body"""
     outline: Rectangle
-    """Everything stands inside; the walls that are seen"""
+    """Bounds of all objects, and the visible walls"""
     blocks: tuple[Block, ...]
     """Solid parts of the outline"""
     walls: tuple[Wall, ...]
-    """What the agent walks into"""
+    """Obstacles of the agent"""
     solids: tuple[Wall, ...]
-    """What bodies bump into: the outline, the blocks, a shell around everything that the plan holds, for what stands in a wall
-    from the beginning, and the stoves, of which the plan has only burners and knobs"""
+    """Obstacles of bodies: the outline, the blocks, the stoves, of which floor plans record only burners and knobs, and a shell
+    around all objects, for those that stand in a wall from the beginning"""
     ceiling_y: float
 
     @property
     def floor_y(self) -> float:
+        """Height of the floor, metres."""
         return self.plan.floor_y
 
     @abstractmethod
