@@ -106,7 +106,7 @@ class EpisodeController:
         """One request of the runner; its event has images. A body that does not fit where it is to start is a SimulatorError."""
         request = dict(action) if isinstance(action, Mapping) else {"action": action}
         request |= arguments
-        name = request.pop("action")
+        name = str(request.pop("action"))
         request.pop("renderImage", None)
         if name == FILTER:
             return self._event
