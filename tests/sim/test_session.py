@@ -89,7 +89,7 @@ def test_work_is_done_again_from_its_beginning(session, capsys):
         session.step("MoveAhead", allowed=True)
         return session.step("Pass").metadata["agent"]
 
-    undisturbed = session.surviving(work)
+    undisturbed = session.with_restarts(work)
     assert len(done) == 2 and done[0] == done[1] and work() == undisturbed
     assert "died during MoveAhead" in capsys.readouterr().out
 
@@ -104,7 +104,7 @@ def test_one_death_after_the_other_is_no_accident(session):
         session.step("Pass")
 
     with pytest.raises(SimulatorDied):
-        session.surviving(work)
+        session.with_restarts(work)
     assert len(tries) == DEATHS
 
 

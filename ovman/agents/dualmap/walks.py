@@ -141,7 +141,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
-            walks[name] = _read(part, memory) or session.surviving(
+            walks[name] = _read(part, memory) or session.with_restarts(
                 lambda one=one, part=part: _walk(session, one, constants, memory, part)
             )
             took, new = time.process_time() - began, len(memory.shots) - before

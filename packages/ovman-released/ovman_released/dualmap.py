@@ -187,7 +187,7 @@ def run(
     with Session(scene, constants, body) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.surviving(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
+            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)
