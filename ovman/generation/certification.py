@@ -18,7 +18,6 @@ from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.run import Measured
 from ovman.models.trial import Trial, Verdict
-from ovman.navigation import Primitives
 from ovman.sim.session import Session
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
@@ -35,7 +34,7 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettin
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
     name_of = partial(handed, trial.measured.visits.second)
     moving = assignment.relation is Relation.MOVING
-    agent = Oracle(Pilot(Primitives.of(constants), paths), assignment.answer, name_of(assignment.target) if moving else None)
+    agent = Oracle(Pilot(constants.primitives, paths), assignment.answer, name_of(assignment.target) if moving else None)
     return execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
 
 

@@ -13,14 +13,27 @@ from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 
 
+class SceneError(ValueError):
+    """A scene that the settings do not fit; one line: the setting, the scene and the remedy."""
+
+    says_all = True
+
+
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
-    """The record of an untouched scene. waypoints: of its tour; step_m: spacing of the navigation grid, metres."""
+    """The record of an untouched scene. waypoints: of its tour; step_m: spacing of the navigation grid, metres.
+
+    SceneError for a scene with fewer cells than waypoints.
+    """
     session.reset()
     start = session.pose
     points = session.reachable()
     grid = Grid.from_positions(points, step_m)
     objects = session.objects
     spawn = grid.nearest(start.x, start.z)
+    component = grid.component(spawn)
+    if len(component) < waypoints:
+        says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of benchmark.scenes"
+        raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
     return Scene(
         scene=session.scene,
@@ -29,8 +42,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
         waypoints=tuple(
-            (round(x, 4), round(z, 4))
-            for x, z in map(grid.centre, farthest_points(grid, grid.component(spawn), waypoints, spawn))
+            (round(x, 4), round(z, 4)) for x, z in map(grid.centre, farthest_points(grid, component, waypoints, spawn))
         ),
         objects=tuple(
             SceneObject(

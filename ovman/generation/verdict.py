@@ -52,8 +52,8 @@ def _against_observations(candidate: Candidate, measured: TrialMeasurement, cons
     assert measured.sightings is not None and measured.world_1 is not None and measured.world_2 is not None
     limits, relation = constants.admissibility, candidate.relation
     changed = frozenset(a.instance for a in candidate.first + candidate.second)
-    first = recorded_world(measured.sightings.first, candidate.category, limits.minimum_mask_px)
-    second = recorded_world(measured.sightings.second, candidate.category, limits.minimum_mask_px)
+    first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
+    second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
     if not all(_recorded(k, relation, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
     query = Query(candidate.category, relation)
