@@ -159,8 +159,9 @@ def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageS
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
     asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
     return {
-        name: [asked, one.candidate, *(one.recorded.record[key] for key in ("scene", "alterations", "mover", "views"))]
+        name: [asked, one.candidate, *(record[key] for key in ("scene", "alterations", "mover", "views"))]
         for name, one in of.items()
+        for record in [one.recorded.to_json()]
     }
 
 
