@@ -70,12 +70,6 @@ class TrueScene:
         return made
 
 
-def recorded_visit(directory: Path) -> Visit:
-    """The record of the visit that is recorded in a directory. Raises RecordError."""
-    path = directory / "visit.json"
-    return Visit.parse(path.read_text(encoding="utf-8"), str(path))
-
-
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
     """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. FileNotFoundError names an image that is not there."""
     return scene.ids(_image(directory / f"{view:02d}_ids.png"), visit.views[view].instances)

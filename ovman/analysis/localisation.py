@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ovman.analysis.instances import TrueObject, TrueScene, depth_m, recorded_visit, true_ids
+from ovman.analysis.instances import TrueObject, TrueScene, depth_m, true_ids
 from ovman.analysis.segmentation import DETECTED, TRUE, segmented
+from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
 
 if TYPE_CHECKING:
@@ -57,7 +58,7 @@ def localised(
 
     The boxes are those of the scene's record, so nothing may have moved: ValueError for a visit with changes.
     """
-    visit = recorded_visit(directory)
+    visit = Visit.load(directory)
     if visit.alterations or any(view.moved for view in visit.views):
         raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.name} are those of the untouched one")
     found = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()

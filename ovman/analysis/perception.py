@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman.analysis import frames
-from ovman.analysis.instances import TrueScene, recorded_visit, true_ids
+from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.localisation import box_distance_m
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
@@ -66,7 +66,7 @@ def seen_in(
     parts: list[Segmented] = []
     features, off = [], []
     for name, detected in tours.items():
-        visit = recorded_visit(visits / name)
+        visit = Visit.load(visits / name)
         masks, still = detected.masks(), _still(scene, visit)
         for view in range(len(visit.views)):
             rows = np.flatnonzero(detected.view == view)

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import VISITS
-from ovman.analysis.instances import recorded_visit
 from ovman.models.episode import Episode
 from ovman.models.relation import Relation
 from ovman.models.settings import Settings
@@ -133,7 +132,7 @@ def run(episodes_file: Path, visits_dir: Path, constants: Settings, output: Path
         ranked = []
         for episode in (e for e in episodes if e.relation is relation):
             directory = Path(visits_dir) / episode.scene
-            first, second = (recorded_visit(directory / episode.visits[v]) for v in VISITS)
+            first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
             _, score = best_view(episode, first, second, constants)
             ranked.append((episode.scene in scenes, -score, episode.id, episode, first, second, directory))
         if ranked:
