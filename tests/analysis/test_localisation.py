@@ -79,7 +79,13 @@ def test_true_and_detected_masks_of_a_tour(tmp_path):
     assert list(localised(scene, directory, 90.0, MIN_MASK_PX, None)) == [r for r in rows if r.mask == TRUE]
 
 
-@pytest.mark.parametrize("changes", [{"alterations": [{"kind": "disable"}]}, {"moved": {"Vase|1": {}}}])
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"alterations": [{"kind": "disable", "instance": "Vase|1"}]},
+        {"moved": {"Vase|1": {"x": 0.0, "y": 0.0, "z": 0.0}}},
+    ],
+)
 def test_a_visit_with_changes_is_refused(tmp_path, changes):
     scene = TrueScene.load(write_scene(tmp_path))
     with pytest.raises(ValueError, match="something moves in this visit"):
