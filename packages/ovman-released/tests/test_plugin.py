@@ -7,17 +7,17 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
 from settings_of import PACKAGE, ROOT, settings_of, tree
 
 from ovman.analysis import metrics
 from ovman.models.note import Note
-from ovman.models.settings import Settings, arms_of
-from ovman.report import tables
-from ovman.report.latex import latex
-from ovman.report.markdown import markdown
-from ovman.report.table import Column, Row, Table
+from ovman.models.settings import Kind, Settings, arms_of
+from ovman.report.tables.columns import words
+from ovman.report.tables.stages import noted
+from ovman.report.tables.table import Table, latex, markdown
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, stage_settings
 from ovman_released.notes import forget_failure
@@ -142,15 +142,14 @@ def test_what_was_missing_is_older_than_whatever_it_was_made_of_and_what_ran_is_
 def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
     path = tmp_path / "released_cow.json"
     Note(system="CoW (released)", missing="there is no clone in 50 % of a_place; run: x").write(path)
-    arms = arms_of(settings_of("cow").arms)
-    made = {name: Table(name, "Caption.", (Column("a", "a"),), (Row({"a": "1"}),)) for name in ("embodied", "static", "scenes")}
-    after = {name: tables.noted(one, [path], arms) for name, one in made.items()}
-    assert after["static"] == made["static"] and after["scenes"] == made["scenes"]
-    for written in (markdown(after["embodied"]), latex(after["embodied"])):
+    settings, made = settings_of("cow"), Table("Caption.", (words("a"),), pd.DataFrame({"a": ["1"]}))
+    assert noted(made, Kind.STATIC, [path], settings) == made == noted(made, None, [path], settings)
+    after = noted(made, Kind.EMBODIED, [path], settings)
+    for written in (markdown(after), latex(after, "embodied")):
         assert "Caption. CoW (released) was not run" in " ".join(written.split())
         assert "a_place" not in written
     Note(system="CoW (released)").write(path)
-    assert tables.noted(made["embodied"], [path], arms) == made["embodied"]
+    assert noted(made, Kind.EMBODIED, [path], settings) == made
 
 
 def test_only_an_arm_of_a_plugin_may_be_without_records():

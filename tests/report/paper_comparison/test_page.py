@@ -7,21 +7,20 @@ from types import SimpleNamespace
 import pytest
 
 from ovman.report.paper_comparison import charts, page
+from ovman.report.paper_comparison import statement as statements
 from ovman.report.paper_comparison.explanations import Explanation, beside, read
 from ovman.report.paper_comparison.metrics import Metrics
-from ovman.report.paper_comparison.page import TEMPLATE, rendered
-from ovman.report.paper_comparison.paper import PAPER as PAPER_FILE
+from ovman.report.paper_comparison.page import Sources, rendered
 from ovman.report.paper_comparison.paper import Paper
-from ovman.report.paper_comparison.statement import Verdict, judged
-from ovman.report.paper_comparison.statements import STATEMENTS
-from ovman.workflow.config import load
-from ovman.workflow.parameter import StageSettings, canonical
-from tests.report.findings.papers import Files, metrics_of, papers_files
+from ovman.report.paper_comparison.statement import Verdict, every, judged
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.report.paper_comparison.papers import ARMS_BY_ROW, Files, metrics_of, papers_files
 
 ROOT = Path(__file__).parents[3]
 DOCS, RELEASED = ROOT / "docs", ROOT / "data" / "ovman-embedded-v1"
 PAPER = Paper.read()
-TEXT = TEMPLATE.read_text(encoding="utf-8")
+STATEMENTS = every(statements.read())
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -33,11 +32,14 @@ def constants(backend: str = "embedded", weights: str = "models/one.safetensors"
             encoder=SimpleNamespace(model="models/encoder.json", weights=weights),
         ),
         evaluation=SimpleNamespace(confidence=0.95),
+        arms=CONFIG.arms,
+        comparisons=CONFIG.comparisons,
+        paper=CONFIG.paper,
     )
 
 
 def of(files: Files, explanations: dict[str, Explanation] | None = None, **kwargs: str) -> str:
-    return rendered(metrics_of(files), PAPER, explanations or {}, TEXT, constants(**kwargs))
+    return rendered(metrics_of(files), Sources(), constants(**kwargs), explanations or {})
 
 
 def tables(text: str) -> list[list[str]]:
@@ -183,12 +185,12 @@ def test_a_wrong_explanation_is_one_line(tmp_path, text, named):
     path = tmp_path / "explanations.yaml"
     path.write_text(text)
     with pytest.raises(ValueError, match=re.escape(named)) as caught:
-        read(path)
+        read(STATEMENTS, path)
     assert "\n" not in str(caught.value) and str(path) in str(caught.value)
 
 
 def test_the_explanations_at_hand_are_valid():
-    assert all(explanation.text for explanation in read().values())
+    assert all(explanation.text for explanation in read(STATEMENTS).values())
 
 
 def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
@@ -200,9 +202,9 @@ def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
         files.append(tmp_path / name)
     for turn in ("one", "other"):
         (tmp_path / turn).mkdir()
-        explanations = Path(page.__file__).with_name("explanations.yaml")
-        outputs = [tmp_path / turn / name for name in ("results.md", "budget.png", "memory.png")]
-        page.run(files, PAPER_FILE, explanations, TEMPLATE, constants(), *outputs)
+        outputs = (tmp_path / turn / name for name in ("results.md", "budget.png", "memory.png"))
+        names = ("page", "budget_chart", "memory_chart")
+        page.run(files, Sources(), constants(), **dict(zip(names, outputs, strict=True)))
     for name in ("results.md", "budget.png", "memory.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
     assert all((tmp_path / "one" / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
@@ -212,13 +214,13 @@ def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
 
 @pytest.mark.skipif(not (DOCS / "results.md").exists(), reason="no page has been released")
 def test_the_page_in_docs_is_that_of_the_released_metrics():
-    released = Metrics.read(sorted((RELEASED / "metrics").glob("*.csv")))
-    owned = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "findings"))
-    assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, PAPER, read(), TEXT, owned)
+    released = Metrics.load(sorted((RELEASED / "metrics").glob("*.csv")), ARMS_BY_ROW)
+    owned = stage_settings(CONFIG, "paper_comparison")
+    assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, Sources(), owned)
     assert all((DOCS / page.FIGURES / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
 
 
 def test_charts_of_nothing_are_drawn_all_the_same(tmp_path):
     for draw in (charts.budget, charts.memory):
-        draw(Metrics({}), PAPER, tmp_path / "chart.png")
+        draw(metrics_of({}), PAPER, tmp_path / "chart.png")
         assert (tmp_path / "chart.png").read_bytes().startswith(PNG)
