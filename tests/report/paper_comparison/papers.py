@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from itertools import product
 
 import pandas as pd
@@ -36,15 +37,25 @@ def number(figure: Figure) -> float:
 
 def metrics_of(files: Mapping[str, list[dict[str, str]]]) -> Metrics:
     """Metrics of rows by the names of the files; a cell that a row lacks is empty."""
-    frames = {}
-    for name, rows in files.items():
+    return Metrics({name.removesuffix(".csv"): _frame(rows) for name, rows in files.items()}, ARMS_BY_ROW)
+
+
+def _frame(rows: list[dict[str, str]]) -> pd.DataFrame:
+    """The frame of a list of rows, made once a list."""
+    if id(rows) not in _FRAMES:
         columns = list(dict.fromkeys(column for row in rows for column in row))
-        frames[name.removesuffix(".csv")] = pd.DataFrame(rows, columns=columns, dtype=str).fillna("")
-    return Metrics(frames, ARMS_BY_ROW)
+        body = [[row.get(column, "") for column in columns] for row in rows]
+        _FRAMES[id(rows)] = rows, pd.DataFrame(body, columns=columns, dtype=object)
+    return _FRAMES[id(rows)][1]
 
 
-def papers_files(paper: Paper) -> Files:
+_FRAMES: dict[int, tuple[list[dict[str, str]], pd.DataFrame]] = {}
+
+
+@cache
+def papers_files() -> Files:
     """Rows by the name of the file. What the paper does not print is filled in so that it contradicts nothing printed."""
+    paper = Paper.read()
 
     def get(key: str, otherwise: float | None = None) -> float:
         if key in paper:

@@ -58,13 +58,13 @@ def in_scene(files: Files, rate: str) -> Files:
 
 @pytest.fixture(scope="module")
 def whole() -> str:
-    return of(papers_files(PAPER))
+    return of(papers_files())
 
 
 def test_a_page_of_the_papers_own_figures(whole):
     total = len(STATEMENTS)
     assert f"**Of {total} statements of the paper {total} hold here, 0 do not, 0 cannot be told**" in " ".join(whole.split())
-    assert re.search(r"^\| two visits, own perception, static +\| \*\*0.416\*\* \| 0.416 \|$", whole, re.MULTILINE)
+    assert re.search(r"^\| two visits, own perception, static +\| +\*\*0.416\*\* \| +0.416 \|$", whole, re.MULTILINE)
     assert whole.count("✓\u00a0holds") == total and "✗" not in whole and "?\u00a0" not in whole
     assert "[!WARNING]" not in whole and whole.endswith("\n") and not whole.endswith("\n\n")
     assert not re.search(r"\bnan\b|\binf\b|\bNone\b|Undefined|\{\{|\{%", whole)
@@ -91,14 +91,14 @@ def test_ours_and_the_papers_stand_below_each_other(whole):
 
 
 def test_the_same_metrics_give_the_same_page_and_others_another(whole):
-    assert of(papers_files(PAPER)) == whole
-    assert of(in_scene(papers_files(PAPER), "0.123")) != whole
+    assert of(papers_files()) == whole
+    assert of(in_scene(papers_files(), "0.123")) != whole
 
 
 def test_what_fails_is_named_at_the_top_and_marked_below():
-    text = of(in_scene(papers_files(PAPER), "0.2"))
+    text = of(in_scene(papers_files(), "0.2"))
     top, below = text.split("## How to read it")
-    failing = [s for s in STATEMENTS if judged(s, metrics_of(in_scene(papers_files(PAPER), "0.2"))).verdict is Verdict.FAILS]
+    failing = [s for s in STATEMENTS if judged(s, metrics_of(in_scene(papers_files(), "0.2"))).verdict is Verdict.FAILS]
     assert failing and all(statement.claim in top for statement in failing)
     assert (
         below.count("✗\u00a0does\u00a0not\u00a0hold")
@@ -107,10 +107,10 @@ def test_what_fails_is_named_at_the_top_and_marked_below():
     )
 
 
-@pytest.mark.parametrize("name", sorted(papers_files(PAPER)))
+@pytest.mark.parametrize("name", sorted(papers_files()))
 def test_without_a_file_the_page_says_so_once_a_statement(name):
-    text = of(without(papers_files(PAPER), name))
-    metrics = metrics_of(without(papers_files(PAPER), name))
+    text = of(without(papers_files(), name))
+    metrics = metrics_of(without(papers_files(), name))
     untold = [statement for statement in STATEMENTS if judged(statement, metrics).verdict is Verdict.UNKNOWN]
     assert untold and text.count(f"cannot be told: there is no {name}") == len(untold)
     assert not re.search(r"\bnan\b|None", text)
@@ -123,13 +123,13 @@ def test_no_metrics_at_all_is_a_page_too():
 
 
 def test_files_without_rows_are_a_page_too():
-    empty = of({name: [] for name in (*papers_files(PAPER), "perception.csv")})
+    empty = of({name: [] for name in (*papers_files(), "perception.csv")})
     assert empty.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
     assert "Nothing can be told: perception.csv has no rows." in empty
 
 
 def test_a_small_run_is_called_one():
-    files = papers_files(PAPER)
+    files = papers_files()
     text = of(files | {"static_rates.csv": [row | {"n": "14"} for row in files["static_rates.csv"]]})
     assert "These metrics are over 14 episodes, not over the 219 of the release" in text
 
@@ -145,13 +145,13 @@ def explained(verdict: Verdict) -> dict[str, Explanation]:
 
 
 def test_an_explanation_is_shown_beside_the_verdict_that_it_belongs_to():
-    failing = in_scene(papers_files(PAPER), "0.2")
+    failing = in_scene(papers_files(), "0.2")
     text = of(failing, explained(Verdict.FAILS))
     assert "**1.** The chair is hidden. (Looked at: `FloorPlan1/moved/0000`.) *Written by hand.*" in text
 
 
 def test_an_explanation_of_another_verdict_is_flagged_and_left_out(whole):
-    text = of(papers_files(PAPER), explained(Verdict.FAILS))
+    text = of(papers_files(), explained(Verdict.FAILS))
     assert "The chair is" not in text
     assert "**1.** ⚠ The explanation at hand was written when the verdict was “does not hold”. Now it is “holds”" in text
     assert "⚠" not in whole
@@ -161,7 +161,7 @@ def test_every_pair_of_verdicts_is_either_shown_or_flagged():
     statement = STATEMENTS[0]
     judgements = {
         judgement.verdict: judgement
-        for files in (papers_files(PAPER), in_scene(papers_files(PAPER), "0.2"), {})
+        for files in (papers_files(), in_scene(papers_files(), "0.2"), {})
         for judgement in [judged(statement, metrics_of(files))]
     }
     assert set(judgements) == set(Verdict)
@@ -195,7 +195,7 @@ def test_the_explanations_at_hand_are_valid():
 
 def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
     files = []
-    for name, rows in papers_files(PAPER).items():
+    for name, rows in papers_files().items():
         columns = list(dict.fromkeys(column for row in rows for column in row))
         lines = [",".join(columns), *(",".join(row.get(column, "") for column in columns) for row in rows)]
         (tmp_path / name).write_text("\n".join(lines) + "\n")

@@ -41,9 +41,16 @@ def numbers_read(quantities: Iterable[Quantity], files: Files) -> set[tuple[str,
         rows, _ = metrics.rows(reading)
         if reading.take is Take.FISHER:
             rows = rows[rows["group"].isin(["2", "4+"])]
-        columns = re.findall(r"[a-z]\w*", f"{reading.column} {reading.query or ''} {'n' if reading.take is Take.FISHER else ''}")
+        columns = [*_names(reading.column), *(["n"] if reading.take is Take.FISHER else [])]
+        if reading.query is not None:
+            cells |= {(f"{reading.file}.csv", index, column) for index in rows.index for column in _names(reading.query)}
+            rows = rows.loc[rows[_names(reading.query)].astype(float).query(reading.query).index]
         cells |= {(f"{reading.file}.csv", index, column) for index in rows.index for column in columns}
     return {cell for cell in cells if cell[2] not in ("scene", "object")}
+
+
+def _names(expression: str) -> list[str]:
+    return re.findall(r"[a-z]\w*", expression)
 
 
 def with_cell(files: Files, cell: tuple[str, int, str], text: str) -> Files:
@@ -68,14 +75,14 @@ def changes(statement: Statement, files: Files) -> Iterator[Files]:
 
 @each_statement
 def test_the_papers_own_figures_pass_its_test(statement):
-    judgement = judged(statement, metrics_of(papers_files(PAPER)))
+    judgement = judged(statement, metrics_of(papers_files()))
     assert judgement.verdict is Verdict.HOLDS, judgement
 
 
 @each_statement
 def test_the_verdict_flips_when_its_metric_changes(statement):
     verdicts = set()
-    for files in changes(statement, papers_files(PAPER)):
+    for files in changes(statement, papers_files()):
         try:
             verdicts.add(judged(statement, metrics_of(files)).verdict)
         except ValueError as contradiction:
@@ -87,7 +94,7 @@ def test_the_verdict_flips_when_its_metric_changes(statement):
 
 @each_statement
 def test_nothing_can_be_told_without_a_figure_that_decides(statement):
-    files = papers_files(PAPER)
+    files = papers_files()
     for cell in numbers_read(deciding(statement), files):
         judgement = judged(statement, metrics_of(with_cell(files, cell, "")))
         assert judgement.verdict is Verdict.UNKNOWN
@@ -99,7 +106,7 @@ def test_nothing_can_be_told_without_a_figure_that_decides(statement):
 
 @each_statement
 def test_a_column_that_is_gone_is_one_line(statement):
-    files = papers_files(PAPER)
+    files = papers_files()
     for file, _, column in sorted(numbers_read(deciding(statement), files)):
         rows = [{name: text for name, text in row.items() if name != column} for row in files[file]]
         with pytest.raises(ValueError, match=f"^{file}: no column {column}, there are .*; make the metrics again$"):
@@ -108,7 +115,7 @@ def test_a_column_that_is_gone_is_one_line(statement):
 
 @each_statement
 def test_what_only_is_shown_decides_nothing(statement):
-    files = papers_files(PAPER)
+    files = papers_files()
     shown = tuple(quantity for quantity in statement.figures.values() if not quantity.decides)
     for cell in numbers_read(shown, files) - numbers_read(deciding(statement), files):
         for text in ("", "0", "1000"):
@@ -117,7 +124,7 @@ def test_what_only_is_shown_decides_nothing(statement):
 
 @each_statement
 def test_figures_of_ours_are_those_of_the_paper_when_the_metrics_are(statement):
-    judgement = judged(statement, metrics_of(papers_files(PAPER)))
+    judgement = judged(statement, metrics_of(papers_files()))
     for name, quantity in statement.figures.items():
         theirs = PAPER[quantity.paper].value if quantity.paper else None
         if theirs is not None and quantity.paper not in (
@@ -143,7 +150,7 @@ def test_every_figure_of_the_paper_is_used_or_declared_as_for_later():
 
 
 def test_what_differs_between_seeds_cannot_be_told_of_one():
-    files = papers_files(PAPER)
+    files = papers_files()
     (statement,) = [statement for statement in STATEMENTS if statement.key == "cow_seeds_spread_little"]
     once = [row for row in files["seeds.csv"] if row["seed"] == "0"]
     judgement = judged(statement, metrics_of(files | {"seeds.csv": once}))
@@ -154,7 +161,7 @@ def test_what_differs_between_seeds_cannot_be_told_of_one():
 
 
 def test_one_scene_with_few_objects_is_told_from_several():
-    files = papers_files(PAPER)
+    files = papers_files()
     (statement,) = [statement for statement in STATEMENTS if statement.key == "dualmap_degenerates_in_one_scene"]
     verdicts = [
         judged(
