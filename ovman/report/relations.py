@@ -18,6 +18,7 @@ from ovman.agents.interface import VISITS
 from ovman.models.record import read_records
 from ovman.models.settings import Settings
 from ovman.models.visit import View, Visit
+from ovman.perception import tour_files
 from ovman.task import Relation
 
 PANEL_INCHES = 2.6
@@ -105,7 +106,8 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
         point = _pin_point(episode, first, second)
         for row, visit in enumerate((first, second)):
             axis = axes[row, column]
-            axis.imshow(plt.imread(visits / visit.visit / f"{index:02d}_rgb.png"))
+            rgb = tour_files.picture(visits / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
+            axis.imshow(np.divide(rgb, 255, dtype=np.float32))
             axis.set_xticks([])
             axis.set_yticks([])
             for spine in axis.spines.values():
