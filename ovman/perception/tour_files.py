@@ -1,5 +1,5 @@
 """Recorded tours as files: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png` (16 bit,
-millimetres). What else a recording says about the world is not read. Every file is compared with its recorded digest.
+millimetres). Nothing else of a recording is read. Every file is compared with its recorded digest.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class _Looks(Record):
 
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
-    """The cameras of a recorded tour's views, where they were when they looked. TourError if the tour is missing or damaged."""
+    """The cameras of the views of a recorded tour. TourError if its record is missing or damaged."""
     file = directory / "visit.json"
     try:
         looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
@@ -59,7 +59,7 @@ def view(directory: Path, number: int, camera: Camera) -> View:
 
 
 def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
-    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, which says who looks at them and how.
+    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks.
 
     TourError for a file that is missing or damaged.
     """

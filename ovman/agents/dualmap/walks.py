@@ -11,7 +11,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -83,7 +83,7 @@ def content(frame: Frame) -> str:
     """Digest of a frame: of its picture, its depth and its camera."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
-        found.update(np.ascontiguousarray(array))
+        found.update(np.ascontiguousarray(array).data)
     return found.hexdigest()
 
 
@@ -140,9 +140,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
-            walks[name] = _read(part, memory) or session.with_restarts(
-                lambda one=one, part=part: _walk(session, one, constants, memory, part)
-            )
+            walks[name] = _read(part, memory) or session.with_restarts(partial(_walk, session, one, constants, memory, part))
             took, new = time.process_time() - began, len(memory.shots) - before
             print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
     order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))

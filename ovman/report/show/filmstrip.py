@@ -34,7 +34,7 @@ class Outline:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class TourFrame:
     """A view of a tour. picture: a data URI; target_px: size of the target's true mask, 0 where it is not seen."""
 
     view: int
@@ -53,7 +53,7 @@ class Stand:
 
     number: int
     at: tuple[float, float]
-    frames: tuple[Frame, ...]
+    frames: tuple[TourFrame, ...]
 
 
 def stands(
@@ -63,7 +63,7 @@ def stands(
     named = [[(k, item, reasoning) for item in reasoning.items[which]] for k, reasoning in enumerate(reasonings)]
     own = [entry for row in named for entry in row if entry[2].arm != "positions_two_visits"]
     masks = None if detected is None else detected.masks()
-    found: list[tuple[tuple[float, float], list[Frame]]] = []
+    found: list[tuple[tuple[float, float], list[TourFrame]]] = []
     for index, view in enumerate(visit.views):
         outlines = [] if masks is None else _detections(detected, masks, index, own)
         frame = _frame(visit, directory, index, episode, outlines)
@@ -98,7 +98,7 @@ def picture(path: Path) -> tuple[str, int, int]:
     return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii"), width, height
 
 
-def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> Frame:
+def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> TourFrame:
     view = visit.views[index]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
     ids = tour_files.picture(directory / f"{index:02d}_ids.png")
@@ -109,7 +109,7 @@ def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any]
             continue
         if name in visit.present and visit.present[name].category == episode["category"] and name in view.seen:
             truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view.seen[name]} px (truth)"))
-    return Frame(
+    return TourFrame(
         view=index,
         yaw_deg=view.pose.yaw_deg,
         picture=uri,

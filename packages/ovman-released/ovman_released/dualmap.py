@@ -103,11 +103,11 @@ class Runs:
             (directory / _DONE).touch()
             said = dualmap_runner.report(directory)
             print(
-                f"{self.scene}: run {number}: {' and '.join(visits)}: {said['frames']} frames, {said['keyframes']} keyframes, "
-                f"{said['local_before_the_end']} objects before the end, saved {said['saved']}, {said['seconds']:.0f} s",
+                f"{self.scene}: run {number}: {' and '.join(visits)}: {said.frames} frames, {said.keyframes} keyframes, "
+                f"{said.local_before_the_end} objects before the end, saved {dict(said.saved)}, {said.seconds:.0f} s",
                 flush=True,
             )
-        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory)["keyframes"]
+        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory).keyframes
 
     def _made(self, directory: Path, visits: Sequence[str]) -> Path:
         """Runs DualMap over `visits`; the directory of its last process."""
