@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 
 from ovman.models.visit import Visit
+from ovman.perception import tour_files
 from ovman.report.show.reasoning import Item, Reasoning
 
 QUALITY = 78
@@ -85,10 +86,11 @@ def outline(mask: np.ndarray) -> str:
 
 
 def picture(path: Path) -> tuple[str, int, int]:
-    """A PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height. OSError if it cannot be read."""
-    image = cv2.imread(str(path))
-    if image is None:
-        raise OSError(f"{path}: could not be read; remove the directory and record the visit again with `make tables`")
+    """A PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height.
+
+    TourError where the file is missing or damaged.
+    """
+    image = tour_files.picture(path)
     height, width = image.shape[:2]
     scale = min(1.0, SIDE_PX / height)
     small = cv2.resize(image, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
@@ -99,7 +101,7 @@ def picture(path: Path) -> tuple[str, int, int]:
 def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> TourFrame:
     view = visit.views[index]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
-    ids = cv2.imread(str(directory / f"{index:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
+    ids = tour_files.picture(directory / f"{index:02d}_ids.png")
     truths = []
     for number, name in enumerate(view.instances, start=1):
         kind = "target" if name == episode["target"] else "distractor" if name == episode["distractor"] else "instance"

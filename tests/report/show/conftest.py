@@ -17,6 +17,7 @@ from ovman.evaluation import predictions
 from ovman.language import noun
 from ovman.models.record import line
 from ovman.models.settings import Kind, Need, Settings, of_kind
+from ovman.models.visit_files import seal
 from ovman.perception import maps
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
@@ -90,12 +91,28 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Mapping[str, 
         cv2.imwrite(str(directory / f"{number:02d}_rgb.png"), rng.integers(0, 255, (HEIGHT, WIDTH, 3), np.uint8))
         cv2.imwrite(str(directory / f"{number:02d}_ids.png"), ids)
         pose = {"x": x, "z": z, "yaw_deg": yaw, "horizon_deg": 0.0}
-        views.append({"pose": pose, "camera": {}, "instances": seen, "seen": dict.fromkeys(seen, 900), "moved": {}})
+        views.append(
+            {"pose": pose, "camera": {"x": x, "y": 1.6, "z": z}, "instances": seen, "seen": dict.fromkeys(seen, 900), "moved": {}}
+        )
     present = {
         k: {"category": k.split("|")[0], "position": {"x": x, "y": 0.5, "z": z}}
         for k, (x, z) in _places(world, (), 0, False).items()
     }
-    (directory / "visit.json").write_text(json.dumps({"visit": name, "views": views, "present": present}))
+    (directory / "visit.json").write_text(
+        json.dumps(
+            {
+                "schema": "ovman-visit/1",
+                "scene": SCENE,
+                "visit": name,
+                "alterations": [],
+                "placed": {},
+                "present": present,
+                "mover": None,
+                "views": views,
+            }
+        )
+    )
+    seal(directory)
     return Detected(
         view=np.array([row[0] for row in rows]),
         point=np.array([row[1] for row in rows]),
