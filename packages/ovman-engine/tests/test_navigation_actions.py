@@ -138,7 +138,7 @@ def test_paths_are_taut_and_free_and_no_longer_than_a_walk(scene):
     """Between any two reachable places: over the floor, never shorter than straight, never longer than over the lattice, no
     corner that could be left out; the way back is as long."""
     before = state(scene)
-    floor, rng = _floor(scene.engine), np.random.default_rng(5)
+    floor, rng = _floor(scene.engine.session), np.random.default_rng(5)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     at = {(round(c["x"] / 0.25), round(c["z"] / 0.25)): c for c in cells}
     bent = 0
@@ -260,7 +260,7 @@ def test_paths_to_nothing_are_refused(engine):
 def test_ends_beside_the_mesh_are_taken_for_the_nearest_points_on_it(engine):
     """As in AI2-THOR: not farther than 0.2 m, and only one of both ends by more than the allowed error."""
     scene = engine("FloorPlan206")
-    floor = _floor(scene.engine)
+    floor = _floor(scene.engine.session)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     y = scene.agent["agent"]["position"]["y"]
     beside = [
