@@ -82,7 +82,7 @@ class Wire:
                     raise
                 self._check_parent()
                 if time.monotonic() > end:
-                    raise ClientGone("nobody opened the server pipe") from None
+                    raise ClientGone("the client did not open the server pipe") from None
                 time.sleep(OPENING_S)
             else:
                 os.set_blocking(pipe, True)
