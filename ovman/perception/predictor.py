@@ -11,7 +11,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from ovman.perception.graph import Graph, exported
-from ovman.perception.kept import Kept
+from ovman.perception.network_cache import NetworkCache
 from ovman.perception.suppression import surest
 
 
@@ -55,7 +55,7 @@ def with_network(options: Mapping[str, Any], network: Any) -> Any:
     return made
 
 
-def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Kept) -> Any:
+def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: NetworkCache) -> Any:
     """ultralytics' predictor on a processor, where pictures go one by one through a graph for their shape.
 
     load: gives the network, if there is a graph to make of it that is not kept yet.

@@ -1,7 +1,8 @@
-"""What is made of a network's weights, kept in the user's cache so that it is made once and not in every job.
+"""Cache of what is made of a network's weights: graphs and embeddings of phrases, made once and not in every job.
 
-It hangs on nothing but what its owner is called by; a file that is torn or was changed is made again, and where nothing can be
-written nothing is kept. A file is written beside its place and renamed, so two processes may make the same one.
+The key of a network is a digest of all that the files depend on (`ovman.perception.networks`). Every file begins with the SHA-256
+of its content; a torn or changed file is made again. Where nothing can be written nothing is kept. Two processes may write one
+file.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from ovman.atomic import replace_bytes
 from ovman.perception.libraries import cache
 
 AT_MOST = 16
@@ -20,10 +22,10 @@ AT_MOST = 16
 _DIGEST = hashlib.sha256().digest_size
 
 
-class Kept:
+class NetworkCache:
     """The files of one network.
 
-    owner: digest of all that they hang on, None for a network of which nothing is kept.
+    owner: digest of all that they depend on, None for a network of which nothing is kept.
     """
 
     def __init__(self, owner: str | None) -> None:
@@ -43,19 +45,9 @@ class Kept:
             return whole[_DIGEST:]
         made = make()
         with suppress(OSError):  # a full or read-only disk, or another process that forgets this network
-            _write(path, hashlib.sha256(made).digest() + made)
+            replace_bytes(path, hashlib.sha256(made).digest() + made)
             _forget(path.parent)
         return made
-
-
-def _write(path: Path, whole: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_bytes(whole)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _forget(used: Path) -> None:
