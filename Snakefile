@@ -31,7 +31,6 @@ include: "workflow/rules/walks.smk"
 include: "workflow/rules/dualmap.smk"
 include: "workflow/rules/predictions.smk"
 include: "workflow/rules/executions.smk"
-include: "workflow/rules/released.smk"
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/metrics.smk"
 include: "workflow/rules/language.smk"
@@ -42,6 +41,11 @@ include: "workflow/rules/static.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/findings.smk"
 include: "workflow/rules/models.smk"
+
+
+for plugin in PLUGINS:
+
+    include: plugin.rules
 
 
 onstart:

@@ -207,9 +207,9 @@ def test_a_view_is_made_of_the_very_parameter_and_frozen():
         ("benchmark.scenes", ["FloorPlan1"] * 2, "config.yaml: benchmark.scenes: FloorPlan1 is there twice"),
         ("evaluation.seeds", [], "config.yaml: evaluation.seeds is []; it must have at least 1 item"),
         (
-            "admissibility.minimum_mask_px",
+            "admissibility.min_mask_px",
             20,
-            "config.yaml: admissibility.minimum_mask_px is 20, but measurement.mask_px must be",
+            "config.yaml: admissibility.min_mask_px is 20, but measurement.min_mask_px must be",
         ),
     ],
 )

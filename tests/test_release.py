@@ -14,10 +14,11 @@ from ovman.evaluation import predictions
 from ovman.evaluation import rollouts as executions
 from ovman.evaluation import scores as runs
 from ovman.generation import admissible, candidates, certified, episodes, scenes, trials
+from ovman.models.episode import Episode
 from ovman.models.settings import Arm, Kind, Source, of_kind
 from ovman.report import release, tables
 from ovman.sim.recorded import judged
-from ovman.task import Relation, read_episodes, referents
+from ovman.task import Relation, referents
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
@@ -38,7 +39,7 @@ def records(path: Path) -> list[dict]:
 
 @pytest.fixture(scope="module")
 def released():
-    return read_episodes(DATA / "episodes" / "main.jsonl")
+    return Episode.load(DATA / "episodes" / "main.jsonl")
 
 
 def test_every_file_has_its_checksum():

@@ -20,9 +20,9 @@ from ovman.evaluation.prediction import Prediction
 from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
+from ovman.models.record import line, read_records
 from ovman.models.settings import Settings
 from ovman.task import Relation
-from ovman.task.record import line, read_records
 
 SUPPLIED = "two_visits"
 SENTENCES, RELATION_INFERRED, INFERRED, METRICS = (

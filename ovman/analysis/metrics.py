@@ -18,8 +18,8 @@ from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.evaluation import prediction
+from ovman.models.record import records
 from ovman.models.settings import Arm, Kind, Settings, arms_of
-from ovman.task.record import records
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
 STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
@@ -105,8 +105,8 @@ def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms
 
 
 def _may_lack(arms: Sequence[Arm]) -> set[str]:
-    """Arms of released systems: one that something is missing for leaves empty records, and its own note in the tables."""
-    return {arm.name for arm in arms if arm.released is not None}
+    """Arms that a plug-in makes: where something is missing for it, it leaves empty records and a note for the tables."""
+    return {arm.name for arm in arms if arm.made_by is not None}
 
 
 def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:

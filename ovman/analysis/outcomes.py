@@ -12,8 +12,8 @@ from typing import Any
 from ovman.agents.reference.decision import Abstention, Answer
 from ovman.agents.reference.single_visit import success_probability
 from ovman.evaluation.prediction import Prediction
+from ovman.models.record import records
 from ovman.task import Relation
-from ovman.task.record import records
 from ovman.workflow.seeds import generator
 
 RUN_SCHEMA = "ovman-run/1"

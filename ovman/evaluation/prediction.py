@@ -10,7 +10,7 @@ from typing import Any
 from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.agents.reference.reasoning import Evidence
 from ovman.agents.reference.single_visit import UniformBox, UniformPick
-from ovman.task.record import line, records
+from ovman.models.record import line, records
 
 SCHEMA = "ovman-prediction/1"
 

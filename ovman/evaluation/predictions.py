@@ -17,9 +17,9 @@ from ovman.evaluation.context import Recorded
 from ovman.evaluation.observation_store import Senses, of_scene
 from ovman.evaluation.prediction import Outcome, Prediction, write
 from ovman.evaluation.supervision import AgentError, failures, function
+from ovman.models.record import read_records
 from ovman.models.settings import Arm, Settings, Source
 from ovman.task import Query, Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ovman.agents.interface import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.assignment import assignment_of
 from ovman.evaluation.context import Given, Told
 from ovman.evaluation.observation_store import Senses, of_scene
 from ovman.evaluation.prediction import outcome_json
@@ -19,13 +19,13 @@ from ovman.evaluation.predictions import predict
 from ovman.evaluation.rollout import Terms, execute, handed
 from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.language import noun
+from ovman.models.record import read_records
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
-from ovman.navigation import Primitives
+from ovman.models.trial import Trial
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
-from ovman.task.record import read_records
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -36,11 +36,11 @@ Tour = Callable[[str, np.ndarray], Visit]
 """A visit as an agent is given it: "first" or "second", and the positions (K, 2) in metres that can be reached in it."""
 
 
-def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int, reachable: np.ndarray) -> Visit:
+def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:
     """A recorded visit as an agent with handed positions is given it: which instances each view recorded, and where."""
     views: dict[int, list[Sighting]] = {}
     for seen in sightings:
-        if seen["px"] >= minimum_px:
+        if seen["px"] >= min_mask_px:
             views.setdefault(seen["view"], []).append(Sighting(handed(visit, seen["instance"]), category, seen["x"], seen["z"]))
     nowhere = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
     return Visit(tuple(Observation(None, None, nowhere, 0.0, True, tuple(views[v])) for v in sorted(views)), reachable)
@@ -53,7 +53,7 @@ def execution(
 
     senses: of the trial's scene. AgentError, in one line, where the agent fails.
     """
-    assignment, name, measured = Assignment.of(trial), trial["candidate"]["id"], trial["measured"]
+    assignment, name, measured = assignment_of(Trial.from_json(trial)), trial["candidate"]["id"], trial["measured"]
 
     def draws(of: str) -> np.random.Generator:
         return seeds.generator(constants.benchmark.seed, of, arm.name, name, seed)
@@ -66,8 +66,8 @@ def execution(
             return handed(visits["second"], instance)
 
         def tour(which: str, reachable: np.ndarray) -> Visit:
-            least_px = constants.admissibility.minimum_mask_px
-            return _tour(visits[which], measured["sightings"][which], assignment.category, least_px, reachable)
+            min_mask_px = constants.admissibility.min_mask_px
+            return _tour(visits[which], measured["sightings"][which], assignment.category, min_mask_px, reachable)
 
     else:
 
@@ -78,7 +78,7 @@ def execution(
     if arm.answer is Source.HANDED:
         moving = assignment.relation is Relation.MOVING
         told = Told(assignment.answer, handed(visits["second"], assignment.target) if moving else None)
-    given = Given(draws("picks"), constants, Pilot(Primitives.of(constants), draws("paths")), senses, told)
+    given = Given(draws("picks"), constants, Pilot(constants.primitives, draws("paths")), senses, told)
     made = function(arm.name, arm.agent)
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         agent = made(given)
@@ -94,7 +94,7 @@ def execution(
         Terms(arm.budget, arm.marks, arm.any_instance),
         seeds.integer(constants.benchmark.seed, "actuation", arm.name, name, seed) if session.embodiment.noisy else None,
     )
-    return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run
+    return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run.to_json()
 
 
 DECIDING = ("admissibility.",)
@@ -145,7 +145,7 @@ def run(
             for seed in outputs:
                 record = kept.unit(
                     unit(arm, seed, trials[name], constants, senses),
-                    lambda name=name, seed=seed: session.surviving(
+                    lambda name=name, seed=seed: session.with_restarts(
                         lambda: execution(session, arm, seed, trials[name], constants, senses)
                     ),
                 )

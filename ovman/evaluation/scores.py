@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.outcomes import OWN_SUCCESS
+from ovman.models.record import read_records
 from ovman.models.settings import Arm, Settings
 from ovman.models.settings.benchmark import Success
 from ovman.sim.recorded import MEASURED, any_instance, judged
 from ovman.task import Relation, spl
-from ovman.task.record import read_records
 
 FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
 

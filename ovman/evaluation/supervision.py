@@ -54,6 +54,8 @@ def failures(doing: str) -> Iterator[None]:
     except AgentError:
         raise
     except (Exception, SystemExit) as error:
+        if getattr(error, "says_all", False):  # a damaged file is not the agent's fault
+            raise
         traceback.print_exception(error)
         last = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(last.filename).name}, line {last.lineno}"

@@ -12,9 +12,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman.models.episode import Episode
+from ovman.models.record import read_records
 from ovman.report.markdown import pipe_table
-from ovman.task import Episode, Rejection, Relation, read_episodes
-from ovman.task.record import read_records
+from ovman.task import Rejection, Relation
 from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl",)
@@ -79,7 +80,7 @@ def _rejections(rows: Sequence[Mapping[str, str]]) -> list[list[str]]:
 
 def card(results: Path) -> str:
     """The dataset card of the episodes in `results`, Markdown."""
-    episodes = read_episodes(results / "episodes" / "main.jsonl")
+    episodes = Episode.load(results / "episodes" / "main.jsonl")
     rejected = rows(results / "metrics" / "rejections.csv")
     trials = [trial for path in sorted((results / "trials").glob("*.jsonl")) for trial in read_records(path)]
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
+from ovman.models.query import Query
+from ovman.models.relation import Relation
 from ovman.models.settings import Settings
-from ovman.task.relation import Relation
-from ovman.task.world_state import WorldState, displacement_m
-
-
-@dataclass(frozen=True, slots=True)
-class Query:
-    """q = (c, rho): a category and a change relation."""
-
-    category: str
-    relation: Relation
+from ovman.models.world_state import WorldState, displacement_m
 
 
 def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: Settings) -> bool:

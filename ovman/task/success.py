@@ -3,45 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
 
+from ovman.models.measurement import Measurement
+from ovman.models.relation import Relation
 from ovman.models.settings.benchmark import Success
-from ovman.task.relation import Relation
-
-
-@dataclass(frozen=True, slots=True)
-class Measurement:
-    """What is measured where an agent stops, metres and pixels.
-
-    box_distance_m: from the stop p to the target's axis-aligned box; answer_distance_m: |p - a|; navigable_distance_m: |p -
-    nu(a)|, to the navigable cell of the spawn's component that is nearest to the answer; visible_px: size of the target's mask
-    at each pitch of the look-down sweep, keyed by the pitch in degrees. Box and masks are None where no object is left to
-    measure them on. Raises ValueError for a negative distance or one that is not a number.
-    """
-
-    box_distance_m: float | None
-    answer_distance_m: float
-    navigable_distance_m: float
-    visible_px: Mapping[int, int] | None
-
-    @staticmethod
-    def from_json(record: Mapping[str, Any]) -> Measurement:
-        """The measurement in a record of a stop (a certification run, a run, an execution), whose pitches are strings."""
-        visible_px = record["visible_px"]
-        return Measurement(
-            record["box_distance_m"],
-            record["answer_distance_m"],
-            record["navigable_distance_m"],
-            None if visible_px is None else {int(pitch): px for pitch, px in visible_px.items()},
-        )
-
-    def __post_init__(self) -> None:
-        for name in ("box_distance_m", "answer_distance_m", "navigable_distance_m"):
-            value = getattr(self, name)
-            if value is not None and not value >= 0.0:
-                raise ValueError(f"{name} is {value}: a distance is at least 0")
 
 
 def visible(measurement: Measurement, constants: Success) -> bool:

@@ -45,7 +45,7 @@ class Looked:
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class ThresholdScore:
     """Views in which something was found rightly, found wrongly, and not found, at a threshold."""
 
     threshold: float
@@ -59,11 +59,12 @@ class Score:
         return 2 * self.right / max(2 * self.right + self.wrong + self.missed, 1)
 
 
-def scores(looked: list[Looked], thresholds: np.ndarray) -> list[Score]:
+def scores(looked: list[Looked], thresholds: np.ndarray) -> list[ThresholdScore]:
     """The scores of all thresholds, in their order."""
     right, wrong, shown = (np.array([getattr(one, name) for one in looked]) for name in ("right", "wrong", "shown"))
     return [
-        Score(float(t), int((right >= t).sum()), int((wrong >= t).sum()), int((shown & (right < t)).sum())) for t in thresholds
+        ThresholdScore(float(t), int((right >= t).sum()), int((wrong >= t).sum()), int((shown & (right < t)).sum()))
+        for t in thresholds
     ]
 
 
@@ -102,7 +103,7 @@ def main() -> None:
     encoder = encoder_of(settings.perception)
     eyes = localiser(settings, detector_of(settings.perception), encoder)
     eyes.look_for("Floor")
-    share = settings.perception.detector.minimum_mask_px / (settings.camera.width_px * settings.camera.height_px)
+    share = settings.perception.detector.min_mask_px / (settings.camera.width_px * settings.camera.height_px)
     looked: list[Looked] = []
     scenes = floor_plans(settings.benchmark.scenes).held_out
     for scene in scenes:

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Settings
 from ovman.workflow.parameter import flat
+from ovman.workflow.plugins import PluginError, plugin, with_sections
 from ovman.workflow.settings_files import ConfigError, read, read_sections, shown
 from ovman.workflow.stages import matching
 
@@ -31,14 +32,14 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_measurement(settings)
     yield from _of_counts(settings)
     yield from _of_motion(settings)
-    yield from _of_arms(settings.arms, flat(settings))
+    yield from _of_arms(settings.arms, settings.plugins, flat(settings))
 
 
 def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
     """What is measured must serve the verdict in force."""
     measured, verdict, success = settings.measurement, settings.admissibility, settings.success
     for key, value, bound, limit, fits, word in (
-        ("admissibility.minimum_mask_px", verdict.minimum_mask_px, "mask_px", measured.mask_px, operator.le, "at most"),
+        ("admissibility.min_mask_px", verdict.min_mask_px, "min_mask_px", measured.min_mask_px, operator.le, "at most"),
         ("success.visible_px", success.visible_px, "visible_px", measured.visible_px, operator.le, "at most"),
         (
             "admissibility.validity_radius_m",
@@ -84,9 +85,12 @@ def _of_motion(settings: Settings) -> Iterator[Contradiction]:
         yield ("dualmap", "local_map", "split_frames"), f"is {local.split_frames}, but {says}"
 
 
-def _of_arms(arms: Mapping[str, Arm], names: Iterable[str]) -> Iterator[Contradiction]:
-    """Arms name settings and other arms that exist, and have the fields of their kind."""
+def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:
+    """Arms name settings, plug-ins and other arms that exist, and have the fields of their kind."""
     for name, arm in arms.items():
+        if arm.made_by is not None and arm.made_by not in plugins:
+            listed = ", ".join(plugins) or "none"
+            yield ("arms", name, "made_by"), f"is {arm.made_by}, which is not in section plugins; the plug-ins are {listed}"
         for pattern in arm.constants:
             if not matching([pattern], names) or pattern == "arms":
                 yield ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
@@ -120,13 +124,28 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
         tree, files = source, [Path(f) for f in files]
     else:
         tree, files = read_sections(Path(source)), [Path(source)]
+    model = with_sections(Settings, _plugins(tree, files))
     try:
-        config = Settings.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
+        config = model.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
     except ValidationError as error:
-        raise ConfigError(_line(error, files)) from None
+        raise ConfigError(_line(error, files, model)) from None
     for key, says in contradictions(config):
         raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
     return config
+
+
+def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str]:
+    """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
+    given = tree.get("plugins")
+    if not isinstance(given, Mapping):
+        return {}
+    named = {name: module for name, module in given.items() if isinstance(name, str) and isinstance(module, str)}
+    for name, module in named.items():
+        try:
+            plugin(name, module)
+        except PluginError as error:
+            raise ConfigError(f"{file_with(files, ('plugins', name))}: plugins.{name} is {module}, which {error}") from None
+    return named
 
 
 def load_files(files: Sequence[str | Path]) -> Settings:
@@ -170,7 +189,7 @@ def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
 _ABSENT = object()
 
 
-def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
+def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
     """The first thing that is wrong: where, what, and what to do."""
     # A name that is not a setting explains a setting that is missing.
     first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "missing": 2}.get(e["type"], 1))
@@ -179,11 +198,13 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     name = ".".join(path)
     where = file_with(files, [p for p in location if not isinstance(p, int)])
     if first["type"] == "extra_forbidden":
-        return f"{where}: {name} is not a setting; {_nearest(path)}"
-    field = _field(path)
+        return f"{where}: {name} is not a setting; {_nearest(path, settings)}"
+    field = _field(path, settings)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     if first["type"] == "missing":
         remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        if path[0] not in Settings.model_fields:
+            remedy = "the plug-in's own overlay has its value"
         return f"{where}: {name}{meaning} is missing; add it, {remedy}"
     value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
     says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
@@ -199,8 +220,8 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     return f"{where}: {name} is {shown(value)}; it must {says}{meaning}{hint}"
 
 
-def _models(path: Sequence[str]) -> type[BaseModel] | None:
-    model: type[BaseModel] = Settings
+def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:
+    model: type[BaseModel] = settings
     names = iter(path)
     for name in names:
         field = model.model_fields.get(name)
@@ -213,16 +234,16 @@ def _models(path: Sequence[str]) -> type[BaseModel] | None:
     return model
 
 
-def _field(path: Sequence[str]) -> Any:
-    model = _models(path[:-1])
+def _field(path: Sequence[str], settings: type[Settings]) -> Any:
+    model = _models(path[:-1], settings)
     return None if model is None or not path else model.model_fields.get(path[-1])
 
 
-def _nearest(path: Sequence[str]) -> str:
+def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
     """The nearest setting to a wrong name: in its own section first, then anywhere."""
-    model, wrong = _models(path[:-1]), path[-1]
+    model, wrong = _models(path[:-1], settings), path[-1]
     here = list(model.model_fields) if model is not None else []
-    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names()}
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names(settings)}
     for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
         near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
         if near:
@@ -233,7 +254,7 @@ def _nearest(path: Sequence[str]) -> str:
     return f"{'.'.join(path[:-1]) or 'config.yaml'} has {', '.join(here)}"
 
 
-def _names(model: type[BaseModel] = Settings, path: str = "") -> Iterator[str]:
+def _names(model: type[BaseModel], path: str = "") -> Iterator[str]:
     for name, field in model.model_fields.items():
         kind = field.annotation
         if isinstance(kind, type) and issubclass(kind, BaseModel):

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.perception.array_file import ArrayFileError
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import (
-    RecordError,
     read_detections,
     read_maps,
     read_nouns,
@@ -30,7 +30,7 @@ def detected(rng: np.random.Generator, count: int, height: int = 5, width: int =
         feature=rng.normal(size=(count, 4)).astype(np.float32),
         pixels=masks.sum(axis=(1, 2)),
         confidence=rng.random(count).astype(np.float32),
-        packed=Masks.of(masks),
+        packed=PackedMasks.of(masks),
         content=f"{rng.integers(2**40):x}",
     )
 
@@ -91,14 +91,14 @@ def test_nouns_come_back(tmp_path):
 
 def test_masks_that_fill_no_whole_byte():
     masks = np.random.default_rng(0).random((3, 3, 3)) < 0.5
-    packed = Masks.of(masks)
+    packed = PackedMasks.of(masks)
     assert packed.bits().shape == (3, 2) and np.array_equal(packed.unpacked(), masks)
 
 
 def test_a_file_of_another_kind_is_one_line(tmp_path):
     path = tmp_path / "nouns.npz"
     write_nouns(path, {"chair": np.array([1.0], np.float32)})
-    with pytest.raises(RecordError, match="schema is ovman-nouns/1, not ovman-maps/1") as caught:
+    with pytest.raises(ArrayFileError, match="schema is ovman-nouns/2, not ovman-maps/2") as caught:
         read_maps(path)
     assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
 
@@ -107,13 +107,13 @@ def test_a_file_of_another_kind_is_one_line(tmp_path):
 def test_a_file_that_is_no_archive_is_one_line(tmp_path, content):
     path = tmp_path / "maps.npz"
     path.write_bytes(content)
-    with pytest.raises(RecordError, match="remove it and make it again") as caught:
+    with pytest.raises(ArrayFileError, match="remove it and make it again") as caught:
         read_maps(path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_pickle_in_an_archive_is_not_opened(tmp_path):
     path = tmp_path / "maps.npz"
-    np.savez(path, schema=np.array("ovman-maps/1"), visits=np.array([{}], object))
-    with pytest.raises(RecordError, match="allow_pickle"):
+    np.savez(path, schema=np.array("ovman-maps/2"), visits=np.array([{}], object))
+    with pytest.raises(ArrayFileError, match="allow_pickle"):
         read_maps(path)

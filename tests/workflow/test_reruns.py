@@ -109,7 +109,7 @@ def kinds() -> list[list[str]]:
     """Constants that rerun the same stages, together; without those that say which files or arms there are."""
     found: dict[frozenset[str], list[str]] = {}
     for name in VALUES:
-        if name not in ("benchmark.scenes", "evaluation.seeds") and not name.startswith("released."):
+        if name not in ("benchmark.scenes", "evaluation.seeds"):
             found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
     return list(found.values())
 

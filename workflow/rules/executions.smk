@@ -15,6 +15,8 @@ rule executions:
         "benchmarks/executions/{arm}/{scene}.tsv"
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
+    wildcard_constraints:
+        arm=OF_NO_PLUGIN,
     params:
         constants=stage_of_arm("executions"),
     script:

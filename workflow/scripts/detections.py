@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from ovman.models.record import read_records
 from ovman.perception import detections
-from ovman.task.record import read_records
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

@@ -1,14 +1,16 @@
 """Stage `episodes`: the released split, and the audit of what was rejected."""
 
-from ovman.generation import episodes
+from ovman.generation import release
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    episodes.run(
+    release.run(
+        work.inputs("scenes"),
         work.inputs("trials"),
         work.inputs("admissible"),
         work.inputs("certified"),
         work.constants,
         work.output("episodes"),
+        work.output("sightings"),
         work.output("rejections"),
     )

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ovman.agents.dualmap.cloud import FLOOR, UP, area, shared_area
-from ovman.agents.dualmap.constants import GlobalConstants
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import Departure
 from ovman.agents.dualmap.map_object import MapObject
+from ovman.models.settings.baselines import DualmapGlobal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -70,13 +70,14 @@ class Anchor:
     @property
     def position(self) -> np.ndarray:
         """(2,) x and z of the footprint's centre, metres."""
-        return (self.flat.min(axis=0) + self.flat.max(axis=0)) / 2
+        centre: np.ndarray = (self.flat.min(axis=0) + self.flat.max(axis=0)) / 2
+        return centre
 
 
 class GlobalMap:
     """Anchors in the order that they came in, after those of an earlier visit if there are any."""
 
-    def __init__(self, voxel_m: float, constants: GlobalConstants, preloaded: Iterable[Anchor] = ()) -> None:
+    def __init__(self, voxel_m: float, constants: DualmapGlobal, preloaded: Iterable[Anchor] = ()) -> None:
         self.anchors: list[Anchor] = list(preloaded)
         self._voxel_m, self._constants = voxel_m, constants
 
@@ -100,7 +101,10 @@ class GlobalMap:
 def overlap(rectangle: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
     """(N,) area that a rectangle (4,) shares with each of rectangles (N, 4), over the smaller of the two areas."""
     smaller = np.minimum(area(rectangle), area(rectangles))
-    return np.divide(shared_area(rectangle, rectangles), smaller, out=np.zeros(len(rectangles)), where=smaller > 0)
+    fractions: np.ndarray = np.divide(
+        shared_area(rectangle, rectangles), smaller, out=np.zeros(len(rectangles)), where=smaller > 0
+    )
+    return fractions
 
 
 def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:

@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.global_map import Anchor
+from ovman.agents.dualmap.global_map import Anchor, Related
 from ovman.agents.dualmap.map_object import MapObject
 from ovman.agents.reference.object_map import ObjectMap
-from ovman.perception.records import RecordError, read_arrays, write_arrays
+from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 
-SCHEMA = "ovman-dualmap/1"
+SCHEMA = "ovman-dualmap/2"
 
 Pair = tuple[str, str]
 """The names of a first and of a second visit."""
@@ -58,7 +58,8 @@ class Entry:
     @staticmethod
     def of_anchor(anchor: Anchor) -> tuple[Entry, ...]:
         """An anchor and what is on it."""
-        kept = [(Sort.ANCHOR, anchor), *((Sort.RELATED, related) for related in anchor.related)]
+        kept: list[tuple[Sort, Anchor | Related]] = [(Sort.ANCHOR, anchor)]
+        kept += [(Sort.RELATED, related) for related in anchor.related]
         return tuple(
             Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen) for sort, k in kept
         )
@@ -116,11 +117,11 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
 
 
 def read(path: Path) -> tuple[RunMaps, ...]:
-    """The maps of all runs of a scene. RecordError for a file that is none of them."""
+    """The maps of all runs of a scene. ArrayFileError for a file that is none of them."""
     try:
         arrays = read_arrays(path, SCHEMA)
     except FileNotFoundError:
-        raise RecordError(f"{path} is not there; make the stage dualmap") from None
+        raise ArrayFileError(f"{path} is not there; make the stage dualmap") from None
     rows = zip(
         arrays["position"],
         arrays["feature"],

@@ -96,7 +96,7 @@ class Candidates(Section):
 class Measurement(Section):
     """The loosest settings that a verdict may be re-derived for."""
 
-    mask_px: Some = Field(description="pixels")
+    min_mask_px: Some = Field(description="pixels")
     answer_to_navigable_m: Metres = Field(description="metres")
     visible_px: Some = Field(description="pixels")
 
@@ -105,7 +105,7 @@ class Admissibility(Section):
     """What makes a trial admissible and certified."""
 
     tau_m: Metres = Field(description="metres, tau")
-    minimum_mask_px: Some = Field(description="pixels")
+    min_mask_px: Some = Field(description="pixels")
     validity_radius_m: Metres = Field(description="metres")
     drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
@@ -139,7 +139,7 @@ class Maps(Section):
 class Grounding(Section):
     """Which map objects a noun means."""
 
-    band: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+    similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
 
 
 class SingleVisit(Section):

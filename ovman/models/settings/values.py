@@ -26,7 +26,6 @@ Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
 Listed = BeforeValidator(_sequence)
 """A list in YAML is a tuple here."""
-Commit = Annotated[str, Field(pattern=r"^[0-9a-f]{40}$")]
 
 
 class Section(BaseModel):
@@ -67,6 +66,7 @@ class Section(BaseModel):
             kind = field.annotation
             if name not in fields and isinstance(kind, type) and issubclass(kind, Section):
                 fields[name] = kind.owned({}, stage, f"{path}.{name}" if path else name)
+        fields = {name: fields[name] for name in cls.model_fields if name in fields}  # the order of config.yaml, as in records
         made = cast(Self, cls.model_construct(**fields))
         made.__dict__ = fields
         made._stage, made._path = stage, path

@@ -10,22 +10,25 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
-from ovman.task.record import read_records
+import ovman
+import ovman_released
+from ovman.models.episode import Episode
+from ovman.models.note import Note
+from ovman.models.record import lines
+from ovman.models.run import Rollout
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 from ovman_engine import COMMAND, executable
 from ovman_released.clone import Clone
-from ovman_released.cow_episodes import Hidden
 from ovman_released.cow_process import Job
 from ovman_released.cow_results import collected
-from ovman_released.interpreter import Needs, environment, lacks
-from ovman_released.status import Status
+from ovman_released.interpreter import Needs, environment, lacks, linked
+from ovman_released.plugin import COW
+from ovman_released.settings import released_cow
 
 SYSTEM = "CoW (released)"
 REPOSITORY = "https://github.com/real-stanford/cow"
-PACKAGE_ROOT = Path(__file__).resolve().parents[3]
 OWL = "google/owlvit-base-patch32"
 _DOWNLOAD = (
     '-c "from transformers import OwlViTForObjectDetection as M, OwlViTProcessor as P; '
@@ -47,52 +50,56 @@ NEEDS = Needs(
         "regex": "regex",
         "packaging": "packaging",
         "yaml": "pyyaml",
+        "pydantic": "pydantic",
     },
     versions={"ai2thor": "5.0.0"},
     cached={OWL: ((("config.json",), ("model.safetensors", "pytorch_model.bin"), ("preprocessor_config.json",)), _DOWNLOAD)},
 )
-OF_PLACE = ("released.cow.root", "released.cow.python")
+OF_PLACE = (f"{COW}.root", f"{COW}.python")
 """Constants that say where things are, not what they do."""
 
 
 def missing(constants: StageSettings, needs: Needs = NEEDS) -> str | None:
     """What keeps the released system from being run, in one line with its remedy; None where nothing does."""
-    settings = constants.released.cow
+    settings = released_cow(constants)
+    if not settings.root:
+        return f"{COW}.root names no clone; packages/ovman-released/README.md says how to make one"
     root = Path(settings.root).absolute()
     wrong = Clone(REPOSITORY, root, settings.commit).lacks()
-    return wrong or lacks("released.cow", settings.python, settings.device, needs, environment(PACKAGE_ROOT))
+    return wrong or lacks(COW, settings.python, settings.device, needs, environment())
 
 
-def shares(episodes: Sequence[Hidden], processes: int) -> list[tuple[Hidden, ...]]:
+def shares(episodes: Sequence[Episode], processes: int) -> list[tuple[Episode, ...]]:
     """The episodes in as many runs of consecutive ones, of equal length but for one episode; fewer where there are fewer."""
     n = max(1, min(processes, len(episodes)))
     return [tuple(episodes[k * len(episodes) // n : (k + 1) * len(episodes) // n]) for k in range(n)]
 
 
-def call(share: Sequence[Hidden], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
+def call(share: Sequence[Episode], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
     """The released runner at work on `share` in a process of its own, which ends with this one."""
-    settings = constants.released.cow
+    settings = released_cow(constants)
     root = Path(settings.root).absolute()
     job = Job(root, directory / "results", directory / "verdicts.jsonl", constants.canonical, seed, tuple(share))
     job.write(directory / "job.json")
     command = [settings.python, "-m", "ovman_released.cow_process", str(directory / "job.json")]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(PACKAGE_ROOT) | {COMMAND: executable()})
+    packages = linked(directory / "packages", ovman, ovman_released)
+    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(packages) | {COMMAND: executable()})
 
 
-def unit(share: Sequence[Hidden], seed: int, constants: StageSettings) -> str:
+def unit(share: Sequence[Episode], seed: int, constants: StageSettings) -> str:
     """Key of a call in the journal: all that it depends on, wherever the clone lies."""
     stage = json.loads(constants.canonical)
     stage["constants"] = {name: value for name, value in stage["constants"].items() if name not in OF_PLACE}
     return digest([episode.to_json() for episode in share], seed, stage)
 
 
-def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept: Journal) -> list[dict[str, Any]]:
-    """The records of one seed, in the order of the episodes.
+def passed(episodes: Sequence[Episode], seed: int, constants: StageSettings, kept: Journal) -> list[Rollout]:
+    """The rollouts of one seed, in the order of the episodes.
 
     The released agent carries state from one episode to the next, so a call of the runner is done whole or not at all.
     RuntimeError in one line where the runner fails.
     """
-    parts = shares(episodes, constants.released.cow.processes)
+    parts = shares(episodes, released_cow(constants).processes)
     keys = [unit(part, seed, constants) for part in parts]
     with tempfile.TemporaryDirectory() as folder:
         working = {}
@@ -105,39 +112,37 @@ def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept
             for k, (process, directory) in working.items():
                 if status := process.wait():
                     raise RuntimeError(f"{SYSTEM}, seed {seed}: the runner ended with status {status}; the log has what it said")
-                kept.write(keys[k], collected(directory / "results", directory / "verdicts.jsonl", parts[k], seed))
+                rollouts = collected(directory / "results", directory / "verdicts.jsonl", parts[k], seed)
+                kept.write(keys[k], [rollout.to_json() for rollout in rollouts])
         finally:
             for process, _ in working.values():
                 process.kill()
                 process.wait()
-    return [record for key in keys for record in kept[key]]
+    return [Rollout.from_json(record, str(kept.path)) for key in keys for record in kept[key]]
 
 
 def run(
     episodes_file: Path,
-    trials_files: Sequence[Path],
     constants: StageSettings,
     outputs: Mapping[tuple[int, str], Path],
-    status: Path,
+    note: Path,
     journal: Path,
 ) -> None:
-    """Write the runs of every (seed, scene) of `outputs`, and to `status` whether there are any.
+    """Write the runs of every (seed, scene) of `outputs`, and to `note` whether there are any.
 
-    Records are "ovman-run/1" as measured, of all episodes of a scene; the files are empty where something is missing.
+    A file has the rollouts of all episodes of a scene; it is empty where something is missing.
     """
-    trials = {t["candidate"]["id"]: t for file in trials_files for t in read_records(file)}
-    episodes = [Hidden.of(trials[e["id"]]) for e in read_records(episodes_file)]
+    episodes = Episode.load(episodes_file)
     wrong = missing(constants)
-    records: dict[int, list[dict[str, Any]]] = {}
+    rollouts: dict[int, list[Rollout]] = {}
     if wrong is None:
         kept = Journal(journal)
         for seed in dict.fromkeys(seed for seed, _ in outputs):
-            records[seed] = passed(episodes, seed, constants, kept)
+            rollouts[seed] = passed(episodes, seed, constants, kept)
     else:
         print(f"{SYSTEM} is not run: {wrong}", flush=True)
-    scenes = {episode.episode: episode.scene for episode in episodes}
+    scenes = {episode.id: episode.scene for episode in episodes}
     for (seed, scene), output in outputs.items():
-        mine = [record for record in records.get(seed, ()) if scenes[record["episode"]] == scene]
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text("".join(json.dumps(record, separators=(",", ":")) + "\n" for record in mine))
-    Status(SYSTEM, wrong or "").write(status)
+        output.write_text(lines(one for one in rollouts.get(seed, ()) if scenes[one.episode] == scene), encoding="utf-8")
+    Note(system=SYSTEM, missing=wrong or "").write(note)

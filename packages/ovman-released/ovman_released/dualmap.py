@@ -32,8 +32,10 @@ from ovman_released.dualmap_objects import Objects, read_objects
 from ovman_released.dualmap_process import guard, objects, session
 from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy
 from ovman_released.dualmap_setup import Installation
+from ovman_released.plugin import DUALMAP
+from ovman_released.settings import released_dualmap
 
-NOT_OF_A_RUN = ("dualmap.runs", "released.dualmap.root", "released.dualmap.python", "released.dualmap.time_limit_s")
+NOT_OF_A_RUN = ("dualmap.runs", f"{DUALMAP}.root", f"{DUALMAP}.python", f"{DUALMAP}.time_limit_s")
 """Constants that say where things are, how many runs there are or how long they may take, not what a run gives."""
 CODE = (walk, dualmap_frames, session, guard, objects)
 """The modules that decide, with what they import, what a run is given and what it leaves."""
@@ -101,11 +103,11 @@ class Runs:
             (directory / _DONE).touch()
             said = dualmap_runner.report(directory)
             print(
-                f"{self.scene}: run {number}: {' and '.join(visits)}: {said['frames']} frames, {said['keyframes']} keyframes, "
-                f"{said['local_before_the_end']} objects before the end, saved {said['saved']}, {said['seconds']:.0f} s",
+                f"{self.scene}: run {number}: {' and '.join(visits)}: {said.frames} frames, {said.keyframes} keyframes, "
+                f"{said.local_before_the_end} objects before the end, saved {dict(said.saved)}, {said.seconds:.0f} s",
                 flush=True,
             )
-        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory)["keyframes"]
+        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory).keyframes
 
     def _made(self, directory: Path, visits: Sequence[str]) -> Path:
         """Runs DualMap over `visits`; the directory of its last process."""
@@ -143,8 +145,8 @@ class Runs:
 
 
 def policy_of(constants: StageSettings) -> Policy:
-    """How DualMap is run: as released, but for what the settings released.dualmap say."""
-    chosen = constants.released.dualmap
+    """How DualMap is run: as released, but for what the section `released_dualmap` says."""
+    chosen = released_dualmap(constants)
     return Policy(Maintained(chosen.maintained).kind, chosen.guard, chosen.device, chosen.time_limit_s)
 
 
@@ -157,8 +159,9 @@ def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageS
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
     asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
     return {
-        name: [asked, one.candidate, *(one.recorded.record[key] for key in ("scene", "alterations", "mover", "views"))]
+        name: [asked, one.candidate, *(record[key] for key in ("scene", "alterations", "mover", "views"))]
         for name, one in of.items()
+        for record in [one.recorded.to_json()]
     }
 
 
@@ -179,7 +182,7 @@ def run(
     floor_y: height of the scene's floor, metres; code: digests of CODE; kept: directory of finished runs. Raises RunError in one
     line where a run fails or a map stays empty, WalkError, SimulatorError.
     """
-    chosen = constants.released.dualmap
+    chosen = released_dualmap(constants)
     maintained = Maintained(chosen.maintained)
     installation = Installation(Path(chosen.root).absolute(), Path(chosen.python))
     policy = policy_of(constants)
@@ -187,7 +190,7 @@ def run(
     with Session(scene, constants, body) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.surviving(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
+            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)

@@ -12,11 +12,15 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+
+from ovman.models.record import Record
 
 OLDEST = (3, 11)
 """This package's oldest Python; the runners import its simulator session."""
 TIMEOUT_S = 300.0
 """PyTorch alone is imported for half a minute from a cold disk."""
+_OF_THIS_PYTHON = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
 
 _PROGRAM = """
 import importlib.metadata, importlib.util, json, sys
@@ -47,6 +51,17 @@ print("OVMAN " + json.dumps(found))
 """
 
 
+class _Found(Record):
+    """What the program answers: Python's version, which modules are there, versions of packages, whether torch sees a GPU (None
+    where it was not asked), and which repositories of Hugging Face are downloaded."""
+
+    version: tuple[int, int]
+    modules: Mapping[str, bool]
+    versions: Mapping[str, str | None]
+    cuda: bool | None
+    cached: Mapping[str, bool]
+
+
 @dataclass(frozen=True)
 class Needs:
     """What a system needs of its environment.
@@ -65,7 +80,7 @@ class Needs:
 def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping[str, str] | None = None) -> str | None:
     """What is missing and how to get it, in one line; None where everything is there.
 
-    key: section of the settings that names the interpreter, e.g. "released.cow"; device: "cuda" where a GPU is needed;
+    key: section of the settings that names the interpreter, e.g. "released_cow"; device: "cuda" where a GPU is needed;
     environment: instead of this process's.
     """
     if not python:
@@ -90,37 +105,43 @@ def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping
     if not answers:
         said = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
         return f"{key}.python is {python}, which is no working Python interpreter ({said}); give the path of one"
-    return _first(key, python, device, needs, json.loads(answers[-1].removeprefix("OVMAN ")))
+    return _first(key, python, device, needs, _Found.parse(answers[-1].removeprefix("OVMAN "), python))
 
 
-def _first(key: str, python: str, device: str, needs: Needs, found: Mapping) -> str | None:
-    version = tuple(found["version"])
-    if version < needs.oldest:
-        wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, version))
+def _first(key: str, python: str, device: str, needs: Needs, found: _Found) -> str | None:
+    if found.version < needs.oldest:
+        wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, found.version))
         return f"{key}.python is Python {has}; the wrapper needs {wanted} or newer"
     pip = f"{shlex.quote(python)} -m pip install"
-    absent = [package for module, package in needs.modules.items() if not found["modules"][module]]
+    absent = [package for module, package in needs.modules.items() if not found.modules[module]]
     if absent:
         return f"its environment lacks {', '.join(absent)}; run: {pip} {' '.join(absent)}"
     for package, wanted in needs.versions.items():
-        if found["versions"][package] != wanted:
-            return f"its environment has {package} {found['versions'][package]}; run: {pip} {package}=={wanted}"
+        if found.versions[package] != wanted:
+            return f"its environment has {package} {found.versions[package]}; run: {pip} {package}=={wanted}"
     for repository, (_, command) in needs.cached.items():
-        if not found["cached"][repository]:
+        if not found.cached[repository]:
             return f"the weights {repository} are not downloaded; run: {shlex.quote(python)} {command}"
-    if device == "cuda" and not found["cuda"]:
+    if device == "cuda" and not found.cuda:
         return f'its PyTorch sees no GPU; give this job one, or set {key}.device to "cpu"'
     return None
 
 
-def environment(root: Path) -> dict[str, str]:
-    """Environment variables for a process of a released system: this package can be imported, nothing is downloaded or written
-    into the clone."""
-    paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)),
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "HF_HUB_OFFLINE": "1",
-        "TRANSFORMERS_OFFLINE": "1",
-    }
+def environment(*paths: Path) -> dict[str, str]:
+    """Environment variables for a process of a released system.
+
+    paths: folders that its Python finds modules in, beside its own environment. Nothing of this process's Python environment is
+    handed on, nothing is downloaded, and no bytecode is written into the clone.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in _OF_THIS_PYTHON}
+    if paths:
+        kept["PYTHONPATH"] = os.pathsep.join(map(str, paths))
+    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
+
+
+def linked(directory: Path, *packages: ModuleType) -> Path:
+    """`directory`, made with a link to each of these packages: what else lies beside them here is not to be found there."""
+    directory.mkdir(parents=True)
+    for package in packages:
+        (directory / package.__name__).symlink_to(Path(package.__path__[0]).resolve(), target_is_directory=True)
+    return directory

@@ -1,7 +1,7 @@
-"""Finishes, colours and light of a scene, drawn anew. Nothing here moves anything: depth and ids stay as they are.
+"""Random finishes, colours and lights of a scene. Depth and instance ids do not change.
 
-A scene's own finishes are drawn from its name, so another name gives other finishes by the same rules: what is built in still
-matches, and what a thing is made of stays plausible.
+A scene's own finishes are drawn from its name, so another name gives other finishes by the same rules: built-in furniture still
+matches, and materials stay plausible.
 """
 
 from __future__ import annotations
@@ -14,18 +14,18 @@ import numpy as np
 from ovman_engine.paint.decor import Decor, Lighting
 from ovman_engine.paint.materials import Material, palette
 from ovman_engine.picture.lights import Rig
-from ovman_engine.picture.painter import Looks
+from ovman_engine.picture.painter import Appearance
 from ovman_engine.picture.scene_mesh import PlanMeshes, structures
 from ovman_engine.plan.floorplan import FloorPlan
 from ovman_engine.room.room import Room
 from ovman_engine.shapes.style import Style
 
-LEAST_COLOUR = 0.02
-"""Least linear component of a colour that was drawn: what is black in all light would be a hole."""
+MIN_COLOUR = 0.02
+"""Least linear component of a drawn colour: a black object would look like a hole."""
 
 
 def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Material]]:
-    """Palette of every instance of `plan` and structure of `room` by name, as if the scene were called otherwise."""
+    """Palette of every instance of `plan` and every structure of `room`, by name, as if the scene had another name."""
     renamed = replace(plan, name=f"{plan.name}~{key}")
     out = {o.object_id: palette(o, renamed) for o in plan.objects}
     out.update({name: colours for name, _, colours in structures(renamed, replace(room, plan=renamed))})
@@ -33,19 +33,19 @@ def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Ma
 
 
 def recoloured(material: Material, key: str) -> Material:
-    """The material in a colour drawn from `key`; its texture and gloss stay. What glows keeps how much it does."""
+    """The material in a colour drawn from `key`, with its own texture, gloss and emission."""
     style = Style(key)
-    return replace(material, colour=np.array([style.uniform(channel, LEAST_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
+    return replace(material, colour=np.array([style.uniform(channel, MIN_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
 
 
-def looks(meshes: PlanMeshes, room: Room, decor: Decor) -> Looks:
+def looks(meshes: PlanMeshes, room: Room, decor: Decor) -> Appearance:
     """Materials of all instances under `decor`, in the order of `meshes.materials`."""
     materials = meshes.materials
     if decor.finishes:
         materials = meshes.repainted(finishes(meshes.plan, room, decor.finishes))
     if decor.colours:
         materials = tuple(recoloured(m, f"{decor.colours}|{k}") for k, m in enumerate(materials))
-    return Looks.of(materials)
+    return Appearance.of(materials)
 
 
 def _rgb(hue: float, saturation: float) -> np.ndarray:
@@ -55,7 +55,7 @@ def _rgb(hue: float, saturation: float) -> np.ndarray:
 
 
 def relit(rig: Rig, lighting: Lighting) -> Rig:
-    """The rig with intensities multiplied and colours replaced by what `lighting` draws; what is reflected all around follows."""
+    """The rig with random intensities and colours; ambient light follows."""
     table = rig.lights.copy()
     for k in range(len(table)):
         style = Style(lighting.key if lighting.synchronized else f"{lighting.key}|{k}")

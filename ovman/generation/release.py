@@ -1,0 +1,189 @@
+"""Stage `episodes`: judges the certification runs, releases the split, and counts the rejections. Pure.
+
+Source: Algorithm 1, lines 9 to 12.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+
+from ovman.evaluation.scoring import judged
+from ovman.generation.audit import COLUMNS, audit
+from ovman.language import noun, sentence
+from ovman.models.certification import Certification, CertificationRun, OracleRun
+from ovman.models.change import Alteration, Change
+from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
+from ovman.models.record import Record, lines
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
+from ovman.models.settings import Settings
+from ovman.models.settings.benchmark import Success
+from ovman.models.sighting import Sightings
+from ovman.models.trial import Trial, TrialMeasurement, Verdict
+from ovman.workflow import seeds
+
+T = TypeVar("T")
+
+
+class ShortSplitError(ValueError):
+    """Fewer episodes were certified than benchmark.split asks for; one line with the counts and the remedies."""
+
+    says_all = True
+
+
+def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> Rejection | None:
+    """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
+    if verdict.rejected is not None:
+        return verdict.rejected
+    feasible, *certified = (judged(run, verdict.relation, success) for run in runs)
+    if not feasible:
+        return Rejection.FEASIBILITY_FAILED
+    return None if all(certified) else Rejection.CERTIFICATION_FAILED
+
+
+def episode(trial: Trial, runs: Sequence[OracleRun], scene: Scene, settings: Settings) -> Episode:
+    """The episode of a certified trial. ValueError for a trial that ended early."""
+    candidate, measured = trial.candidate, trial.measured
+    relation, word = candidate.relation, noun(candidate.category)
+    world_1, world_2 = known(measured.world_1), known(measured.world_2)
+    return Episode(
+        id=candidate.id,
+        split="main",
+        backend=settings.benchmark.backend,
+        scene=candidate.scene,
+        relation=relation,
+        category=candidate.category,
+        noun=word,
+        sentence=sentence(relation, word),
+        target=candidate.target,
+        distractor=candidate.distractor,
+        changes=tuple(_change(relation, measured, alteration) for alteration in candidate.first + candidate.second),
+        tour=EpisodeTour(waypoints=scene.waypoints, headings=settings.tour.headings),
+        visits=known(measured.visits),
+        mover=None if measured.mover is None else measured.mover.start,
+        spawn=known(candidate.spawn),
+        answer=known(measured.answer),
+        nearest_navigable=known(measured.nearest_navigable),
+        shortest_path_m=known(measured.shortest_path_m),
+        reachable_box=known(measured.reachable_box),
+        instances_in_category=max(len(world_1), len(world_2)),
+        world_1=world_1,
+        world_2=world_2,
+        drift_m=known(measured.drift_m),
+        certification=tuple(_certified(run, relation, settings.success) for run in runs),
+        protocol=Protocol(camera=settings.camera, primitives=settings.primitives, mover=settings.mover, success=settings.success),
+        provenance=Provenance(seed=settings.benchmark.seed, trial=trial_digest(trial)),
+    )
+
+
+def known(value: T | None) -> T:
+    """A measurement that a certified trial has. ValueError for one that ended before it."""
+    if value is None:
+        raise ValueError("the trial ended early: it has no episode")
+    return value
+
+
+def trial_digest(trial: Trial) -> str:
+    """Hexadecimal digest of a trial's record."""
+    return hashlib.sha256(trial.to_line().encode()).hexdigest()[:24]
+
+
+def sightings(trial: Trial) -> Sightings:
+    """What the tours of a trial truly recorded, for diagnostic arms."""
+    return Sightings(episode=trial.candidate.id, sightings=known(trial.measured.sightings))
+
+
+def _certified(run: OracleRun, relation: Relation, success: Success) -> CertificationRun:
+    terms = {name: getattr(run, name) for name in CertificationRun.model_fields if name != "success"}
+    return CertificationRun(**terms, success=judged(run, relation, success))
+
+
+def _change(relation: Relation, measured: TrialMeasurement, alteration: Alteration) -> Change:
+    """What happened to an instance between the visits. Gone before the first visit is "enable": it is there in the second."""
+    where = known(measured.changed)[alteration.instance]
+    return Change(
+        instance=alteration.instance,
+        kind="enable" if relation is Relation.APPEARED else alteration.kind,
+        before=where.before,
+        after=where.after,
+        path=known(measured.mover).path if alteration.kind == "motion" else None,
+        placement=alteration.placement,
+        height_m=alteration.height_m,
+        lane=alteration.lane,
+    )
+
+
+def select(certified: Mapping[str, Sequence[str]], wanted: int, rng: np.random.Generator) -> list[str]:
+    """`wanted` of the certified ids by scene: one scene after another in random order, one id of each per round."""
+    order = sorted(certified)
+    queues = {scene: [sorted(certified[scene])[k] for k in rng.permutation(len(certified[scene]))] for scene in order}
+    scenes = [order[k] for k in rng.permutation(len(order))]
+    chosen: list[str] = []
+    depth = 0
+    while len(chosen) < wanted and any(len(q) > depth for q in queues.values()):
+        chosen += [queues[scene][depth] for scene in scenes if len(queues[scene]) > depth][: wanted - len(chosen)]
+        depth += 1
+    return chosen
+
+
+def run(
+    scene_files: Sequence[Path],
+    trials_files: Sequence[Path],
+    admissible_files: Sequence[Path],
+    certified_files: Sequence[Path],
+    settings: Settings,
+    episodes_out: Path,
+    sightings_out: Path,
+    rejections_out: Path,
+) -> None:
+    """Write the released episodes, their sightings and the audit of rejections.
+
+    ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
+    """
+    scenes = {scene.scene: scene for scene in _read(Scene, scene_files)}
+    trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files)}
+    verdicts = {verdict.id: verdict for verdict in _read(Verdict, admissible_files)}
+    runs = {record.id: record.runs for record in _read(Certification, certified_files)}
+    rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
+    relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
+    released: list[str] = []
+    short: list[str] = []
+    for relation in Relation:
+        pool: dict[str, list[str]] = {}
+        for k, against in rejections.items():
+            if against is None and relation_of[k] is relation:
+                pool.setdefault(trials[k].candidate.scene, []).append(k)
+        wanted: int = getattr(settings.benchmark.split, relation.value)
+        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, "split", relation.value))
+        certified = sum(map(len, pool.values()))
+        print(f"{relation.value}: {len(chosen)} released of {certified} certified, {wanted} wanted", flush=True)
+        if len(chosen) < wanted and not settings.benchmark.allow_short_split:
+            short.append(f"{relation.value} {certified} of {wanted}")
+        released += chosen
+    if short:
+        remedy = "raise candidates.draws, lower benchmark.split, or set benchmark.allow_short_split to true"
+        raise ShortSplitError(f"benchmark.split asks for more episodes than were certified ({', '.join(short)}); {remedy}")
+    order = {scene: i for i, scene in enumerate(settings.benchmark.scenes)}
+    released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
+    episodes_out.write_text(
+        lines(episode(trials[k], runs[k], scenes[trials[k].candidate.scene], settings) for k in released), encoding="utf-8"
+    )
+    sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
+    with rejections_out.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        writer.writerows(audit(rejections, relation_of, released))
+
+
+R = TypeVar("R", bound=Record)
+
+
+def _read(kind: type[R], files: Iterable[Path]) -> list[R]:
+    return [record for file in files for record in kind.read(file)]

@@ -1,0 +1,203 @@
+"""Records: frozen pydantic models that are read from JSON lines and written to them.
+
+A record is one JSON object on one line. Numbers are rounded, so that the bytes do not depend on the processor's last bit.
+"""
+
+from __future__ import annotations
+
+import difflib
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails
+
+METRE_DECIMALS = 4
+"""0.1 mm."""
+DEGREE_DECIMALS = 2
+"""0.01 degrees."""
+RATIO_DECIMALS = 6
+
+_RATIOS = frozenset({"spl", "probability"})
+"""Keys of numbers that have no unit."""
+
+Length = Annotated[float, Field(ge=0)]
+"""Metres, at least 0."""
+Count = Annotated[int, Field(ge=0)]
+"""A number of pixels, actions, cells."""
+Text = Annotated[str, Field(min_length=1)]
+
+
+class RecordError(ValueError):
+    """A record that is not what its schema says; the message is one line with file, line, key and remedy."""
+
+
+def rounded(value: Any, key: str = "") -> Any:
+    """`value` with every float in it rounded: to 0.01 degrees under a key that ends in "_deg", to six decimals under "spl" and
+    "probability", to 0.1 mm elsewhere. Applied through mappings (which name the key) and sequences (which inherit it).
+
+    Integers, booleans and text stay as they are, -0.0 becomes 0.0, numpy's numbers and arrays become Python's and tuples lists.
+    Applying it twice changes nothing. Raises ValueError for a number that is not finite, which JSON cannot hold.
+    """
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {name: rounded(inner, str(name)) for name, inner in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [rounded(inner, key) for inner in value]
+    if not isinstance(value, float):
+        return value
+    if not math.isfinite(value):
+        raise ValueError(f"{key or 'a number'} is {value}: a record holds finite numbers only")
+    decimals = RATIO_DECIMALS if key in _RATIOS else DEGREE_DECIMALS if key.endswith("_deg") else METRE_DECIMALS
+    return round(value, decimals) + 0.0
+
+
+def line(record: Mapping[str, Any]) -> str:
+    """A record as one line of JSON with its newline, rounded, keys in the order given: equal records have equal bytes."""
+    return json.dumps(rounded(record), separators=(",", ":"), ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def records(path: Path) -> Iterator[tuple[str, Any]]:
+    """The records of a JSONL file, each with its place, "file:line". RecordError for a line that is not JSON."""
+    for place, text in _texts(path):
+        try:
+            yield place, json.loads(text)
+        except json.JSONDecodeError as error:
+            raise RecordError(_no_json(place, f"{error.msg} at column {error.colno}")) from None
+
+
+def read_records(path: Path) -> list[Any]:
+    """The records of a JSONL file in its order. RecordError as `records`."""
+    return [record for _, record in records(path)]
+
+
+def _texts(path: Path) -> Iterator[tuple[str, str]]:
+    """The lines of a JSONL file that are not empty, each with its place."""
+    with Path(path).open("rb") as file:
+        for number, line_bytes in enumerate(file, start=1):
+            place = f"{path}:{number}"
+            try:
+                text = line_bytes.decode("utf-8")
+            except UnicodeDecodeError as error:
+                raise RecordError(_no_json(place, f"byte {error.start} is not UTF-8")) from None
+            if text.strip():
+                yield place, text
+
+
+def _no_json(place: str, why: str) -> str:
+    return f"{place}: not JSON ({why}); restore the line or remove the file and make it again"
+
+
+class Record(BaseModel):
+    """A record. Fields in the order of the file's keys; keys that a schema does not know are passed over.
+
+    A value of one type is not taken for another: 2.0 is no integer, true no number. A record that has a field `schema_id` names
+    its schema there (key "schema"); it is checked first.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="ignore", strict=True, allow_inf_nan=False, populate_by_name=True)
+
+    @classmethod
+    def from_json(cls, value: Any, place: str = "record") -> Self:
+        """The record of a JSON value. place: file and line, for the message.
+
+        Raises RecordError, one line with place, key and remedy, for a key that is missing, a value of the wrong kind, another
+        schema, or a record that contradicts itself.
+        """
+        return cls.parse(json.dumps(value), place)
+
+    @classmethod
+    def parse(cls, text: str, place: str = "record") -> Self:
+        """The record of a JSON text. Raises RecordError as `from_json`."""
+        try:
+            made = cls.model_validate_json(text)
+        except ValidationError as error:
+            raise RecordError(complaint(error, place)) from None
+        if "schema_id" in cls.model_fields and "schema_id" not in made.model_fields_set:
+            raise RecordError(f"{place}: schema: the key is missing; make the file again with this version of ovman")
+        return made
+
+    @classmethod
+    def read(cls, path: Path) -> list[Self]:
+        """The records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
+        return [cls.parse(text, place) for place, text in _texts(path)]
+
+    def to_json(self) -> dict[str, Any]:
+        """The record as JSON values, rounded, keys in the order of the fields."""
+        made: dict[str, Any] = rounded(self.model_dump(mode="json", by_alias=True))
+        return made
+
+    def to_line(self) -> str:
+        """The record as a line of a JSONL file."""
+        return line(self.to_json())
+
+
+def lines(written: Iterable[Record]) -> str:
+    """Records as the text of a JSONL file."""
+    return "".join(record.to_line() for record in written)
+
+
+def complaint(error: ValidationError, place: str) -> str:
+    """What is wrong with a record, in one line: place, key, complaint, remedy. A wrong schema goes first, a missing key last."""
+
+    def order(one: ErrorDetails) -> int:
+        return 0 if one["loc"][:1] == ("schema",) else 2 if one["type"] == "missing" else 1
+
+    first = min(error.errors(), key=order)
+    key = ""
+    for part in first["loc"]:
+        if part == "[key]":
+            continue
+        key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else str(part)
+    where = f"{place}: {key}" if key else place
+    says, remedy = _said(first)
+    return " ".join(f"{where}: {says}; {remedy}".split())
+
+
+_EXPECTED = {
+    "float_type": ("expected a number", "write a finite number"),
+    "finite_number": ("expected a number", "write a finite number"),
+    "int_type": ("expected an integer", "write a whole number"),
+    "int_from_float": ("expected an integer", "write a whole number"),
+    "int_parsing": ("expected an integer", "write a whole number"),
+    "bool_type": ("expected true or false", "write true or false"),
+    "string_type": ("expected text", 'write "..."'),
+    "string_too_short": ("expected text", 'write "..."'),
+    "tuple_type": ("expected a list", "write [...]"),
+    "list_type": ("expected a list", "write [...]"),
+    "model_type": ("expected an object", "write {...}"),
+    "model_attributes_type": ("expected an object", "write {...}"),
+    "dict_type": ("expected an object", "write {...}"),
+    "greater_than_equal": ("expected a number that is not smaller", "write at least the bound"),
+}
+
+
+def _said(error: ErrorDetails) -> tuple[str, str]:
+    """Complaint and remedy of pydantic's error."""
+    kind, value, context = error["type"], error["input"], error.get("ctx", {})
+    if kind == "json_invalid":
+        return f"not JSON ({context['error']})", "restore the line or remove the file and make it again"
+    if kind == "missing":
+        near = difflib.get_close_matches(str(error["loc"][-1]), [str(name) for name in value], n=1)
+        return "the key is missing", f"rename {near[0]!r}" if near else "add it or make the file again"
+    if kind in ("enum", "literal_error"):
+        options = [option.strip().strip("'") for option in str(context["expected"]).replace(" or ", ", ").split(",")]
+        if error["loc"][-1:] == ("schema",):
+            return f"expected {options[0]!r}, found {value!r}", "make the file again with this version of ovman"
+        near = difflib.get_close_matches(str(value), options, n=1) or [" or ".join(options)]
+        return f"{_shown(value)} is not one of {', '.join(options)}", f"write {near[0]}"
+    if kind == "greater_than_equal":
+        return f"expected at least {context['ge']:g}, found {_shown(value)}", "write a number within the bound"
+    if kind in _EXPECTED:
+        says, remedy = _EXPECTED[kind]
+        return f"{says}, found {_shown(value)}", remedy
+    return error["msg"].removeprefix("Value error, "), "correct the record or make the file again"
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= 40 else text[:37] + "..."

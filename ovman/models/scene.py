@@ -1,0 +1,45 @@
+"""The record of a scene before anything changes, "ovman-scene/1"."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ovman.models.geometry import Point, Position
+from ovman.models.record import Count, Record, Text
+
+
+class SceneObject(Record):
+    """One object of a scene. position, size: centre and size of its axis-aligned box, metres; parents: receptacles it is in."""
+
+    id: Text
+    category: Text
+    moveable: bool
+    pickupable: bool
+    receptacle: bool
+    position: Position
+    size: Position
+    parents: tuple[str, ...]
+
+    @property
+    def dynamic(self) -> bool:
+        """Whether it can be moved or taken."""
+        return self.moveable or self.pickupable
+
+
+class Scene(Record):
+    """An untouched scene. Metres, floor plane (x, z).
+
+    start: where AI2-THOR puts the agent; floor_y: height of the floor; reachable: positions that the agent can reach, sorted;
+    components: numbers of cells of the connected parts, largest first; waypoints: of the tour, in its order.
+    """
+
+    schema_id: Literal["ovman-scene/1"] = Field("ovman-scene/1", alias="schema")
+    scene: Text
+    start: Point
+    floor_y: float
+    reachable: tuple[tuple[float, float], ...]
+    components: tuple[Count, ...]
+    waypoints: tuple[Point, ...]
+    objects: tuple[SceneObject, ...]

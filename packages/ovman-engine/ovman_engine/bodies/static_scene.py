@@ -1,0 +1,109 @@
+"""What does not change in a floor plan: its room, parts of furniture, collision pieces, clearances of the agent."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from functools import cached_property
+
+import numpy as np
+
+from ovman_engine.bodies.carrying import carriers
+from ovman_engine.bodies.embodiment import Embodiment
+from ovman_engine.bodies.footprint import Boxes
+from ovman_engine.bodies.forms import within
+from ovman_engine.bodies.passage import DEEPER_M
+from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
+from ovman_engine.room.building import room_of
+from ovman_engine.shapes import collision, compound
+
+SKIN_M = 0.01
+"""Distance that the agent's controller keeps between its capsule and obstacles."""
+PASSABLE = frozenset(
+    ["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster", "Doorway", "Doorframe"]
+)
+"""Types whose boxes do not block the agent: they hang on a wall, lie under its feet, or are walked through. A shut door has a
+wall behind it."""
+WIDE_COUNTER_M = 1.2
+"""A counter whose box is wider than this both ways is L- or U-shaped, and the agent can stand in the opening."""
+SLENDER = frozenset(["Toilet"])
+"""Types whose boxes are mostly empty at the height of the agent's feet: a toilet is a bowl on a foot in front of a tank."""
+KEPT = 4
+"""Number of floor plans that are cached."""
+
+_settings: OrderedDict[int, StaticScene] = OrderedDict()
+
+
+class StaticScene:
+    """The unchanging part of a world."""
+
+    def __init__(self, plan: FloorPlan) -> None:
+        """Use `of`, which caches."""
+        self.plan = plan
+        self.room = room_of(plan)
+        self.walls = Boxes.of([w.box for w in self.room.walls])
+        self.carriers = carriers(plan)
+        self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}
+        self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
+
+    @staticmethod
+    def of(plan: FloorPlan) -> StaticScene:
+        """The static scene of `plan`, cached for the last few plans."""
+        found = _settings.get(id(plan))
+        if found is None or found.plan is not plan:
+            found = _settings[id(plan)] = StaticScene(plan)
+        _settings.move_to_end(id(plan))
+        while len(_settings) > KEPT:
+            _settings.popitem(last=False)
+        return found
+
+    def barriers(self, obj: SimObject, box: Box) -> list[Box]:
+        """Boxes of an object that block the agent if its oriented box is `box`: the box itself, or those of the pieces in a
+        mostly empty box."""
+        pieces = self._hollow.get(obj.object_id)
+        return [box] if pieces is None else within(box, pieces)
+
+    def clearances(self, embodiment: Embodiment) -> Mapping[str, np.ndarray]:
+        """Clearances that an agent keeps from walls and from the barriers of untouched objects, metres, one for each barrier, by
+        wall name and objectId.
+
+        AI2-THOR's agent stood at the recorded start. So a box that its capsule would overlap there gets a smaller clearance.
+        """
+        if embodiment not in self._clearances:
+            self._clearances[embodiment] = self._measured(embodiment)
+        return self._clearances[embodiment]
+
+    def _measured(self, embodiment: Embodiment) -> dict[str, np.ndarray]:
+        solids = {w.name: [w.box] for w in self.room.walls}
+        solids |= {o.object_id: self.barriers(o, o.box) for o in self.plan.objects if o.type not in PASSABLE}
+        low, high = embodiment.axis(float(self.plan.start[1]) + embodiment.foot_m)
+        reach = embodiment.radius_m + SKIN_M
+        boxes = Boxes.of([box for own in solids.values() for box in own])
+        at_start = boxes.distances(self.plan.start[None, [0, 2]], low, high, reach)[0]
+        allowed = np.where(at_start < reach, np.maximum(at_start - DEEPER_M, 0.0), reach)
+        ends = np.cumsum([len(own) for own in solids.values()])
+        return dict(zip(solids, np.split(allowed, ends[:-1]) if solids else (), strict=True))
+
+    @cached_property
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lower and upper corner of the untouched scene, metres."""
+        boxes = [o.box.bounds() for o in self.plan.objects]
+        low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+        high = np.maximum(high, [high[0], self.room.ceiling_y, high[2]])
+        for corner in (low, high):
+            corner.setflags(write=False)
+        return low, high
+
+    @cached_property
+    def pieces(self) -> Mapping[str, tuple]:
+        """Convex pieces of every object, by objectId, in the frames of their boxes."""
+        return {o.object_id: _pieces(o, self.plan) for o in self.plan.objects}
+
+
+def _pieces(obj: SimObject, plan: FloorPlan) -> tuple:
+    return tuple(piece for part in compound(obj, plan) for piece in collision(part))
+
+
+def _is_hollow(obj: SimObject) -> bool:
+    low, high = obj.box.bounds()
+    return obj.type in SLENDER or (obj.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M)

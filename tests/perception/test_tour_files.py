@@ -1,0 +1,104 @@
+"""Recorded tours: what is read of them, and what makes two of them the same."""
+
+from __future__ import annotations
+
+import copy
+import json
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from ovman.perception.tour_files import TourError, digest, tour
+
+VISIT = {
+    "views": [
+        {
+            "pose": {"x": 1.0, "z": 2.0, "yaw_deg": 90.0, "horizon_deg": 0.0},
+            "camera": {"x": 1.0, "y": 1.576, "z": 2.0},
+            "seen": {},
+        },
+        {"pose": {"x": 1.0, "z": 2.0, "yaw_deg": 180.0, "horizon_deg": 30.0}, "camera": {"x": 1.0, "y": 1.576, "z": 2.0}},
+    ],
+    "present": {"Chair|1": {"category": "Chair"}},
+}
+
+
+def record(directory: Path, visit: dict = VISIT) -> Path:
+    rng = np.random.default_rng(0)
+    directory.mkdir()
+    (directory / "visit.json").write_text(json.dumps(visit))
+    for number in range(2):
+        cv2.imwrite(str(directory / f"{number:02d}_rgb.png"), rng.integers(0, 256, (4, 6, 3), np.uint8))
+        cv2.imwrite(str(directory / f"{number:02d}_depth.png"), rng.integers(0, 9000, (4, 6)).astype(np.uint16))
+        cv2.imwrite(str(directory / f"{number:02d}_ids.png"), rng.integers(0, 9, (4, 6)).astype(np.uint16))
+    return directory
+
+
+def change_picture(path: Path) -> None:
+    picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    picture[0, 0] = picture[0, 0] + 1
+    cv2.imwrite(str(path), picture)
+
+
+def test_views_as_they_were_recorded(tmp_path):
+    directory = record(tmp_path / "v")
+    views = list(tour(directory, 60.0))
+    assert [v.camera.yaw_deg for v in views] == [90.0, 180.0] and [v.camera.horizon_deg for v in views] == [0.0, 30.0]
+    assert views[0].camera.position == (1.0, 1.576, 2.0) and views[0].camera.field_of_view_deg == 60.0
+    millimetres = cv2.imread(str(directory / "01_depth.png"), cv2.IMREAD_UNCHANGED)
+    assert views[1].depth == pytest.approx(millimetres / 1000.0, abs=1e-6)
+    blue_first = cv2.imread(str(directory / "01_rgb.png"))
+    assert np.array_equal(views[1].rgb[..., 0], blue_first[..., 2]) and views[1].rgb.dtype == np.uint8
+
+
+def test_tours_that_look_the_same_are_the_same_whatever_else_is_known_of_them(tmp_path):
+    other = copy.deepcopy(VISIT) | {"present": {}, "visit": "another"}
+    one, two = record(tmp_path / "one"), record(tmp_path / "two", other)
+    change_picture(two / "00_ids.png")
+    assert digest(one, 90.0, "by") == digest(two, 90.0, "by")
+
+
+@pytest.mark.parametrize("what", ["00_rgb.png", "01_rgb.png", "01_depth.png", "yaw", "height", "fewer", "lens", "eyes"])
+def test_what_could_be_seen_otherwise_counts(tmp_path, what):
+    directory = record(tmp_path / "v")
+    before = digest(directory, 90.0, "by")
+    visit = copy.deepcopy(VISIT)
+    if what.endswith("png"):
+        change_picture(directory / what)
+    elif what == "yaw":
+        visit["views"][1]["pose"]["yaw_deg"] = 181.0
+    elif what == "height":
+        visit["views"][0]["camera"]["y"] = 0.9
+    elif what == "fewer":
+        visit["views"].pop()
+    (directory / "visit.json").write_text(json.dumps(visit))
+    assert digest(directory, 60.0 if what == "lens" else 90.0, "others" if what == "eyes" else "by") != before
+
+
+def test_pictures_that_change_places_count(tmp_path):
+    directory = record(tmp_path / "v")
+    before = digest(directory, 90.0, "by")
+    first, second = ((directory / f"0{n}_rgb.png") for n in range(2))
+    a, b = first.read_bytes(), second.read_bytes()
+    first.write_bytes(b)
+    second.write_bytes(a)
+    assert digest(directory, 90.0, "by") != before
+
+
+@pytest.mark.parametrize("lost", ["visit.json", "01_rgb.png", "00_depth.png"])
+def test_a_file_that_is_lost_is_named_in_one_line(tmp_path, lost):
+    directory = record(tmp_path / "v")
+    (directory / lost).unlink()
+    for read in (lambda: list(tour(directory, 90.0)), lambda: digest(directory, 90.0, "by")):
+        with pytest.raises(TourError, match="record the visit again") as caught:
+            read()
+        assert str(caught.value).startswith(str(directory / lost)) and "\n" not in str(caught.value)
+
+
+def test_a_picture_that_is_none_is_named(tmp_path):
+    directory = record(tmp_path / "v")
+    (directory / "01_rgb.png").write_bytes(b"no picture")
+    with pytest.raises(TourError, match="01_rgb.png"):
+        list(tour(directory, 90.0))
