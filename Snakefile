@@ -16,6 +16,9 @@ check_file(os.path.join(workflow.basedir, "config.yaml"))
 configfile: os.path.join(workflow.basedir, "config.yaml")
 
 
+report: "workflow/report/workflow.rst"
+
+
 include: "workflow/rules/common.smk"
 include: "workflow/rules/simulator.smk"
 include: "workflow/rules/scenes.smk"

@@ -3,7 +3,7 @@ rule figures:
     input:
         episodes="results/episodes/main.jsonl",
     output:
-        relations="results/figures/relations.png",
+        relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
     log:
         "logs/figures.log",
     params:

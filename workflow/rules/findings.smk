@@ -25,9 +25,9 @@ rule findings:
         explanations=os.path.join(REPORT, "paper_comparison", "explanations.yaml"),
         template=os.path.join(REPORT, "paper_comparison", "page.md.j2"),
     output:
-        page="results/results.md",
-        budget="results/figures/budget.png",
-        memory="results/figures/memory.png",
+        page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
+        budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
+        memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
     log:
         "logs/findings.log",
     params:
