@@ -14,10 +14,10 @@ rule executions:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
-    resources:
-        gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
+    resources:
+        gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     params:
         constants=stage_of_arm("executions"),
     script:

@@ -13,10 +13,10 @@ rule predictions:
         "logs/predictions/{arm}.log",
     benchmark:
         "benchmarks/predictions/{arm}.tsv"
-    resources:
-        gpu=network_gpu,
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
+    resources:
+        gpu=network_gpu,
     params:
         constants=stage_of_arm("predictions"),
     script:
