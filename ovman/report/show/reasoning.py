@@ -22,7 +22,7 @@ from ovman.models.settings import Arm, Kind, Need, Settings, Source, of_kind
 from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster
 from ovman.report.show.results import MAKE, Results, ShowError
-from ovman.sim.recorded import world_state
+from ovman.task.world import recorded_world
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +155,7 @@ def of_maps(
 def of_positions(arm: Arm, episode: Episode, sightings: Sightings, settings: Settings) -> Reasoning:
     """From the handed sightings: every recorded instance of the category is an object, and all are grounded."""
     category, min_mask_px = episode.category, settings.admissibility.min_mask_px
-    worlds = [world_state([dict(seen) for seen in sightings.sightings[which]], category, min_mask_px) for which in VISITS]
+    worlds = [recorded_world(sightings.sightings[which], category, min_mask_px) for which in VISITS]
     seen = [sorted(world.category(category), key=lambda k: (k.x, k.z)) for world in worlds]
     p = [np.array([(k.x, k.z) for k in instances], dtype=float).reshape(-1, 2) for instances in seen]
     matched = associate(*p, gate_m=settings.association.gate_m, feature_scale_m=settings.association.feature_scale_m)

@@ -80,8 +80,7 @@ class Results:
     @cache  # noqa: B019
     def visit(self, directory: Path) -> Visit | None:
         """The recorded tour in a directory."""
-        file = directory / "visit.json"
-        return Visit.read(file)[0] if file.is_file() else None
+        return Visit.load(directory) if (directory / "visit.json").is_file() else None
 
     def map(self, episode: Episode, which: str) -> tuple[Cluster, ...] | None:
         """The reference agent's map of a visit."""
