@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from ovman.models.visit_files import seal
+
 SIDE = 60
 OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}
 NAMES = ("Floor|1", "Sofa|1", "Vase|1", "Vase|2", "wall|1")
@@ -82,7 +84,7 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
     directory.mkdir(parents=True)
     record = {
         "schema": "ovman-visit/1",
-        "scene": "FloorPlan1",
+        "scene": directory.parent.name,
         "visit": directory.name,
         "alterations": list(alterations),
         "placed": {},
@@ -103,6 +105,7 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
     for view in range(views):
         cv2.imwrite(str(directory / f"{view:02d}_ids.png"), index_image())
         cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((SIDE, SIDE), 2000, np.uint16))
+    seal(directory)
     return directory
 
 
