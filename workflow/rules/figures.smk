@@ -2,6 +2,7 @@
 rule figures:
     input:
         episodes="results/episodes/main.jsonl",
+        visits=expand("results/visits/{scene}.json", scene=SCENES),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
     log:
