@@ -12,6 +12,7 @@ import numpy as np
 
 from ovman.models.episode import Episode
 from ovman.models.visit import Visit
+from ovman.perception import tour_files
 from ovman.perception.detected import Detected
 from ovman.report.show.reasoning import Item, Reasoning
 
@@ -86,10 +87,11 @@ def outline(mask: np.ndarray) -> str:
 
 
 def picture(path: Path) -> tuple[str, int, int]:
-    """A PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height. OSError if it cannot be read."""
-    image = cv2.imread(str(path))
-    if image is None:
-        raise _unreadable(path)
+    """A PNG file as a data URI of a JPEG at most SIDE_PX high, with the PNG's width and height.
+
+    TourError where the file is missing or damaged.
+    """
+    image = tour_files.picture(path)
     height, width = image.shape[:2]
     scale = min(1.0, SIDE_PX / height)
     small = cv2.resize(image, (round(width * scale), round(height * scale)), interpolation=cv2.INTER_AREA)
@@ -97,16 +99,10 @@ def picture(path: Path) -> tuple[str, int, int]:
     return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii"), width, height
 
 
-def _unreadable(path: Path) -> OSError:
-    return OSError(f"{path}: could not be read; remove the directory and record the visit again with `make tables`")
-
-
 def _frame(visit: Visit, directory: Path, index: int, episode: Episode, outlines: list[Outline]) -> TourFrame:
     view = visit.views[index]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
-    ids = cv2.imread(str(directory / f"{index:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
-    if ids is None:
-        raise _unreadable(directory / f"{index:02d}_ids.png")
+    ids = tour_files.picture(directory / f"{index:02d}_ids.png")
     truths = []
     for number, name in enumerate(view.instances, start=1):
         kind = "target" if name == episode.target else "distractor" if name == episode.distractor else "instance"

@@ -23,6 +23,7 @@ from ovman.models.settings import Kind, Need, Settings, of_kind
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.models.trial import ReachableBox
 from ovman.models.visit import Present, View, ViewPose, Visit
+from ovman.models.visit_files import seal
 from ovman.models.world_state import Instance, WorldState
 from ovman.perception import maps
 from ovman.perception.detected import Detected, PackedMasks
@@ -108,6 +109,7 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Change], seco
     }
     visit = Visit(scene=SCENE, visit=name, alterations=(), placed={}, present=present, mover=None, views=tuple(views))
     (directory / "visit.json").write_text(visit.to_line())
+    seal(directory)
     return Detected(
         view=np.array([row[0] for row in rows]),
         point=np.array([row[1] for row in rows]),
