@@ -11,7 +11,7 @@ import numpy as np
 
 from ovman.agents.dualmap.global_map import Anchor
 from ovman.agents.dualmap.map_object import MapObject
-from ovman.agents.reference.object_map import ObjectMap
+from ovman.perception.object_map import ObjectMap
 from ovman.perception.records import RecordError, read_arrays, write_arrays
 
 SCHEMA = "ovman-dualmap/1"
