@@ -15,7 +15,7 @@ from ovman.perception.backprojection import Camera, median_point, single_ray_poi
 from ovman.sim.visit import Visit
 
 if TYPE_CHECKING:
-    from ovman.perception.records import Detected
+    from ovman.perception.detected import Detected
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,8 @@ from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
 from ovman.models.settings import Settings
-from ovman.perception.records import Detected, read_detections, read_nouns
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, read_nouns
 from ovman.perception.retrieval import ranks
 from ovman.sim.visit import Visit
 

@@ -10,7 +10,8 @@ from pathlib import Path
 
 from ovman.models.settings import Settings
 from ovman.perception import networks, tour, tour_files
-from ovman.perception.records import Detected, write_detections
+from ovman.perception.detected import Detected
+from ovman.perception.records import write_detections
 from ovman.perception.store import Store
 
 SIGHT = (networks, tour, tour_files)

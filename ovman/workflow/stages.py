@@ -94,17 +94,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": _PREDICTING,
     "executions": (*_RUNNING, "admissibility.min_mask_px"),
-    "released_cow": (*_RUNNING, "released.cow.*"),
-    "released_dualmap_setup": tuple(f"released.dualmap.{name}" for name in ("root", "commit", "python", "device")),
-    "released_dualmap": (
-        *_SIMULATOR,
-        *_GAIT,
-        "benchmark.seed",
-        "dualmap.runs",
-        "dualmap.walk.turn_deg",
-        "released.dualmap.*",
-    ),
-    "released_dualmap_predictions": _PREDICTING,
     "runs": ("success.*",),
     "metrics": _METRICS,
     "static": _METRICS,

@@ -12,7 +12,7 @@ from ovman.perception import detections, maps, nouns
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
-from tests.perception.test_recorded import change_picture, record
+from tests.perception.test_tour_files import change_picture, record
 
 PIXELS = 5
 

@@ -1,4 +1,4 @@
-"""The baselines: CoW and DualMap, written again and as their authors released them."""
+"""The baselines CoW and DualMap, reimplemented."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ovman.models.settings.values import Commit, Count, Fraction, Metres, Probability, Section, Some, Voxels, Whole
+from ovman.models.settings.values import Count, Fraction, Metres, Probability, Section, Some, Voxels, Whole
 
 
 class Locobot(Section):
@@ -122,38 +122,3 @@ class Dualmap(Section):
     )
     local_map: DualmapLocal
     global_map: DualmapGlobal
-
-
-class Clone(Section):
-    """Released code, run from the user's clone."""
-
-    root: str = Field(description="folder of the clone; empty leaves the system out")
-    commit: Commit = Field(description="Git commit that the clone must be at")
-    python: str = Field(description="Python interpreter of the clone's own environment")
-    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
-
-
-class ReleasedCow(Clone):
-    """CoW's released code."""
-
-    threshold: Annotated[float, Field(gt=0, lt=1)] = Field(description="relevance from which it takes a detection, as released")
-    budget: Some = Field(description="actions, as released")
-    processes: Some = Field(description="runners side by side, each with an agent of its own for a share of the episodes")
-
-
-class ReleasedDualmap(Clone):
-    """DualMap's released code."""
-
-    guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
-    maintained: Literal["concatenated_local", "concatenated_global", "preloaded_global"] = Field(
-        description="the map that is maintained through two visits; the maps of single visits are of its kind"
-    )
-    side_px: Annotated[Whole, Field(ge=480, le=4096)] = Field(description="pixels, side of a frame of the dense walks")
-    time_limit_s: Annotated[float, Field(gt=0)] = Field(description="seconds after which one run is ended")
-
-
-class Released(Section):
-    """The baselines as their authors released them."""
-
-    cow: ReleasedCow
-    dualmap: ReleasedDualmap

@@ -57,7 +57,7 @@ class Camera(Section):
 class Tour(Section):
     """A visit's tour."""
 
-    waypoints: Some = Field(description="W, farthest-point waypoints")
+    waypoints: Annotated[Some, Field(le=1000)] = Field(description="W, farthest-point waypoints")
     headings: Annotated[Whole, Field(ge=1, le=360)] = Field(description="views per waypoint")
 
 
