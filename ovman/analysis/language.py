@@ -8,19 +8,17 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis.outcomes import Case, StaticOutcome, read_cases, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
-from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.perceived import Perceived, read_perceived
-from ovman.evaluation.prediction import Prediction
-from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
-from ovman.models.record import line, read_records
+from ovman.models.episode import Episode
+from ovman.models.prediction import Prediction
+from ovman.models.record import line, lines
 from ovman.models.settings import Settings
 from ovman.task import Relation
 
@@ -81,14 +79,14 @@ def run(
 ) -> None:
     """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
 
-    supplied_file: the predictions of the arm two_visits. constants: benchmark.seed, success.radius_m, evaluation.confidence and
-    those of the reference agent. Raises ValueError in one line.
+    supplied_file: the predictions of the arm two_visits. constants: success.radius_m, evaluation.confidence and those of the
+    reference agent. Raises ValueError in one line.
     """
-    episodes = list(read_records(episodes_file))
+    episodes = Episode.load(episodes_file)
     held_out = read_held_out(held_out_file)
-    asked = [ask(episode, held_out, constants.benchmark.seed) for episode in episodes]
+    asked = [ask(episode, held_out) for episode in episodes]
     perceived = read_perceived(maps_files, nouns_file)
-    supplied = prediction.read(supplied_file)
+    supplied = Prediction.read(supplied_file)
     relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
     both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
     cases = read_cases(episodes_file)
@@ -104,8 +102,8 @@ def run(
     )
     output_dir.mkdir(parents=True, exist_ok=True)
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
-    prediction.write(output_dir / RELATION_INFERRED, relation_inferred)
-    prediction.write(output_dir / INFERRED, both_inferred)
+    (output_dir / RELATION_INFERRED).write_text(lines(relation_inferred), encoding="utf-8")
+    (output_dir / INFERRED).write_text(lines(both_inferred), encoding="utf-8")
     (output_dir / METRICS).write_text(csv_of(LanguageRate, rates), encoding="utf-8")
     right = sum(one.object_right and one.relation_right for one in asked)
     print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
@@ -113,7 +111,7 @@ def run(
 
 def inferred(
     file: str,
-    episodes: Sequence[Mapping[str, Any]],
+    episodes: Sequence[Episode],
     asked: Sequence[Asked],
     perceived: Mapping[str, Perceived],
     constants: Settings,
@@ -124,16 +122,16 @@ def inferred(
 
     file: named after the arm. said_noun: whether the noun is the one that was understood, or the category's own, supplied.
     """
-    reference, arm = ReferenceConstants.of(constants), Path(file).stem
+    arm = Path(file).stem
     predictions = []
     for episode, one in zip(episodes, asked, strict=True):
         match one.understood:
             case Parsed(noun_phrase, relation):
-                phrase = noun_phrase if said_noun else noun(episode["category"])
-                outcome, evidence = answer(phrase, relation, episode["visits"], perceived[episode["scene"]], reference)
-                predictions.append(Prediction(one.episode, arm, 0, outcome, evidence))
+                phrase = noun_phrase if said_noun else episode.noun
+                outcome, evidence = answer(phrase, relation, episode.visits, perceived[episode.scene], constants)
+                predictions.append(Prediction.of(one.episode, arm, 0, outcome, evidence))
             case ParseFailure():
-                predictions.append(Prediction(one.episode, arm, 0, NOT_UNDERSTOOD))
+                predictions.append(Prediction.of(one.episode, arm, 0, NOT_UNDERSTOOD))
     return predictions
 
 

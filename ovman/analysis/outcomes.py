@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.reference.decision import Abstention, Answer
-from ovman.agents.reference.single_visit import success_probability
-from ovman.evaluation.prediction import Prediction
+from ovman.evaluation.scoring import success_probability
+from ovman.models.prediction import Abstention, Answer, Prediction
 from ovman.models.record import records
 from ovman.task import Relation
 from ovman.workflow.seeds import generator

@@ -1,4 +1,4 @@
-"""The contexts that the evaluator gives to the function that an arm names; the protocols are in `ovman.agents.interface.context`."""
+"""What the evaluator gives to the function that an arm names: the protocols of `ovman.agents.interface.context`, implemented."""
 
 from __future__ import annotations
 
@@ -135,7 +135,7 @@ def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: in
 
 
 def agent_settings(episode: Episode, stage: StageSettings) -> Settings:
-    """What an agent may read: the settings of its stage, which has what its entry names, and the episode's camera and primitives."""
+    """What an agent may read: what its arm's entry names, the settings of its stage, and the episode's camera and primitives."""
     return _merged(stage, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
 
 
@@ -153,4 +153,4 @@ def _merged(stage: StageSettings, sections: Mapping[str, dict[str, Any]]) -> Set
         for section in path:
             here = here.setdefault(section, {})
         here[last] = value
-    return Settings.owned(tree | sections, stage.stage)
+    return Settings.owned({**tree, **sections}, stage.stage)

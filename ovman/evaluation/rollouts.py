@@ -6,9 +6,10 @@ An episode runs from its record alone; an arm that is given positions needs the 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -112,7 +113,7 @@ def _true_tour(visit: str, sightings: Sequence[Sighting], category: str, min_mas
 
 DECIDING = ("admissibility.",)
 """Constants that say what an agent is given; what becomes of its answer does not depend on them."""
-JUDGING = {
+JUDGING: Mapping[str, Any] = {
     "split": True,
     "instances_in_category": True,
     "shortest_path_m": True,
@@ -141,7 +142,7 @@ def cache_key(
     """
     stage = json.loads(settings.canonical)
     executed = stage["arm"].pop("executed", None)
-    run_on = episode.model_dump(mode="json", by_alias=True, exclude=JUDGING)
+    run_on = episode.model_dump(mode="json", by_alias=True, exclude=dict(JUDGING))
     if executed is None:
         visits = [episode.visits[which] for which in VISITS]
         known = None if sightings is None else sightings.to_json()

@@ -9,14 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.interface import Visit
+from ovman.agents.interface import Query, Relation, Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.assignment import Assignment
-from ovman.evaluation.rollout import execute, handed
+from ovman.evaluation.rollout import alias, roll_out
+from ovman.models.change import Alteration, MoverStart
+from ovman.models.geometry import Spawn
 from ovman.models.record import read_records
 from ovman.sim.session import Session
-from ovman.task import Relation
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -24,18 +24,41 @@ from ovman.workflow.parameter import StageSettings
 SCHEMA = "ovman-certification/1"
 
 
+class TrialRun:
+    """A measured trial as a run of the oracle sees it."""
+
+    def __init__(self, trial: Mapping[str, Any]) -> None:
+        candidate, measured = trial["candidate"], trial["measured"]
+        self.query = Query(candidate["category"], Relation(candidate["relation"]))
+        self.target, self.spawn = str(candidate["target"]), Spawn.from_json(candidate["spawn"])
+        self.answer = measured["answer"]["x"], measured["answer"]["z"]
+        self.nearest_navigable = measured["nearest_navigable"]["x"], measured["nearest_navigable"]["z"]
+        self.mover = None if measured["mover"] is None else MoverStart.from_json(measured["mover"])
+        self._second = tuple(Alteration.from_json(record) for record in candidate["second"])
+
+    @property
+    def gone(self) -> frozenset[str]:
+        """Ids of the instances that are absent from visit 2."""
+        return frozenset(alteration.instance for alteration in self._second if alteration.kind == "disable")
+
+    def alterations(self, visit: str) -> tuple[Alteration, ...]:
+        """What differs from the untouched scene in visit 2."""
+        return self._second
+
+
 def oracle_run(session: Session, trial: Mapping[str, Any], seed: int, constants: StageSettings) -> dict[str, Any]:
     """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the mover."""
-    assignment = Assignment.of(trial)
+    episode = TrialRun(trial)
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
     visit = trial["measured"]["visits"]["second"]
 
     def name_of(instance: str) -> str:
-        return handed(visit, instance)
+        return alias(visit, instance)
 
-    moving = assignment.relation is Relation.MOVING
-    agent = Oracle(Pilot(constants.primitives, paths), assignment.answer, name_of(assignment.target) if moving else None)
-    return {"seed": seed} | execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
+    moving = episode.query.relation is Relation.MOVING
+    agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
+    run = roll_out(session, episode, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
+    return {"seed": seed} | run.to_json()
 
 
 def certify(session: Session, trial: Mapping[str, Any], constants: StageSettings) -> dict[str, Any]:

@@ -62,6 +62,15 @@ def needed(what, *files):
     return found
 
 
+def handed(file):
+    """An input of the arms that are given what the tours truly recorded."""
+
+    def found(wildcards):
+        return [file] if named(ARMS, wildcards.arm).reads_sightings else []
+
+    return found
+
+
 def network_gpu(wildcards):
     """How many GPUs the networks of an arm ask for."""
     return NETWORK_GPU if Need.NETWORKS in named(ARMS, wildcards.arm).needs else 0

@@ -44,8 +44,8 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     new.
     """
     visits = _maps(context).visits
-    maps = [visits[context.visits[which]].object_map() for which in VISITS]
-    return two_visits_recorded(query, context, maps)[0], None
+    map_1, map_2 = (visits[context.visits[which]].object_map() for which in VISITS)
+    return two_visits_recorded(query, context, map_1, map_2)[0], None
 
 
 def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import hashlib
 import os
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ import numpy as np
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
-from ovman.models.record import read_records
+from ovman.models.episode import Episode, root_seed
+from ovman.models.settings import Settings
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.sim import walk
@@ -41,42 +43,39 @@ TOGETHER = 8
 
 @dataclass(frozen=True, slots=True)
 class Assigned:
-    """A visit to walk: its record, and the candidate whose name the mover's draws go by."""
+    """A visit to walk: its record, and the episode whose seed and id the mover's draws come from."""
 
     recorded: Visit
-    candidate: str
+    episode: Episode
 
 
-def assigned(scene: str, episodes: Path, trials: Path, visits: Path) -> dict[str, Assigned]:
-    """The visits of a scene's released episodes by their names, sorted."""
-    released = {episode["id"] for episode in read_records(episodes) if episode["scene"] == scene}
-    found: dict[str, str] = {}
-    for trial in read_records(trials):
-        name = trial["candidate"]["id"]
-        if name in released:
-            for which in trial["measured"]["visits"].values():
-                found.setdefault(which, name)
+def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
+    """The recorded visits of a scene's episodes by their names, sorted. visits: the scene's directory of recorded visits."""
+    found: dict[str, Episode] = {}
+    for episode in episodes:
+        for which in (episode.visits.first, episode.visits.second):
+            found.setdefault(which, episode)
     return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
 
 
-def embodiment(constants: StageSettings) -> Embodiment:
-    """The benchmark's body with the frames of a dense walk, which come without instance masks."""
-    side_px = constants.dualmap.walk.side_px
-    return replace(Embodiment.of(constants), width_px=side_px, height_px=side_px, instances=False)
+def embodiment(settings: Settings, side_px: int) -> Embodiment:
+    """The benchmark's body with the frames of a dense walk, side_px wide and high, which come without instance masks."""
+    return replace(Embodiment.of(settings), width_px=side_px, height_px=side_px, instances=False)
 
 
-def frames(session: Session, of: Assigned, constants: StageSettings) -> Iterable[Frame]:
+def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     """The frames of a visit's dense walk, in the world state, and from it, that the visit was recorded in.
 
-    `constants` must own what a Session needs, mover.step_m and its probabilities, benchmark.seed and dualmap.walk.turn_deg.
-    Raises WalkError if the walk does not end as the visit did, SimulatorError if the simulator refuses.
+    turn_deg: between two frames of a spin. Raises WalkError if the walk does not end as the visit did, SimulatorError if the
+    simulator refuses.
     """
+    settings = of.episode.settings
     alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
-    rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
-    world = World(session, alterations, Gait.of(constants), rng, told=lambda _: False)
+    rng = seeds.generator(settings.benchmark.seed, "mover", of.episode.id, "tour")
+    world = World(session, alterations, Gait.of(settings), rng, told=lambda _: False)
     views = [AgentPose(**view["pose"]) for view in of.recorded.views]
-    lens = constants.camera.field_of_view_deg
-    yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)
+    lens = settings.camera.field_of_view_deg
+    yield from walk.frames(session, world, views, turn_deg, settings.primitives.step_m, lens)
     walk.check(session, world, of.recorded)
 
 
@@ -125,24 +124,31 @@ class Memory:
 def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path) -> None:
     """Writes what DualMap observes on the walks of the visits `of` (name -> what to walk), in their order.
 
-    kept: directory of what a killed job left. Raises WalkError, WeightsError.
+    constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else is the episodes'. kept: directory of
+    what a killed job left. Raises WalkError, WeightsError.
     """
     perception, dualmap = constants.perception, constants.dualmap
     observer = cache(lambda: _observer(perception, dualmap.observation))
-    memory = Memory(observer, dualmap.runs, constants.benchmark.seed)
+    memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
     seen_by = networks.looked_at_by(perception)
     walks: dict[str, tuple[list[str], list[int]]] = {}
     parts: set[Path] = set()
     kept.mkdir(parents=True, exist_ok=True)
-    with Session(scene, constants, embodiment(constants)) as session:
+    with ExitStack() as stack:
+        session: Session | None = None
         for name, one in of.items():
             began, record = time.process_time(), one.recorded.record
-            key = digest(constants.canonical, seen_by, one.candidate, record["alterations"], record["mover"], record["views"])
+            if session is None:
+                settings = one.episode.settings
+                session = stack.enter_context(Session(scene, settings, embodiment(settings, dualmap.walk.side_px)))
+            walked_by = {name: dict(getattr(one.episode.protocol, name)) for name in ("camera", "primitives", "mover")}
+            drawn = one.episode.backend, one.episode.provenance.seed, one.episode.id
+            key = digest(constants.canonical, seen_by, drawn, walked_by, record["alterations"], record["mover"], record["views"])
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
             walks[name] = _read(part, memory) or session.surviving(
-                lambda one=one, part=part: _walk(session, one, constants, memory, part)
+                partial(_walk, session, one, dualmap.walk.turn_deg, memory, part)
             )
             took, new = time.process_time() - began, len(memory.shots) - before
             print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
@@ -161,13 +167,13 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
         left.unlink()
 
 
-def _walk(session: Session, one: Assigned, constants: StageSettings, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
+def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
     """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
-    contents, views, new = memory.walked(frames(session, one, constants))
+    contents, views, new = memory.walked(frames(session, one, turn_deg))
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
-    partial = part.with_suffix(".partial")
-    write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
-    os.replace(partial, part)
+    unfinished = part.with_suffix(".partial")
+    write_arrays(unfinished, PART, arrays | packed(list(new.values())), compressed=True)
+    os.replace(unfinished, part)
     kept = _read(part, memory)
     assert kept is not None
     return kept

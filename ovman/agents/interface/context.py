@@ -1,4 +1,4 @@
-"""What the function that an arm names is given: `AgentContext` for an agent that drives, `PredictionContext` for one that predicts.
+"""What the function of an arm is given: `AgentContext` for an agent that drives, `PredictionContext` for one that predicts.
 
 The evaluator implements both (`ovman.evaluation.context`). What an arm's entry in config.yaml does not ask for raises ValueError,
 in one line that says what to write.

@@ -70,18 +70,20 @@ def two_visits_asked(
     relation: Relation, map_1: ObjectMap, map_2: ObjectMap, phrase: np.ndarray, settings: Settings
 ) -> tuple[Answer | Abstention, Evidence]:
     """``two_visits``, with what the noun phrase of this unit embedding (K,) means by the features of the maps."""
-    means = [grounded(objects.f, phrase, settings.grounding.similarity_margin) for objects in (map_1, map_2)]
-    return two_visits(relation, map_1, map_2, *means, settings)
+    means_1, means_2 = (grounded(made.f, phrase, settings.grounding.similarity_margin) for made in (map_1, map_2))
+    return two_visits(relation, map_1, map_2, means_1, means_2, settings)
 
 
-def two_visits_recorded(query: Query, context: PredictionContext, maps: Sequence[ObjectMap]) -> tuple[Answer | Abstention, Evidence]:
-    """``two_visits`` on maps of the first and the second visit, with what the query's noun means in them (``means_of``)."""
-    means = [means_of(query, context, which, objects) for which, objects in zip(VISITS, maps, strict=True)]
-    return two_visits(query.relation, *maps, *means, context.settings)
+def two_visits_recorded(
+    query: Query, context: PredictionContext, map_1: ObjectMap, map_2: ObjectMap
+) -> tuple[Answer | Abstention, Evidence]:
+    """``two_visits`` on maps of both visits, with what the query's noun means in them (``means_of``)."""
+    means_1, means_2 = (means_of(query, context, which, made) for which, made in zip(VISITS, (map_1, map_2), strict=True))
+    return two_visits(query.relation, map_1, map_2, means_1, means_2, context.settings)
 
 
 def means_of(query: Query, context: PredictionContext, which: str, objects: ObjectMap) -> tuple[int, ...]:
-    """Which objects of a map of the visit `which` the query's noun means: by their features, or by the truth where it is given."""
+    """Which objects of a map of the visit `which` the query's noun means: by their features, or the true ones if given."""
     if context.privileged_grounding:
         return context.true_objects(which, objects.p)
     return grounded(objects.f, context.noun(noun(query.category)), context.settings.grounding.similarity_margin)

@@ -1,4 +1,4 @@
-"""The two-visit reference agent: maps of both visits, the noun grounded in them, the visits associated, a decision, and the way."""
+"""The two-visit reference agent: it maps both visits, grounds the noun, associates the visits, decides and drives there."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Callable
 import numpy as np
 
 from ovman.agents.interface import (
-    VISITS,
     Abstention,
     Action,
     AgentContext,
@@ -74,4 +73,4 @@ def agent(context: AgentContext) -> ReferenceAgent:
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:
     """The static arms two_visits and grounding_two_visits."""
-    return two_visits_recorded(query, context, [context.map(which) for which in VISITS])
+    return two_visits_recorded(query, context, context.map("first"), context.map("second"))

@@ -15,7 +15,7 @@ import numpy as np
 from ovman.agents.interface import VISITS
 from ovman.agents.reference.association import associate, cost_matrix, distances
 from ovman.agents.reference.grounding import similarities
-from ovman.evaluation.prediction import Prediction
+from ovman.models.prediction import Prediction
 from ovman.models.settings import Arm, Source, named
 from ovman.perception.clusters import Cluster
 from ovman.report.show.results import MAKE, Results, ShowError

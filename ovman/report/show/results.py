@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
-from ovman.evaluation import prediction
-from ovman.evaluation.prediction import Prediction
+from ovman.models.prediction import Prediction
 from ovman.models.record import read_records, records
 from ovman.models.settings import Arm, Kind, of_kind
 from ovman.perception.clusters import Cluster
@@ -153,7 +152,7 @@ class Results:
             path = self.directory / "predictions" / f"{arm.name}.jsonl"
             if path.is_file():
                 answered = found.setdefault(arm.name, {})
-                for one in sorted(prediction.read(path), key=lambda one: one.seed):
+                for one in sorted(Prediction.read(path), key=lambda one: one.seed):
                     answered.setdefault(one.episode, {})[one.seed] = one
         return found
 

@@ -7,9 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
-from ovman.evaluation.prediction import Outcome
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
 from ovman.models.settings import Arm, Kind, of_kind
 from ovman.report.show.results import MAKE, Results
 from ovman.task import Relation
@@ -35,7 +33,7 @@ class StaticRow:
 
     letter: str
     arm: Arm
-    outcome: Outcome | None
+    outcome: Predicted | None
     answer: str
     verdict: str
     words: str
@@ -96,7 +94,7 @@ def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[Embodied
     return rows
 
 
-def answer_words(outcome: Outcome, relation: Relation) -> str:
+def answer_words(outcome: Predicted, relation: Relation) -> str:
     """What an arm answered, in words; an abstention with what its rule for the relation found wanting."""
     match outcome:
         case Answer(x, z):
@@ -153,7 +151,7 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None, past
     return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
 
 
-def _beside(outcome: Outcome, episode: Mapping[str, Any]) -> str:
+def _beside(outcome: Predicted, episode: Mapping[str, Any]) -> str:
     """The true instance nearest to a predicted point, as the visit that the relation answers from has it."""
     if not isinstance(outcome, Answer):
         return ""
