@@ -6,10 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
 from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
-from ovman.evaluation.prediction import Prediction
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
 from ovman.task import Relation
 
 CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))
@@ -23,7 +21,7 @@ offset = st.floats(-3, 3).map(lambda value: round(value, 3))
 
 
 def judge(outcome, case=CASE, radius=1.0, seed=0):
-    predictions = [Prediction(case.id, "arm", 0, outcome)]
+    predictions = [Prediction.of(case.id, "arm", 0, outcome)]
     (row,) = static_outcomes([case], predictions, radius_m=radius, samples=5000, seed=seed)
     return row
 
@@ -55,7 +53,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
     alone = judge(box, OTHER).success
     among = static_outcomes(
         [CASE, OTHER],
-        [Prediction(CASE.id, "arm", 0, box), Prediction(OTHER.id, "arm", 0, box)],
+        [Prediction.of(CASE.id, "arm", 0, box), Prediction.of(OTHER.id, "arm", 0, box)],
         radius_m=1.0,
         samples=5000,
         seed=0,
@@ -65,7 +63,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
 
 
 def test_every_arm_answers_every_episode_once():
-    here, there = (Prediction(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
+    here, there = (Prediction.of(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
     arguments = {"radius_m": 1.0, "samples": 10, "seed": 0}
     with pytest.raises(ValueError, match="1 episodes are missing, the first is FloorPlan1/former/0000"):
         static_outcomes([CASE, OTHER], [here], **arguments)

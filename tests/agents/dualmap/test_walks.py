@@ -18,6 +18,7 @@ from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
+from tests.episodes import released
 
 ROOT = Path(__file__).parents[3]
 RUNS = 2
@@ -76,7 +77,7 @@ def job(monkeypatch, tmp_path):
     state = SimpleNamespace(walked=[], fail=None, observer=Observer(), kept=tmp_path / "kept")
     constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 
-    def frames(session, of, constants):
+    def frames(session, of, turn_deg):
         state.walked.append(of.recorded.name)
         yield told[of.recorded.name][0]
         if state.fail == of.recorded.name:
@@ -85,7 +86,7 @@ def job(monkeypatch, tmp_path):
 
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
-        of = {n: Assigned(Visit({"visit": n, "alterations": [n], "mover": None, "views": []}), n) for n in names}
+        of = {n: Assigned(Visit({"visit": n, "alterations": [n], "mover": None, "views": []}), released()[0]) for n in names}
         walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
         return tmp_path / output
 
