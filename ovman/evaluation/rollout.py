@@ -12,15 +12,14 @@ import numpy as np
 
 from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenInstance, Visit
 from ovman.models.change import Alteration, MoverStart
-from ovman.models.geometry import Spawn
+from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.run import Measured, Outcome
+from ovman.models.run import InstanceTerms, Measured, Outcome, Terms
 from ovman.models.settings import Settings
-from ovman.sim import change, measurement
+from ovman.sim import measurement
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.measurement import Ground
-from ovman.sim.mover import Gait
+from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.journal import digest
 
@@ -41,11 +40,11 @@ class Runnable(Protocol):
         """Where the run begins."""
 
     @property
-    def answer(self) -> tuple[float, float]:
+    def answer(self) -> Point:
         """Floor-plane point in metres; for MOVING where the mover is when the run begins."""
 
     @property
-    def nearest_navigable(self) -> tuple[float, float]:
+    def nearest_navigable(self) -> Point:
         """nu(a): the cell nearest to the answer that the benchmark's own body can reach."""
 
     @property
@@ -66,6 +65,10 @@ def alias(visit: str, instance: str) -> str:
     return digest(visit, instance)[:8]
 
 
+NOWHERE = Terms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)
+"""The terms of Eq. 4 of a run that did not stop."""
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """The terms of an arm's runs that are not the benchmark's for all.
@@ -80,14 +83,20 @@ class Limits:
     any_instance: bool = False
 
 
-def begin(session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator) -> World:
+def begin(
+    session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False
+) -> World:
     """The world of visit 2 with the mover where the recorded visit left it; `rng` drives the mover.
 
-    The session reports the objects of the query's category alone. settings: mover.*. SimulatorError if the simulator refuses.
+    every_object: whether the session reports all objects from then on, or those of the query's category alone. settings: mover.*.
+    SimulatorError if the simulator refuses.
     """
-    alterations = [change.Alteration.from_json(alteration.to_json()) for alteration in episode.alterations("second")]
     category = episode.query.category
-    world = World(session, alterations, Gait.of(settings), rng, lambda metadata: bool(metadata["objectType"] == category))
+
+    def of_category(metadata: Mapping[str, Any]) -> bool:
+        return bool(metadata["objectType"] == category)
+
+    world = World(session, episode.alterations("second"), settings.mover, rng, None if every_object else of_category)
     if episode.mover is not None:
         world.send_mover_to(episode.mover.along_m, episode.mover.direction)
     return world
@@ -98,20 +107,20 @@ def measure_at_stop(
     episode: Runnable,
     world: World,
     settings: Settings,
-    ground: Ground | None = None,
+    region: ReachableRegion | None = None,
     any_instance: bool = False,
-) -> Mapping[str, Any]:
-    """The terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category ("instances").
+) -> tuple[Terms, Mapping[str, InstanceTerms]]:
+    """The terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category by id.
 
-    ground: what the agent could reach from its spawn; without it `nearest_navigable` holds. Where something moves, its present
+    region: what the agent could reach from its spawn; without it `nearest_navigable` holds. Where something moves, its present
     place is the answer, and nu(a) is found anew. settings: primitives.step_m and success.sweep_deg.
     """
     answer, navigable = episode.answer, episode.nearest_navigable
     if world.mover is not None:
         answer = world.mover.position
-        ground = Ground.around(session, session.pose, settings.primitives.step_m)
-    if ground is not None:
-        navigable = ground.navigable(*answer)
+        region = ReachableRegion.around(session, session.pose, settings.primitives.step_m)
+    if region is not None:
+        navigable = region.navigable(*answer)
     instances: list[str] = []
     if any_instance:
         category, gone = episode.query.category, episode.gone
@@ -148,22 +157,27 @@ def roll_out(
     spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
     session.teleport(spawn)
     own_body = session.embodiment.mode != Embodiment.of(settings).mode
-    ground = None if own_body else Ground.around(session, spawn, settings.primitives.step_m)
+    region = None if own_body else ReachableRegion.around(session, spawn, settings.primitives.step_m)
     if first is not None:
         agent.familiarise(first)
-    agent.revisit(second(np.empty((0, 2)) if ground is None else cells(ground)))
+    agent.revisit(second(np.empty((0, 2)) if region is None else cells(region)))
     agent.ask(episode.query)
 
     looks = name_of is None and getattr(agent, "looks", True)
     observe = partial(_observation, session, looks, episode.gone, name_of)
     driven = _driven(session, world, agent, observe, own_body, looks, settings, limits)
-    measured: dict[str, Any] = dict.fromkeys(
-        ("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px")
-    )
+    at_stop, instances = NOWHERE, None
     if driven.outcome == "stopped":
-        measured |= measure_at_stop(session, episode, world, settings, ground, limits.any_instance)
-    measured |= {"outcome": driven.outcome, "path_length_m": round(driven.path_length_m, 4), "actions": driven.actions}
-    return Measured.from_json(measured | ({"path_at_m": driven.path_at_m} if limits.marks else {}))
+        at_stop, found = measure_at_stop(session, episode, world, settings, region, limits.any_instance)
+        instances = found or None
+    return Measured(
+        **dict(at_stop),
+        outcome=driven.outcome,
+        path_length_m=round(driven.path_length_m, 4),
+        actions=driven.actions,
+        instances=instances,
+        path_at_m=driven.path_at_m if limits.marks else None,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +215,7 @@ def _driven(
         if world.mover is not None and not own_body:
             mover_in, before_in = _cell(world.mover.position, step_m), mover_in
             if mover_in != before_in:
-                reachable = cells(Ground.around(session, session.pose, step_m))
+                reachable = cells(ReachableRegion.around(session, session.pose, step_m))
         action = agent.act(observe(succeeded, reachable))
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
@@ -226,9 +240,9 @@ def _cell(point: tuple[float, float], step_m: float) -> tuple[int, int]:
     return round(point[0] / step_m), round(point[1] / step_m)
 
 
-def cells(ground: Ground) -> np.ndarray:
+def cells(region: ReachableRegion) -> np.ndarray:
     """The positions (K, 2) in metres that can be reached, sorted."""
-    return np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])
+    return np.array([region.grid.centre(c) for c in sorted(region.grid.cells)])
 
 
 def _observation(

@@ -184,7 +184,7 @@ def run(
             return run_episode(session, episode, arm, seed, settings, store, seen)
 
         key = cache_key(arm, seed, episode, settings, store, seen)
-        return Rollout.from_json(kept.unit(key, lambda: session.surviving(work).to_json()), f"{journal}: {key}")
+        return Rollout.from_json(kept.unit(key, lambda: session.with_restarts(work).to_json()), f"{journal}: {key}")
 
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):
         group = list(alike)

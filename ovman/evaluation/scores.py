@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ovman.evaluation.rollout import NOWHERE
 from ovman.evaluation.scoring import any_instance, judged
 from ovman.models.episode import Episode
 from ovman.models.record import lines
@@ -45,9 +46,8 @@ def cut(rollout: Rollout, arm: Arm) -> Rollout:
     travelled = (rollout.path_at_m or {}).get(arm.budget)
     if travelled is None:
         raise ValueError(f"{rollout.episode}: {arm.cut_from} was not run for {arm.name}; make its rollouts again")
-    unmeasured = dict.fromkeys(("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px"))
     return rollout.model_copy(
-        update=unmeasured | {"arm": arm.name, "outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
+        update=dict(NOWHERE) | {"arm": arm.name, "outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
     )
 
 

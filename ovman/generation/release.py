@@ -36,7 +36,7 @@ def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> 
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict.rejected is not None:
         return verdict.rejected
-    feasible, *certified = (judged(run, Relation(verdict.relation), success) for run in runs)
+    feasible, *certified = (judged(run, verdict.relation, success) for run in runs)
     if not feasible:
         return Rejection.FEASIBILITY_FAILED
     return None if all(certified) else Rejection.CERTIFICATION_FAILED

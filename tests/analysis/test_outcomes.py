@@ -72,7 +72,7 @@ def test_every_arm_answers_every_episode_once():
     with pytest.raises(ValueError, match="not among the episodes"):
         static_outcomes([CASE], [here, there], **arguments)
     with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
-        static_outcomes([CASE, OTHER], [here, there, replace(here, seed=1)], **arguments)
+        static_outcomes([CASE, OTHER], [here, there, here.model_copy(update={"seed": 1})], **arguments)
 
 
 def test_a_run_keeps_what_was_judged():

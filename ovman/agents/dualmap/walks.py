@@ -23,14 +23,13 @@ from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
 from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
+from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.sim import walk
-from ovman.sim.change import Alteration, World
+from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session
-from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
@@ -70,10 +69,9 @@ def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     simulator refuses.
     """
     settings = of.episode.settings
-    alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
     rng = seeds.generator(settings.benchmark.seed, "mover", of.episode.id, "tour")
-    world = World(session, alterations, Gait.of(settings), rng, told=lambda _: False)
-    views = [AgentPose(**view["pose"]) for view in of.recorded.views]
+    world = World(session, of.recorded.alterations, settings.mover, rng, object_filter=lambda _: False)
+    views = [AgentPose(**dict(view.pose)) for view in of.recorded.views]
     lens = settings.camera.field_of_view_deg
     yield from walk.frames(session, world, views, turn_deg, settings.primitives.step_m, lens)
     walk.check(session, world, of.recorded)
@@ -137,7 +135,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
     with ExitStack() as stack:
         session: Session | None = None
         for name, one in of.items():
-            began, record = time.process_time(), one.recorded.record
+            began, record = time.process_time(), one.recorded.to_json()
             if session is None:
                 settings = one.episode.settings
                 session = stack.enter_context(Session(scene, settings, embodiment(settings, dualmap.walk.side_px)))
@@ -147,7 +145,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
-            walks[name] = _read(part, memory) or session.surviving(
+            walks[name] = _read(part, memory) or session.with_restarts(
                 partial(_walk, session, one, dualmap.walk.turn_deg, memory, part)
             )
             took, new = time.process_time() - began, len(memory.shots) - before

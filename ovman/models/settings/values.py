@@ -66,6 +66,7 @@ class Section(BaseModel):
             kind = field.annotation
             if name not in fields and isinstance(kind, type) and issubclass(kind, Section):
                 fields[name] = kind.owned({}, stage, f"{path}.{name}" if path else name)
+        fields = {name: fields[name] for name in cls.model_fields if name in fields}  # the order of config.yaml, as in records
         made = cls.model_construct(**fields)
         made.__dict__ = fields
         made._stage, made._path = stage, path

@@ -11,8 +11,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from ovman.models.visit import Visit
 from ovman.report.show.reasoning import Item, Reasoning
-from ovman.sim.visit import Visit
 
 QUALITY = 78
 """Of the JPEG files."""
@@ -66,7 +66,7 @@ def stands(
     for index, view in enumerate(visit.views):
         outlines = [] if masks is None else _detections(detected, masks, index, own)
         frame = _frame(visit, directory, index, episode, outlines)
-        at = (view["pose"]["x"], view["pose"]["z"])
+        at = (view.pose.x, view.pose.z)
         if not found or found[-1][0] != at:
             found.append((at, []))
         found[-1][1].append(frame)
@@ -101,21 +101,21 @@ def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
     ids = cv2.imread(str(directory / f"{index:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
     truths = []
-    for number, name in enumerate(view["instances"], start=1):
+    for number, name in enumerate(view.instances, start=1):
         kind = "target" if name == episode["target"] else "distractor" if name == episode["distractor"] else "instance"
-        if kind != "instance" and name not in view["seen"]:
+        if kind != "instance" and name not in view.seen:
             continue
-        if visit.category.get(name) == episode["category"] and name in view["seen"]:
-            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view['seen'][name]} px (truth)"))
+        if name in visit.present and visit.present[name].category == episode["category"] and name in view.seen:
+            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view.seen[name]} px (truth)"))
     return Frame(
         view=index,
-        yaw_deg=view["pose"]["yaw_deg"],
+        yaw_deg=view.pose.yaw_deg,
         picture=uri,
         width=width,
         height=height,
         outlines=tuple(outlines),
         truths=tuple(truths),
-        target_px=view["seen"].get(episode["target"], 0),
+        target_px=view.seen.get(episode["target"], 0),
     )
 
 

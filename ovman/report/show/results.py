@@ -18,8 +18,8 @@ from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
 from ovman.models.prediction import Prediction
 from ovman.models.record import read_records, records
 from ovman.models.settings import Arm, Kind, of_kind
+from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
-from ovman.sim.visit import Visit
 
 MAKE = "make tables"
 """The command that makes all that is read here."""
