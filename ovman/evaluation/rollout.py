@@ -83,9 +83,7 @@ class Limits:
     any_instance: bool = False
 
 
-def begin(
-    session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False
-) -> World:
+def begin(session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False) -> World:
     """The world of visit 2 with the mover where the recorded visit left it; `rng` drives the mover.
 
     every_object: whether the session reports all objects from then on, or those of the query's category alone. settings: mover.*.
@@ -264,5 +262,5 @@ def _observation(
         return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
     present = {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
     at = {k: position(o) for k, o in present.items()}
-    positions = tuple(SeenInstance(name_of(k), present[k]["objectType"], at[k]["x"], at[k]["z"]) for k in sorted(at))
+    positions = tuple(SeenInstance(name_of(k), present[k]["objectType"], at[k].x, at[k].z) for k in sorted(at))
     return Observation(None, None, camera, field_of_view_deg, succeeded, positions, reachable)
