@@ -1,7 +1,8 @@
-"""The released episodes, their sightings, and maps that are true to what the tours recorded."""
+"""The released episodes and their sightings, maps that are true to the tours, and episodes with other content."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,13 +12,13 @@ import numpy as np
 from ovman.evaluation.privileged_grounding import recorded_positions
 from ovman.language import noun
 from ovman.models.episode import Episode
-from ovman.models.relation import Relation
 from ovman.models.sighting import Sighting, Sightings
-from ovman.models.world_state import Instance, WorldState
 from ovman.perception.clusters import Cluster
 
-DATA = Path(__file__).parents[1] / "data" / "ovman-embedded-v1"
+ROOT = Path(__file__).parents[1]
+DATA = ROOT / "data" / "ovman-embedded-v1"
 EPISODES, SIGHTINGS = DATA / "episodes" / "main.jsonl", DATA / "episodes" / "sightings.jsonl"
+TARGET, OTHER = "a", "b"
 
 
 @cache
@@ -48,24 +49,32 @@ def true_map(seen: tuple[Sighting, ...]) -> tuple[Cluster, ...]:
     )
 
 
-def made(relation: Relation, number: int, scene: str, category: str, answer: tuple[float, float], **fields: Any) -> Episode:
-    """An episode of a scene that is not there: of the instance "a" of a category, at the place that answers, in both visits."""
-    pattern = next(episode for episode in released() if episode.relation is relation)
-    distractor = "b" if relation is Relation.STABLE else None
-    world = WorldState((Instance("a", category, *answer),))
-    return pattern.model_copy(
-        update={
-            "id": f"{scene}/{relation}/{number:04d}",
-            "scene": scene,
-            "category": category,
-            "noun": noun(category),
-            "target": "a",
-            "distractor": distractor,
-            "changes": (pattern.changes[0].model_copy(update={"instance": distractor or "a"}),),
-            "answer": answer,
-            "instances_in_category": 2,
-            "world_1": world,
-            "world_2": world,
-        }
-        | fields
-    )
+def episode_record(
+    relation: str,
+    number: int = 0,
+    *,
+    answer: tuple[float, float] = (1.0, 0.0),
+    world: Sequence[Mapping[str, Any]] | None = None,
+    visits: Mapping[str, str] | None = None,
+    scene: str = "FloorPlan1",
+    category: str = "Chair",
+) -> dict[str, Any]:
+    """A whole record: a released episode of the relation with another id, answer and worlds. TARGET is the queried instance."""
+    record = next(one for one in released() if one.relation == relation).to_json()
+    point = {"x": answer[0], "z": answer[1]}
+    here = [{"id": TARGET, "category": category, **point}] if world is None else list(world)
+    distractor = OTHER if record["distractor"] is not None else None
+    return record | {
+        "id": f"{scene}/{relation}/{number:04d}",
+        "scene": scene,
+        "category": category,
+        "noun": noun(category),
+        "instances_in_category": 2,
+        "answer": point,
+        "target": TARGET,
+        "distractor": distractor,
+        "changes": [{**change, "instance": distractor or TARGET} for change in record["changes"][:1]],
+        "visits": visits or record["visits"],
+        "world_1": here,
+        "world_2": here,
+    }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -16,8 +16,9 @@ from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_p
 from ovman.models.episode import Episode
 from ovman.models.settings import Arm, Need, Settings, Source
 from ovman.models.sighting import Sighting, Sightings, VisitPair
-from ovman.models.world_state import Instance, WorldState
+from ovman.models.world_state import WorldState
 from ovman.perception.object_map import ObjectMap
+from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, constants_of
 
 if TYPE_CHECKING:
@@ -119,19 +120,6 @@ class EpisodeContext:
         if self.sightings is None:
             raise ValueError(f"arms.{self.arm.name} is given its {what}: it needs the file of sightings beside the episodes")
         return self.sightings.sightings
-
-
-def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: int) -> WorldState:
-    """The instances of `category` with a mask of at least `min_mask_px` in some view of a visit.
-
-    An instance is where it was last recorded; its track are the floor-plane positions (metres) of all its recorded views in the
-    order of the tour.
-    """
-    tracks: dict[str, list[tuple[float, float]]] = {}
-    for seen in sightings:
-        if seen.px >= min_mask_px:
-            tracks.setdefault(seen.instance, []).append((seen.x, seen.z))
-    return WorldState(tuple(Instance.tracked(k, category, tuple(track)) for k, track in sorted(tracks.items())))
 
 
 def agent_settings(episode: Episode, stage: StageSettings) -> Settings:

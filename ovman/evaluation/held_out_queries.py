@@ -64,7 +64,7 @@ def ask(episode: Episode, held_out: HeldOut) -> Asked:
 def answer(
     noun_phrase: str, relation: str, visits: VisitPair[str], perceived: Perceived, settings: Settings
 ) -> tuple[Answer | Abstention, Evidence]:
-    """What the arm two_visits answers to a query of any noun phrase and relation.
+    """What the reference agent with two visits answers to a query of any noun phrase and relation.
 
     visits: the names of both visits of the episode; settings: those of the reference agent. Raises ValueError as ``Perceived``
     does for a visit without a map or a noun phrase without an embedding.

@@ -13,6 +13,10 @@ _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "
 _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px"))
 _METRICS = (
     "arms",
+    "comparisons.agent",
+    "comparisons.rungs",
+    "comparisons.pairs",
+    "comparisons.pairings",
     "benchmark.seed",
     "success.radius_m",
     "single_visit.samples",
@@ -50,6 +54,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "camera.*",
         "primitives.*",
         "mover.*",
+        "benchmark.allow_short_split",
         "success.*",
     ),
     "pictures": (
@@ -88,8 +93,9 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "executions": ("admissibility.min_mask_px",),
     "runs": (),
     "metrics": _METRICS,
-    "static": _METRICS,
+    "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (
+        "comparisons.agent",
         "grounding.*",
         "association.*",
         "admissibility.tau_m",
@@ -99,7 +105,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "perception": ("perception.detector.min_mask_px",),
     "backprojection": ("camera.field_of_view_deg", "perception.detector.min_mask_px"),
     "figures": ("camera.*", "admissibility.min_mask_px"),
-    "findings": (
+    "paper_comparison": (
+        "arms",
+        "comparisons.agent",
+        "paper.*",
         "benchmark.backend",
         "perception.detector.architecture",
         "perception.detector.weights",
@@ -109,6 +118,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
+        "comparisons.agent",
+        "comparisons.difficulty",
         "tour.*",
         "success.*",
         "candidates.delta_min_m",

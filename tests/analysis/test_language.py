@@ -8,8 +8,8 @@ import json
 import numpy as np
 import pytest
 
-from ovman.analysis import language
-from ovman.analysis.language import What, language_rates
+from ovman.analysis import frames, language
+from ovman.analysis.language import LanguageRate, What, language_rates
 from ovman.evaluation.held_out_queries import Asked, answer
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.perceived import Perceived
@@ -24,12 +24,12 @@ from ovman.models.record import lines
 from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
-from ovman.report.language import language_table
-from ovman.report.markdown import markdown
+from ovman.report.tables.language import language_table
+from ovman.report.tables.table import markdown
 from ovman.task import Relation
 from ovman.workflow.parameter import stage_settings
 from tests.arms import BY_NAME, CONFIG
-from tests.episodes import made
+from tests.episodes import episode_record
 
 SCENE = "FloorPlan1"
 VISITS = VisitPair[str](first="before", second="after")
@@ -52,7 +52,7 @@ PERCEIVED = Perceived(MAPS, NOUNS)
 
 
 def episode(relation: str, number: int = 0) -> Episode:
-    return made(Relation(relation), number, SCENE, "Chair", (ANSWERS[relation], 0.0), visits=VISITS)
+    return Episode.from_json(episode_record(relation, number, answer=(ANSWERS[relation], 0.0), visits=VISITS.to_json()))
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
@@ -108,7 +108,7 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
     read_as = {(row["relation"], row["read_as"]): int(row["count"]) for row in rows if row["what"] == "read_as"}
     assert read_as["stable", "removed"] == 3 and read_as["former", str(ParseFailure.NO_RELATION)] == 3
     assert sum(count for (relation, _), count in read_as.items() if relation == "all") == 18
-    predictions = {p.episode: p.outcome for p in Prediction.read(output / "two_visits_inferred.jsonl")}
+    predictions = {p.episode: p.outcome for p in Prediction.read(output / "inferred.jsonl")}
     assert predictions[f"{SCENE}/former/0000"] == Abstention(AbstentionReason.NOT_PARSED)
     assert predictions[f"{SCENE}/stable/0000"].x == ANSWERS["removed"]
     sentences = [json.loads(text) for text in (output / "sentences.jsonl").read_text().splitlines()]
@@ -148,8 +148,9 @@ def test_rates_of_every_relation_add_up():
 
 
 def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
-    _, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
-    text = markdown(language_table(rows, 0.95))
+    output, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
+    table = language_table(frames.read(output / "language.csv", LanguageRate), SETTINGS)
+    text = markdown(table)
     for shown in (
         "| object ",
         "| noun and relation inferred ",
@@ -158,4 +159,4 @@ def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
         "made for a test",
     ):
         assert shown in text
-    assert len(language_table(rows, 0.95).rows) == 6 + len({row["read_as"] for row in rows} - {""})
+    assert len(table.rows) == 6 + len({row["read_as"] for row in rows} - {""})

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from ovman.evaluation import predictions
-from ovman.evaluation.context import recorded_world
 from ovman.evaluation.supervision import AgentError
 from ovman.models.prediction import Prediction
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
+from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, SIGHTINGS, released, sightings

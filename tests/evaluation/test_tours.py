@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from ovman.evaluation.recorded_tour import content, recorded
+from ovman.models.visit_files import seal
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))
@@ -27,6 +28,7 @@ def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
         for view in range(3)
     ]
     (directory / "visit.json").write_text(json.dumps({"visit": directory.name, "alterations": list(alterations), "views": views}))
+    seal(directory)
     return directory
 
 

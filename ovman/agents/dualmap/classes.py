@@ -4,46 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
+from ovman.perception.protocols import TextEncoder
 
 SELDOM_MOVED = ("stool", "cabinet", "couch", "shelf", "armchair", "bathtub", "chair", "sofa", "table", "rack", "bed")
 OFTEN_MOVED = ("box", "cup", "cushion", "lamp", "pillow", "bowl", "microwave", "plant")
-"""DualMap's prototypes of furniture and of what stands on it, those of them that are words of the vocabulary: what an encoder was
-not taught says nothing."""
-
-
-class TextEmbedder(Protocol):
-    """Embeds words: `ovman.perception.encoder.Encoder`."""
-
-    def texts(self, phrases: Sequence[str]) -> np.ndarray: ...
+"""DualMap's prototypes of furniture and of movable objects, restricted to words that the encoder was trained on."""
 
 
 def class_names() -> tuple[str, ...]:
-    """The noun of every category that can be an instance. There is no "unknown": the detector finds things without classes, and
-    the list has all that there is."""
+    """The noun of every category of instances. The list is complete, so that it needs no class "unknown"."""
     return tuple(noun(category) for category in SYNONYMS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Classes:
-    """names: of C classes; feature (C, K): their unit embeddings; low_mobility (C,) bool: furniture that seldom moves."""
+    """The C classes.
+
+    names: of the classes; feature (C, K): unit embeddings of the names; low_mobility (C,) bool: furniture that seldom moves.
+    """
 
     names: tuple[str, ...]
     feature: np.ndarray
     low_mobility: np.ndarray
 
     @staticmethod
-    def of(encoder: TextEmbedder, mobility_margin: float, least_cosine: float) -> Classes:
-        """The classes as an encoder reads their names.
+    def of(encoder: TextEncoder, mobility_margin: float, least_cosine: float) -> Classes:
+        """The classes with an encoder's embeddings.
 
-        A class is furniture that seldom moves if its name is at least so near to the word for some (least_cosine), and not
-        nearer by more than the margin to a word for what is moved often. All words have much in common for a small text tower:
-        the mean of the names is taken off first.
+        A class has low mobility if its greatest cosine to the words of SELDOM_MOVED is above `least_cosine` and at most
+        `mobility_margin` below its greatest cosine to those of OFTEN_MOVED. The mean embedding of the names is subtracted first,
+        because a small text tower maps all words close together.
         """
         names = class_names()
         feature = encoder.texts(names)
@@ -51,7 +46,8 @@ class Classes:
 
         def own(words: Sequence[str]) -> np.ndarray:
             off = encoder.texts(words) - common
-            return off / np.maximum(np.linalg.norm(off, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+            unit: np.ndarray = off / np.maximum(np.linalg.norm(off, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+            return unit
 
         seldom, often = ((own(names) @ own(words).T).max(axis=1) for words in (SELDOM_MOVED, OFTEN_MOVED))
         return Classes(names, feature, (seldom > least_cosine) & (seldom >= often - mobility_margin))

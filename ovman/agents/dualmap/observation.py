@@ -1,4 +1,4 @@
-"""What one keyframe shows of one object, as DualMap's maps are given it."""
+"""The input of DualMap's maps: one object in one keyframe."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Observation:
+class ObjectObservation:
     """One segmented object of one keyframe.
 
     frame: index of the keyframe in its walk; class_id: index in the list of classes; confidence: of the detector; feature (K,):

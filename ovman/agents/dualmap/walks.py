@@ -47,6 +47,14 @@ class Assigned:
     recorded: Visit
     episode: Episode
 
+    @property
+    def identity(self) -> list[Any]:
+        """What the frames of its walk depend on, JSON-serialisable."""
+        episode, record = self.episode, self.recorded.to_json()
+        protocol = {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")}
+        drawn = [episode.backend, episode.provenance.seed, episode.id, protocol]
+        return [*drawn, *(record[key] for key in ("alterations", "mover", "views"))]
+
 
 def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
     """The recorded visits of a scene's episodes by their names, sorted. visits: the scene's directory of recorded visits."""
@@ -81,7 +89,7 @@ def content(frame: Frame) -> str:
     """Digest of a frame: of its picture, its depth and its camera."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
-        found.update(np.ascontiguousarray(array))
+        found.update(np.ascontiguousarray(array).data)
     return found.hexdigest()
 
 
@@ -135,13 +143,11 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
     with ExitStack() as stack:
         session: Session | None = None
         for name, one in of.items():
-            began, record = time.process_time(), one.recorded.to_json()
+            began = time.process_time()
             if session is None:
                 settings = one.episode.settings
                 session = stack.enter_context(Session(scene, settings, embodiment(settings, dualmap.walk.side_px)))
-            walked_by = {name: dict(getattr(one.episode.protocol, name)) for name in ("camera", "primitives", "mover")}
-            drawn = one.episode.backend, one.episode.provenance.seed, one.episode.id
-            key = digest(constants.canonical, seen_by, drawn, walked_by, record["alterations"], record["mover"], record["views"])
+            key = digest(constants.canonical, seen_by, one.identity)
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)

@@ -1,14 +1,15 @@
-"""The maps of a page: each visit as the agent had it, and what it made of the two; the truth is a layer of its own."""
+"""The maps of a page: the arms' map of each visit, and their association of both; the truth is a separate layer."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
 from ovman.models.prediction import Answer, UniformBox, UniformPick
 from ovman.report.show import svg
-from ovman.report.show.frame import Frame
+from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels
 from ovman.report.show.reasoning import Item, Reasoning
 from ovman.report.show.room import (
@@ -39,7 +40,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
     draw_room(drawing, frame, room, visit)
     kept = Labels(frame.width, frame.height)
     draw_waypoints(drawing, frame, room, kept)
-    # The truth finds its places first and is drawn last.
+    # Labels of the truth are placed first; the truth is drawn last.
     truth = svg.layer()
     draw_instances(truth, frame, room, visit, kept)
     for k, reasoning in enumerate(reasonings):
@@ -57,7 +58,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
 
 
 def beyond(room: Room, reasoning: Reasoning, visit: int) -> int:
-    """How many objects of a map lie beyond the edge of its drawing."""
+    """Number of objects of a map beyond the edge of its drawing."""
     frame = frame_of(room, [reasoning], *VISIT_SIZE)
     return sum(not frame.shows(*item.at) for item in reasoning.items[visit])
 
@@ -80,8 +81,8 @@ def overlay_plan(
     kept = Labels(frame.width, frame.height)
     for at in sorted({item.at for reasoning in reasonings for visit in (0, 1) for item in reasoning.grounded(visit)}):
         kept.keep(frame.at(*at), 5.0)
-    kept.keep(frame.at(room.episode["spawn"]["x"], room.episode["spawn"]["z"]), 8.0)
-    # What is drawn over the evidence finds its places first.
+    kept.keep(frame.at(room.episode.spawn.x, room.episode.spawn.z), 8.0)
+    # Labels above the evidence are placed first.
     above = svg.layer()
     draw_pin(above, frame, room, kept)
     _predictions(svg.group(above, "predictions"), frame, static, kept)
@@ -113,11 +114,11 @@ def _hex(share: float) -> str:
 
 
 def radius(item: Item) -> float:
-    """Of an object's mark: its area grows with the number of detections."""
-    return min(4.0 + 1.6 * item.sightings**0.5, 12.0)
+    """Radius of an object's mark, which grows with the number of detections."""
+    return min(4.0 + 1.6 * math.sqrt(item.sightings), 12.0)
 
 
-def _mark(parent: Element, frame: Frame, item: Item, visit: int, name: str, fill: str) -> None:
+def _mark(parent: Element, frame: PlanFrame, item: Item, visit: int, name: str, fill: str) -> None:
     # Squares are of the first visit, circles of the second.
     draw = (svg.square, svg.circle)[visit]
     draw(parent, frame.at(*item.at), radius(item), f"object {name}", _title(item, visit), fill=fill)
@@ -130,30 +131,28 @@ def _title(item: Item, visit: int) -> str:
     return f"{('first', 'second')[visit]} visit, object {item.id}: {times}{score}, seen in views {views}"
 
 
-def _item(parent: Element, frame: Frame, item: Item, visit: int, colours: Colours, labels: Labels) -> None:
+def _item(parent: Element, frame: PlanFrame, item: Item, visit: int, colours: Colours, labels: Labels) -> None:
     _mark(parent, frame, item, visit, "grounded" if item.grounded else "other", colours.of(item))
     if item.grounded:
         labels.keep(frame.at(*item.at), radius(item))
 
 
-def _track(parent: Element, frame: Frame, item: Item) -> None:
+def _track(parent: Element, frame: PlanFrame, item: Item) -> None:
     if len(item.track) > 1:
         svg.polyline(parent, [frame.at(*point) for point in item.track], "track", f"track of object {item.id}")
 
 
-def _name(parent: Element, frame: Frame, item: Item, labels: Labels, words: str, size: float) -> None:
+def _name(parent: Element, frame: PlanFrame, item: Item, labels: Labels, words: str, size: float) -> None:
     box = labels.place(frame.at(*item.at), radius(item), words, size)
     svg.text(parent, box.middle, words, "object-id", dy="0.35em")
 
 
-def _association(parent: Element, frame: Frame, reasoning: Reasoning, labels: Labels) -> None:
+def _association(parent: Element, frame: PlanFrame, reasoning: Reasoning, labels: Labels) -> None:
     colours = Colours(reasoning)
     by_id = [{item.id: item for item in reasoning.grounded(visit)} for visit in (0, 1)]
     for pair in reasoning.pairs:
         one, other = by_id[0][pair.first], by_id[1][pair.second]
-        title = (
-            f"objects {pair.first} and {pair.second} were taken for one: cost {pair.cost_m:.2f} m, {pair.distance_m:.2f} m apart"
-        )
+        title = f"objects {pair.first} and {pair.second} were matched: cost {pair.cost_m:.2f} m, {pair.distance_m:.2f} m apart"
         svg.polyline(parent, [frame.at(*one.at), frame.at(*other.at)], "pair", title)
     for visit in (0, 1):
         alone = {item.id for item in reasoning.unmatched(visit)}
@@ -174,7 +173,7 @@ def _association(parent: Element, frame: Frame, reasoning: Reasoning, labels: La
             _name(parent, frame, item, labels, str(item.id), 12.0)
 
 
-def _boxes(parent: Element, frame: Frame, static: Sequence[StaticRow]) -> None:
+def _boxes(parent: Element, frame: PlanFrame, static: Sequence[StaticRow]) -> None:
     group = svg.group(parent, "boxes")
     letters: dict[UniformBox, list[str]] = {}
     for row in static:
@@ -187,18 +186,19 @@ def _boxes(parent: Element, frame: Frame, static: Sequence[StaticRow]) -> None:
         svg.text(group, (u + 5.0, v + 14.0), " ".join(names), "box-label")
 
 
-def _predictions(parent: Element, frame: Frame, static: Sequence[StaticRow], labels: Labels) -> None:
+def _predictions(parent: Element, frame: PlanFrame, static: Sequence[StaticRow], labels: Labels) -> None:
     """Predicted points with the letters of the arms that predict them; the candidates of stochastic picks as small diamonds."""
-    points: dict[tuple[float, float], list[StaticRow]] = {}
+    points: dict[tuple[float, float], list[tuple[Answer, StaticRow]]] = {}
     for row in static:
         if isinstance(row.outcome, UniformPick):
             for x, z in row.outcome.candidates:
                 at = frame.at(x, z)
                 svg.path(parent, _diamond(at, 4.0), "candidate", f"{row.letter}: one of its candidates")
         elif isinstance(row.outcome, Answer):
-            points.setdefault((round(row.outcome.x, 2), round(row.outcome.z, 2)), []).append(row)
-    for rows in points.values():
-        at = frame.at(rows[0].outcome.x, rows[0].outcome.z)
+            points.setdefault((round(row.outcome.x, 2), round(row.outcome.z, 2)), []).append((row.outcome, row))
+    for answers in points.values():
+        rows = [row for _, row in answers]
+        at = frame.at(answers[0][0].x, answers[0][0].z)
         name = rows[0].verdict
         words = " ".join(row.letter for row in rows) + SIGNS.get(name, "")
         title = "; ".join(f"{row.letter}: {row.arm.system}, {row.arm.memory}: {row.words}" for row in rows)
@@ -207,7 +207,7 @@ def _predictions(parent: Element, frame: Frame, static: Sequence[StaticRow], lab
         _pill(parent, labels, at, 7.0, words, name)
 
 
-def _stops(parent: Element, frame: Frame, embodied: Sequence[EmbodiedRow], labels: Labels) -> None:
+def _stops(parent: Element, frame: PlanFrame, embodied: Sequence[EmbodiedRow], labels: Labels) -> None:
     places: dict[tuple[float, float, str], list[tuple[str, float, str]]] = {}
     for row in embodied:
         for stop in row.stops:

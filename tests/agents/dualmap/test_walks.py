@@ -10,11 +10,12 @@ import pytest
 
 from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
+from ovman.models.change import Alteration
+from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera
 from ovman.sim.session import AgentPose
-from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
@@ -29,6 +30,11 @@ def frame(grey: int, view: int | None = None, x: float = 0.0) -> Frame:
     return Frame(rgb, depth, Camera((x, 1.0, 0.0), 0.0, 0.0, 90.0), AgentPose(x, 0.0, 0.0), view)
 
 
+def visit_of(name: str) -> Visit:
+    gone = Alteration(kind="disable", instance=name)
+    return Visit(scene="FloorPlan1", visit=name, alterations=(gone,), placed={}, present={}, mover=None, views=())
+
+
 class Observer:
     """Sees one object in each frame, of as many points as it is grey, where the runs draw them; remembers at what it looked."""
 
@@ -41,7 +47,11 @@ class Observer:
         self.looked_at += [int(f.rgb[0, 0, 0]) for f in frames]
         return [
             Shot(
-                (Seen(1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)),),
+                (
+                    FrameObject(
+                        1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)
+                    ),
+                ),
                 2.5,
             )
             for f, runs in zip(frames, draws, strict=True)
@@ -78,15 +88,15 @@ def job(monkeypatch, tmp_path):
     constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 
     def frames(session, of, turn_deg):
-        state.walked.append(of.recorded.name)
-        yield told[of.recorded.name][0]
-        if state.fail == of.recorded.name:
+        state.walked.append(of.recorded.visit)
+        yield told[of.recorded.visit][0]
+        if state.fail == of.recorded.visit:
             raise KeyboardInterrupt
-        yield from told[of.recorded.name][1:]
+        yield from told[of.recorded.visit][1:]
 
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
-        of = {n: Assigned(Visit({"visit": n, "alterations": [n], "mover": None, "views": []}), released()[0]) for n in names}
+        of = {n: Assigned(visit_of(n), released()[0]) for n in names}
         walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
         return tmp_path / output
 

@@ -9,16 +9,16 @@ from ovman_engine.shapes.seating import legs
 from ovman_engine.shapes.subject import Subject
 
 USUAL_M = 0.57
-"""Height that one lies at, where nothing lies on the bed to tell."""
+"""Height of the lying surface if nothing lies on the bed."""
 BUNK_M = 1.2
-"""From this height on there is nothing but posts below."""
+"""From this height on, a bed is a bunk: it has only posts below."""
 POSTER_M = 1.2
-"""What rises so far above the mattress are posts."""
+"""Parts that rise this far above the mattress are posts."""
 GUARD_M = 0.22
 
 
 def bed(s: Subject) -> Iterator[Part]:
-    """A bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk where it is tall."""
+    """A bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk if it is tall."""
     lying = min((i.y0 for i in s.inserts if i.kind == "rest"), default=min(USUAL_M, 0.64 * s.h))
     lying = min(max(lying, 0.25 * s.h), s.h - 0.03)
     if lying > BUNK_M:
@@ -63,9 +63,9 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
             for row in range(2):
                 high = (top - lying) / 2
                 x0 = -s.x + s.w * i / count
-                low = (x0 + 0.003, lying + row * high, -s.z + head - 0.02)
+                first = (x0 + 0.003, lying + row * high, -s.z + head - 0.02)
                 yield span(
-                    low,
+                    first,
                     (x0 + s.w / count - 0.003, lying + (row + 1) * high, -s.z + head + 0.03),
                     "cloth_second",
                     kind="cushion",
@@ -73,13 +73,13 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
                     solid=False,
                 )
     elif form == "panel" and top - lying > 0.15:
-        low = (-s.x * 0.9, lying, -s.z + head - 0.01)
-        yield span(low, (s.x * 0.9, top - 0.06, -s.z + head + 0.008), "second", bevel=0.006, solid=False)
+        corner = (-s.x * 0.9, lying, -s.z + head - 0.01)
+        yield span(corner, (s.x * 0.9, top - 0.06, -s.z + head + 0.008), "second", bevel=0.006, solid=False)
 
 
 def _bedding(s: Subject, lying: float, frame: float, first: float, last: float) -> Iterator[Part]:
-    """Mattress, duvet with its edge turned back, a throw; pillows of its own where none lies on the bed. From `first` to `last`
-    along z; one lies at height `lying`."""
+    """Mattress, duvet with its edge turned back, a throw, and pillows if none lies on the bed, from `first` to `last` along z;
+    `lying` is the height of the lying surface."""
     st = s.style
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying, last), drawn=False)
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying - 0.03, last), "pale", kind="cushion", ratio=0.12, solid=False)

@@ -1,4 +1,4 @@
-"""Hampers, garbage cans, bags and boxes: what things are thrown into."""
+"""Hampers, garbage cans, bags and boxes."""
 
 from __future__ import annotations
 
@@ -57,11 +57,12 @@ def _tub(s: Subject, taper: float, high: float, wall: float, slot: str) -> Itera
     for sign in (-1, 1):
         foot, head = (sign * (x - wall / 2), 0, 0), (sign * (x - wall / 2 + lean_x), high, 0)
         yield bar(foot, head, wall, 2 * s.z - lean_z, slot)
-        foot, head = (0, 0, sign * (z - wall / 2)), (0, high, sign * (z - wall / 2 + lean_z))
-        yield bar(foot, head, 2 * s.x - lean_x, wall, slot)
+        near, far = (0, 0, sign * (z - wall / 2)), (0, high, sign * (z - wall / 2 + lean_z))
+        yield bar(near, far, 2 * s.x - lean_x, wall, slot)
 
 
 def garbage_can(s: Subject) -> Iterator[Part]:
+    """A garbage can."""
     st = s.style
     form = st.choice("form", ("open", "open", "pedal", "swing"))
     round_form = abs(s.w - s.d) < 0.06 * (s.w + s.d)
@@ -99,6 +100,7 @@ def garbage_can(s: Subject) -> Iterator[Part]:
 
 
 def garbage_bag(s: Subject) -> Iterator[Part]:
+    """A tied garbage bag."""
     neck = 0.78 * s.h
     yield lathe(
         [

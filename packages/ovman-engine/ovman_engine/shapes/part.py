@@ -24,9 +24,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 KINDS = ("box", "cylinder", "frustum", "ellipsoid", "cushion", "capsule", "torus", "prism", "lathe", "tube", "leaf")
 
@@ -43,7 +46,7 @@ _PLACE = {"centre", "rotation"}
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One primitive. See the module for the kinds. ValueError for an unknown kind or a size that is not positive."""
+    """One primitive. See the module for the kinds. Raises ValueError for an unknown kind or a size that is not positive."""
 
     kind: str
     centre: np.ndarray
@@ -53,11 +56,11 @@ class Part:
     rotation: np.ndarray = field(default_factory=lambda: IDENTITY)
     """(3, 3) from the part's axes to those of the box"""
     slot: str = "main"
-    """Which material of the object's palette it is made of."""
+    """Slot of the object's palette"""
     solid: bool = True
-    """Whether it takes part in collisions."""
+    """Whether it takes part in collisions"""
     drawn: bool = True
-    """Whether the camera sees it. A solid part that is not drawn stands in for a group of drawn parts that are not solid."""
+    """Whether it is drawn. A solid part that is not drawn stands in for a group of drawn parts that are not solid"""
     bevel: float = 0.0
     """box: metres cut off every edge"""
     ratio: float = 1.0
@@ -67,7 +70,27 @@ class Part:
     segments: int = 0
     """Facets around the axis; 0 chooses them by size."""
 
+    if TYPE_CHECKING:  # arrays may be given as any sequence: __post_init__ converts them
+
+        def __init__(
+            self,
+            kind: str,
+            centre: ArrayLike,
+            size: ArrayLike,
+            rotation: ArrayLike = ...,
+            slot: str = ...,
+            solid: bool = ...,
+            drawn: bool = ...,
+            bevel: float = ...,
+            ratio: float = ...,
+            crown: float = ...,
+            points: ArrayLike | None = ...,
+            segments: int = ...,
+        ) -> None:
+            """The fields of the class."""
+
     def __post_init__(self) -> None:
+        """Checks kind and size, and converts sequences to arrays."""
         if self.kind not in KINDS:
             raise ValueError(f"unknown kind of part {self.kind!r}; known: {', '.join(KINDS)}")
         for name in ("centre", "size", "rotation"):
@@ -78,11 +101,18 @@ class Part:
         if not (self.size > 0).all():
             raise ValueError(f"a {self.kind} needs a positive size, not {self.size}")
 
+    @property
+    def outline(self) -> np.ndarray:
+        """`points` of a kind that has them. Raises ValueError for any other kind."""
+        if self.points is None:
+            raise ValueError(f"a {self.kind} has no points")
+        return self.points
+
     def but(self, **changes: Any) -> Part:
         """The same part with some fields replaced."""
         if changes.keys() - _PLACE:
             return replace(self, **changes)
-        # a form is fitted by placing its parts many times over, and a place needs no checks
+        # a form places its parts many times over, and a pose needs no checks
         made = object.__new__(Part)
         made.__dict__.update(self.__dict__)
         for name, value in changes.items():

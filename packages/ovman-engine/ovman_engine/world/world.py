@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ovman_engine.bodies.arrangement import arranged, named
 from ovman_engine.bodies.body import Agent, Body, Pose
@@ -18,12 +19,11 @@ from ovman_engine.bodies.passage import Obstacles
 from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.dynamics import Dynamics
 from ovman_engine.plan.floorplan import Box, FloorPlan
+from ovman_engine.world.errors import Refused, Unsettled
 from ovman_engine.world.locomotion import Locomotion
 
 if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
-
-__all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
 DROP_M = 10.0
 """How far below a point a surface is searched."""
@@ -37,14 +37,6 @@ SETTLE_S = 1.0
 
 RESTLESS = 0.01
 """v**2 + w**2 (m/s and rad/s) above which a placed object has not come to rest."""
-
-
-class Refused(Exception):
-    """An action failed. The message is AI2-THOR's."""
-
-
-class Unsettled(Refused):
-    """A placed object did not come to rest."""
 
 
 class World:
@@ -82,7 +74,7 @@ class World:
 
     # The agent
 
-    def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
+    def blocker(self, start_xz: ArrayLike, end_xz: ArrayLike, ignore: Collection[str] = ()) -> str | None:
         """Name of the obstacle on the agent's straight way between two points (2,); see `Locomotion.blocker`."""
         return self._locomotion.blocker(self.version, start_xz, end_xz, ignore)
 
@@ -99,7 +91,7 @@ class World:
     def place(
         self,
         object_id: str,
-        position: Sequence[float],
+        position: ArrayLike,
         rotation: np.ndarray | None = None,
         kinematic: bool = False,
         settle: bool = True,
@@ -135,7 +127,7 @@ class World:
     def teleport(
         self,
         object_id: str,
-        position: Sequence[float],
+        position: ArrayLike,
         rotation: np.ndarray | None = None,
         force: bool = False,
         kinematic: bool = False,
