@@ -63,6 +63,15 @@ def needed(what, *files):
     return found
 
 
+def handed(file):
+    """An input of the arms that are given what the tours truly recorded."""
+
+    def found(wildcards):
+        return [file] if named(ARMS, wildcards.arm).reads_sightings else []
+
+    return found
+
+
 def executed(wildcards):
     """An arm's own executions, or those of the arm whose runs it cuts."""
     arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm

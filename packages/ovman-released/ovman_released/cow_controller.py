@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ovman.evaluation.rollout import begin, measure_at_stop
 from ovman.models.episode import Episode
 from ovman.models.record import Text
 from ovman.models.run import InstanceTerms, Terms
@@ -23,7 +24,7 @@ from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.workflow import seeds
-from ovman_released.cow_episodes import assignment, runner_name
+from ovman_released.cow_episodes import runner_name
 
 ARM = "cow_released"
 IDENTITY = "robothorChallengeEpisodeId"
@@ -108,7 +109,7 @@ class EpisodeController:
         session = self._session
         session.scene = episode.scene
         rng = seeds.generator(self._constants.benchmark.seed, "mover", ARM, episode.id, self._seed)
-        self._world = assignment(episode).begun(session, self._constants, rng)
+        self._world = begin(session, episode, self._constants, rng, every_object=True)
         self._running, self._stopped = episode, False
         self._event = session.step("Pass", image=True)
         return self._event
@@ -155,7 +156,7 @@ class EpisodeController:
         episode, self._running = self._running, None
         name = runner_name(episode)
         if self._stopped and self._world is not None:
-            terms, instances = assignment(episode).at_stop(self._session, self._world, self._constants, any_instance=True)
+            terms, instances = measure_at_stop(self._session, episode, self._world, self._constants, any_instance=True)
             at_stop = {field: getattr(terms, field) for field in Terms.model_fields}
             self._judged(Verdict(name=name, stopped=True, instances=instances or None, **at_stop))
         else:

@@ -158,11 +158,7 @@ def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageS
     values = json.loads(constants.canonical)["constants"]
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
     asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
-    return {
-        name: [asked, one.candidate, *(record[key] for key in ("scene", "alterations", "mover", "views"))]
-        for name, one in of.items()
-        for record in [one.recorded.to_json()]
-    }
+    return {name: [asked, one.recorded.scene, *one.identity] for name, one in of.items()}
 
 
 def run(
@@ -190,7 +186,9 @@ def run(
     with Session(scene, constants, body) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
+            lens = session.with_restarts(
+                lambda: write_visit(directory, frames(session, of[name], constants.dualmap.walk.turn_deg), floor_y)
+            )
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)

@@ -25,7 +25,7 @@ from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
-from ovman_released.cow_episodes import assignment, exported, runner_name, vocabulary
+from ovman_released.cow_episodes import exported, runner_name, vocabulary
 from ovman_released.cow_process import Job
 from ovman_released.interpreter import environment, linked
 
@@ -248,14 +248,6 @@ def test_a_call_survives_a_file(tmp_path):
     call = Job(tmp_path / "clone", tmp_path / "results", tmp_path / "verdicts.jsonl", "{}", 3, EPISODES)
     call.write(tmp_path / "job.json")
     assert Job.load(tmp_path / "job.json") == call
-
-
-@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
-def test_what_the_evaluator_keeps_is_the_episodes(episode):
-    kept = assignment(episode)
-    assert (kept.relation, kept.category, kept.target) == (episode.relation, episode.category, episode.target)
-    assert (kept.answer, kept.navigable) == (episode.answer, episode.nearest_navigable)
-    assert kept.second == episode.alterations("second") and (kept.mover is not None) == (episode is MOVING)
 
 
 @pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
