@@ -7,7 +7,10 @@
 
 from snakemake.utils import min_version
 
+from ovman.workflow.settings_files import check_file
+
 min_version("9.19")
+check_file(os.path.join(workflow.basedir, "config.yaml"))
 
 
 configfile: os.path.join(workflow.basedir, "config.yaml")
@@ -28,7 +31,6 @@ include: "workflow/rules/walks.smk"
 include: "workflow/rules/dualmap.smk"
 include: "workflow/rules/predictions.smk"
 include: "workflow/rules/executions.smk"
-include: "workflow/rules/released.smk"
 include: "workflow/rules/runs.smk"
 include: "workflow/rules/metrics.smk"
 include: "workflow/rules/language.smk"
@@ -41,8 +43,17 @@ include: "workflow/rules/findings.smk"
 include: "workflow/rules/models.smk"
 
 
+for plugin in PLUGINS:
+
+    include: plugin.rules
+
+
 onstart:
     lift_rate_limit(workflow)
+
+
+onerror:
+    print_deaths()
 
 
 localrules:

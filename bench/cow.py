@@ -20,8 +20,7 @@ import numpy as np
 
 from measure.bars import Bar, show
 from measure.clock import processor, processor_s
-from ovman.agents.cow.agent import Cow
-from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.agent import CowAgent
 from ovman.agents.cow.relevance import localiser
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.perception import networks
@@ -66,7 +65,7 @@ def walk(session: Session, eyes: Any, settings: Any, budget: int, rng: np.random
     session.teleport(AgentPose(x, z, 30.0 * rng.integers(12)))
     session.attend(())
     timed = Timed(eyes)
-    agent = Cow(timed, CowConstants.of(settings))
+    agent = CowAgent(timed, settings.cow, settings.primitives)
     agent.familiarise(Visit((), np.empty((0, 2))))
     agent.ask(Query(categories[rng.integers(len(categories))], Relation.MOVED))
     engine = session._controller.server.unity_proc.pid

@@ -23,7 +23,7 @@ import numpy as np
 from measure.bars import Bar, show
 from measure.clock import processor, taken
 from ovman.models.record import read_records
-from ovman.perception import networks, recorded, tour
+from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
 from ovman.perception.maps import mapped
@@ -57,7 +57,7 @@ def record(scene: str, settings: Any, directory: Path) -> Path:
     stage = stage_settings(settings, "trials")
     with Session(scene, stage) as session:
         world = World(session, [], Gait.of(stage), seeds.generator(0, "bench"))
-        visit.record(session, world, scene, [], views, stage.measurement.mask_px, directory / scene, "")
+        visit.record(session, world, scene, [], views, stage.measurement.min_mask_px, directory / scene, "")
     return directory / scene
 
 
@@ -66,8 +66,8 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     import torch
 
     perception, field_of_view_deg = settings.perception, settings.camera.field_of_view_deg
-    limits = perception.detector.minimum_mask_px, perception.encoder.crop_padding
-    views = list(recorded.tour(directory, field_of_view_deg))
+    limits = perception.detector.min_mask_px, perception.encoder.crop_padding
+    views = list(tour_files.tour(directory, field_of_view_deg))
     pictures = [view.rgb for view in views]
     seen = tour.detections(views, detector, encoder, *limits)
     masks = [seen.masks()[seen.view == number] for number in range(len(views))]
@@ -77,7 +77,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     squares = torch.rand(len(crops), 3, encoder.side_px, encoder.side_px)
 
     def whole() -> None:
-        found = tour.detections(list(recorded.tour(directory, field_of_view_deg)), detector, encoder, *limits)
+        found = tour.detections(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
         write_detections(directory / "detections.npz", {"tour": found})
         write_maps(directory / "maps.npz", {"tour": mapped(found, settings.maps.cluster_radius_m)})
 
@@ -91,8 +91,8 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     return {
         "the networks alone": bare,
         "tour to map": whole,
-        "  digest of its frames": lambda: recorded.digest(directory, field_of_view_deg, ""),
-        "  frames and depth from files": lambda: list(recorded.tour(directory, field_of_view_deg)),
+        "  digest of its frames": lambda: tour_files.digest(directory, field_of_view_deg, ""),
+        "  frames and depth from files": lambda: list(tour_files.tour(directory, field_of_view_deg)),
         "  masks": lambda: detector.detect(pictures),
         "  places": lambda: [median_points(view.depth, found, view.camera) for view, found in zip(views, masks, strict=True)],
         "  crops": lambda: [crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown],

@@ -19,6 +19,7 @@ from ovman.models.settings import Kind, Settings, arms_of, of_kind
 from ovman.report.constants import KEYS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
+from ovman.workflow.settings_files import check_command_line, read
 from ovman.workflow.stages import STAGES, matching, owned
 from tests.arms import ARMS
 
@@ -75,8 +76,8 @@ def pairs() -> Iterator[tuple[str, str]]:
         yield from ((a, b) for b in itertools.islice(others, 1))
 
 
-def with_value(name: str, value: Any) -> dict[str, Any]:
-    tree = copy.deepcopy(TREE)
+def with_value(name: str, value: Any, tree: Mapping[str, Any] = TREE) -> dict[str, Any]:
+    tree = copy.deepcopy(dict(tree))
     *path, last = name.split(".")
     section = tree
     for key in path:
@@ -206,9 +207,9 @@ def test_a_view_is_made_of_the_very_parameter_and_frozen():
         ("benchmark.scenes", ["FloorPlan1"] * 2, "config.yaml: benchmark.scenes: FloorPlan1 is there twice"),
         ("evaluation.seeds", [], "config.yaml: evaluation.seeds is []; it must have at least 1 item"),
         (
-            "admissibility.minimum_mask_px",
+            "admissibility.min_mask_px",
             20,
-            "config.yaml: admissibility.minimum_mask_px is 20, but measurement.mask_px must be",
+            "config.yaml: admissibility.min_mask_px is 20, but measurement.min_mask_px must be",
         ),
     ],
 )
@@ -228,19 +229,80 @@ def test_the_file_that_has_the_wrong_setting_is_named(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"),
+    ("content", "expected"),
     [
-        ("camera:\n  width_px: 1\n  width_px: 2\n", "width_px is there twice"),
-        ("camera: [1\n", "expected"),
-        ("- 1\n", "must hold sections"),
-        ("", "must hold sections"),
+        (b"camera:\n  width_px: 1\n  width_px: 2\n", ":2:3: width_px is there twice; write it once"),
+        (b'{"camera": {"width_px": 1, "width_px": 2}}', ":1:12: width_px is there twice; write it once"),
+        (b"camera: [1\n", ":2:1: expected ',' or ']', but got '<stream end>'; mend the YAML there"),
+        (b"camera: {a: 1}}\n", ":1:15: expected <block end>, but found '}'; mend the YAML there"),
+        (b"tour:\n\twaypoints: 3\n", r":2:1: found character '\t' that cannot start any token; indent with spaces"),
+        (b"tour: {}\nmaps: {} # caf\xe9\n", ":2:15: is not UTF-8 text (byte 0xe9); save it as UTF-8"),
+        ("tour: {}\n".encode("utf-16"), ":1:1: is UTF-16 text; save it as UTF-8"),
+        ("tour: {}\n".encode("utf-16-le"), ":1:2: holds the character U+0000; remove it"),
+        (b"tour: {}\nmaps: {}\0\n", ":2:9: holds the character U+0000; remove it"),
+        (b"a: 1\n---\nb: 2\n", ":2:1: but found another document; mend the YAML there"),
+        (b"a: *b\n", ":1:4: found undefined alias 'b'; mend the YAML there"),
+        (b"tour: &a {waypoints: *a}\n", ": an alias (*) stands inside what it names; write the values out"),
+        (b"- 1\n- 2\n", ": holds [1, 2]; it must hold sections (benchmark:, camera:, ...)"),
+        (b"camera\n", ': holds "camera"; it must hold sections (benchmark:, camera:, ...)'),
+        (b"", ": is empty; it must hold sections (benchmark:, camera:, ...), or be left out"),
+        (b"# nothing\n", ": is empty; it must hold sections (benchmark:, camera:, ...), or be left out"),
     ],
 )
-def test_a_file_that_is_no_settings_is_one_line(tmp_path, text, expected):
+def test_a_file_that_is_no_settings_is_one_line(tmp_path, content, expected):
     path = tmp_path / "wrong.yaml"
-    path.write_text(text)
-    assert message(path).startswith(str(path) if "twice" in expected else "") and expected in message(path)
-    assert "wrong.yaml" in message(path)
+    path.write_bytes(content)
+    assert message(path) == f"{path}{expected}"
+    # And so it is on Snakemake's command line, before Snakemake reads it.
+    with pytest.raises(SystemExit) as ended:
+        check_command_line(["--cores", "1", "--configfile", str(FILE), str(path), "--", "results/tables"])
+    assert ended.value.code == f"{path}{expected}"
+
+
+@pytest.mark.parametrize("option", [["--configfile", "{}"], ["--configfiles={}"], ["--configfile={}", "-n"]])
+def test_every_form_of_the_option_is_looked_at_and_no_other(tmp_path, option):
+    check_command_line(["--cores", "1", *(part.format(FILE) for part in option), "--configfile", str(FILE)])
+    check_command_line(["--snakefile", str(tmp_path / "absent"), "--config", "a=1", "results/tables"])
+    check_command_line(["--configfile"])
+    with pytest.raises(SystemExit, match="absent.yaml: No such file or directory; give the path"):
+        check_command_line([*(part.format(tmp_path / "absent.yaml") for part in option)])
+
+
+def test_a_mark_of_the_byte_order_and_json_with_tabs_are_read_as_snakemake_reads_them(tmp_path):
+    path = tmp_path / "marked.yaml"
+    path.write_bytes(b"\xef\xbb\xbftour: {waypoints: 3}\n")
+    assert read(path) == {"tour": {"waypoints": 3}}
+    path.write_bytes(b'{\n\t"tour": {"waypoints": 3}\n}\n')
+    assert read(path) == {"tour": {"waypoints": 3}}
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({"tour.waypoints": 10**9}, "config.yaml: tour.waypoints is 1000000000; it must be less than or equal to 1000 (W, "),
+        (
+            {"benchmark.split.moved": 10**6},
+            "config.yaml: benchmark.split.moved is 1000000, but candidates.draws.moved x scenes are 3 x 20 = 60; lower it or ",
+        ),
+        ({"candidates.draws.moved": 1}, "config.yaml: benchmark.split.moved is 33, but candidates.draws.moved x scenes are 1 x "),
+        (
+            {f"benchmark.split.{name}": 0 for name in ("moved", "former", "moving", "stable", "appeared", "removed")},
+            "config.yaml: benchmark.split asks for no episode; give at least one relation a number above 0",
+        ),
+        ({"primitives.turn_deg": 37}, "config.yaml: primitives.turn_deg is 37.0, which does not divide 360; write a divisor of "),
+        (
+            {"primitives.turn_deg": 45.0},
+            "config.yaml: primitives.heading_tolerance_deg is 15.0, which is less than half of primitives.turn_deg (45.0): some ",
+        ),
+        ({"mover.step_m": 2.5}, "config.yaml: mover.step_m is 2.5, which is longer than mover.lane_min_m (2.0); lower it or "),
+        ({"dualmap.local_map.split_frames": 10}, "config.yaml: dualmap.local_map.split_frames is 10, but the 10 keyframes of "),
+    ],
+)
+def test_values_that_make_no_sense_together_are_one_line_with_its_remedy(values, expected):
+    tree = TREE
+    for name, value in values.items():
+        tree = with_value(name, value, tree)
+    assert message(tree).startswith(expected)
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path):

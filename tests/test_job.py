@@ -16,8 +16,9 @@ from typing import Any
 import pytest
 
 from ovman.workflow.config import load
-from ovman.workflow.job import WORKFLOW_PID, job
+from ovman.workflow.job import UNWRITABLE, WORKFLOW_PID, job
 from ovman.workflow.parameter import canonical
+from ovman.workflow.snakefile import WRITTEN, check_writable
 
 ROOT = Path(__file__).parents[1]
 PARAMETER = canonical(load(ROOT / "config.yaml"), "scenes")
@@ -78,6 +79,25 @@ def test_what_says_all_in_its_line_needs_no_traceback(directory):
     assert ended.value.code == "a thing is missing; install it" and files(directory) == set()
     with pytest.raises(ValueError, match="a mistake"), job(rule(output=outputs)):
         raise ValueError("a mistake")
+
+
+@pytest.mark.parametrize("number", sorted(UNWRITABLE))
+def test_a_place_that_cannot_be_written_is_one_line(directory, number):
+    with pytest.raises(SystemExit) as ended, job(rule(output=Named(one="one.txt"))):
+        raise OSError(number, os.strerror(number), "results/one.txt")
+    assert ended.value.code == f"results/one.txt: {os.strerror(number)}; make it writable for this user"
+
+
+def test_a_read_only_working_directory_is_one_line(directory, monkeypatch):
+    for name in ("results", "logs"):
+        (directory / name).mkdir()
+    check_writable(directory, WRITTEN)
+    monkeypatch.setattr(os, "access", lambda path, mode: Path(path).name != "results")
+    check_writable(directory, ())
+    with pytest.raises(SystemExit) as ended:
+        check_writable(directory, WRITTEN)
+    remedy = "make it writable for this user, or work elsewhere with --directory"
+    assert ended.value.code == f"{directory / 'results'}: is read-only; {remedy}"
 
 
 def test_an_output_appears_when_all_is_done(directory):

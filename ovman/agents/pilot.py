@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ovman.agents.interface import Action, Observation
-from ovman.navigation import Cell, Grid, Navigator, Primitives
+from ovman.models.settings.benchmark import Primitives
+from ovman.navigation import Cell, Grid, Navigator
 from ovman.task import Relation
 
 QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))

@@ -19,14 +19,14 @@ def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, consta
 
     scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes (an untouched tour
     that no episode uses was not looked at; its true masks are there all the same); visits: the directory of the recorded
-    visits. constants: camera.field_of_view_deg, perception.detector.minimum_mask_px.
+    visits. constants: camera.field_of_view_deg, perception.detector.min_mask_px.
     """
     of_scene = {path.stem: path for path in detections}
     rows: list[Localised] = []
     for path in scenes:
         scene = TrueScene.load(path)
         detected = read_detections(of_scene[scene.name]).get(UNTOUCHED) if scene.name in of_scene else None
-        directory, least_px = visits / scene.name / UNTOUCHED, constants.perception.detector.minimum_mask_px
-        rows += localised(scene, directory, constants.camera.field_of_view_deg, least_px, detected)
+        directory, min_mask_px = visits / scene.name / UNTOUCHED, constants.perception.detector.min_mask_px
+        rows += localised(scene, directory, constants.camera.field_of_view_deg, min_mask_px, detected)
     output.write_text(csv_of(Localised, rows), encoding="utf-8")
     print(f"{len(rows)} masks of {len({(row.scene, row.object) for row in rows})} objects in {len(scenes)} scenes", flush=True)

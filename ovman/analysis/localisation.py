@@ -15,7 +15,7 @@ from ovman.perception.backprojection import Camera, median_point, single_ray_poi
 from ovman.sim.visit import Visit
 
 if TYPE_CHECKING:
-    from ovman.perception.records import Detected
+    from ovman.perception.detected import Detected
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,10 +51,10 @@ def centre_distance_m(point: np.ndarray, thing: TrueObject) -> float:
 
 
 def localised(
-    scene: TrueScene, directory: Path, field_of_view_deg: float, least_px: int, detected: Detected | None
+    scene: TrueScene, directory: Path, field_of_view_deg: float, min_mask_px: int, detected: Detected | None
 ) -> Iterator[Localised]:
-    """The masks of the untouched visit recorded in `directory`, in the order of the tour: every true one of at least `least_px`,
-    then those of `detected` that show an instance.
+    """The masks of the untouched visit recorded in `directory`, in the order of the tour: every true one of at least
+    `min_mask_px`, then those of `detected` that show an instance.
 
     The boxes are those of the scene's record, so nothing may have moved: ValueError for a visit with changes.
     """
@@ -68,11 +68,11 @@ def localised(
         camera = Camera((place["x"], place["y"], place["z"]), pose["yaw_deg"], pose["horizon_deg"], field_of_view_deg)
         for index in np.unique(ids[ids >= 0]):
             mask = ids == index
-            if mask.sum() >= least_px:
+            if mask.sum() >= min_mask_px:
                 yield _localised(scene, scene.objects[index], number, TRUE, mask, depth, camera)
         if detected is not None:
             rows = np.flatnonzero(detected.view == number)
-            shown = segmented(found[rows], detected.confidence[rows], ids, len(scene.objects), least_px).object
+            shown = segmented(found[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px).object
             for row, index in zip(rows[shown >= 0], shown[shown >= 0], strict=True):
                 yield _localised(scene, scene.objects[index], number, DETECTED, found[row], depth, camera)
 

@@ -105,8 +105,8 @@ def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms
 
 
 def _may_lack(arms: Sequence[Arm]) -> set[str]:
-    """Arms of released systems: one that something is missing for leaves empty records, and its own note in the tables."""
-    return {arm.name for arm in arms if arm.released is not None}
+    """Arms that a plug-in makes: where something is missing for it, it leaves empty records and a note for the tables."""
+    return {arm.name for arm in arms if arm.made_by is not None}
 
 
 def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:

@@ -14,7 +14,8 @@ from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
 from ovman.models.settings import Settings
-from ovman.perception.records import Detected, read_detections, read_nouns
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, read_nouns
 from ovman.perception.retrieval import ranks
 from ovman.sim.visit import Visit
 
@@ -28,7 +29,7 @@ def run(
     """Writes the rows of `scores`. Each distinct tour counts once: visits of equal content were seen once.
 
     scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; visits: the
-    directory of the recorded visits. constants: perception.detector.minimum_mask_px.
+    directory of the recorded visits. constants: perception.detector.min_mask_px.
     A scene that no episode uses has no tours and no row. Raises ValueError in one line for a scene without a file of detections.
     """
     of_scene = {path.stem: path for path in detections}
@@ -40,7 +41,7 @@ def run(
             raise ValueError(f"{scene.name}: no file of detections; make it first: results/detections/{scene.name}.npz")
         tours = distinct(read_detections(of_scene[scene.name]))
         if tours:
-            seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.minimum_mask_px))
+            seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.min_mask_px))
     rows = scores(seen)
     output.write_text(csv_of(Score, rows), encoding="utf-8")
     whole = rows[0]
@@ -55,7 +56,9 @@ def distinct(tours: Mapping[str, Detected]) -> dict[str, Detected]:
     return {name: tours[name] for name in sorted(kept.values())}
 
 
-def seen_in(scene: TrueScene, tours: Mapping[str, Detected], text: Mapping[str, np.ndarray], visits: Path, least_px: int) -> Seen:
+def seen_in(
+    scene: TrueScene, tours: Mapping[str, Detected], text: Mapping[str, np.ndarray], visits: Path, min_mask_px: int
+) -> Seen:
     """What the detections of a scene's tours show. text: unit embedding of every noun; visits: the scene's recorded visits.
 
     The categories to choose from are those of all objects of the scene, whether the tour shows them or not.
@@ -68,7 +71,7 @@ def seen_in(scene: TrueScene, tours: Mapping[str, Detected], text: Mapping[str, 
         for view in range(len(visit.views)):
             rows = np.flatnonzero(detected.view == view)
             ids = true_ids(scene, visit, visits / name, view)
-            part = segmented(masks[rows], detected.confidence[rows], ids, len(scene.objects), least_px)
+            part = segmented(masks[rows], detected.confidence[rows], ids, len(scene.objects), min_mask_px)
             right = part.object >= 0
             parts.append(part)
             features.append(detected.feature[rows[right]])

@@ -31,13 +31,13 @@ class Segmented:
     doubled: np.ndarray
 
 
-def segmented(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, count: int, least_px: int) -> Segmented:
+def segmented(masks: np.ndarray, confidence: np.ndarray, ids: np.ndarray, count: int, min_mask_px: int) -> Segmented:
     """One view: masks (N, H, W) bool and their confidence (N,) against ids (H, W) of `count` objects, -1 for none of them.
 
-    A true instance counts from `least_px` pixels on; a mask on a smaller one is right too, as in `overlap.found`.
+    A true instance counts from `min_mask_px` pixels on; a mask on a smaller one is right too, as in `overlap.found`.
     """
     iou, sizes = intersection_over_union(masks, ids, count)
-    true = np.flatnonzero(sizes >= least_px)
+    true = np.flatnonzero(sizes >= min_mask_px)
     recalled = iou[:, true].max(axis=0, initial=0.0) >= LEAST_IOU
     shown = np.full(len(masks), -1)
     if count and len(masks):

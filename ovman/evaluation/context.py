@@ -115,13 +115,13 @@ class Recorded:
         For an arm that is handed its grounding. ValueError for any other.
         """
         sightings = self._handed(self.arm.grounding, "grounding")[which]
-        least_px, radius_m = self.constants.admissibility.minimum_mask_px, self.constants.success.radius_m
-        return grounding_by_truth(recorded_positions(sightings, least_px), p, radius_m)
+        min_mask_px, radius_m = self.constants.admissibility.min_mask_px, self.constants.success.radius_m
+        return grounding_by_truth(recorded_positions(sightings, min_mask_px), p, radius_m)
 
     def world(self, which: str) -> WorldState:
         """The instances of the query's category as a visit recorded them. For an arm that is handed positions."""
         sightings = self._handed(self.arm.positions, "positions")[which]
-        return world_state(sightings, self.category, self.constants.admissibility.minimum_mask_px)
+        return world_state(sightings, self.category, self.constants.admissibility.min_mask_px)
 
     def _handed(self, source: Source, what: str) -> Mapping[str, Sequence[Mapping[str, Any]]]:
         if source is not Source.HANDED or self.sightings is None:

@@ -32,9 +32,9 @@ def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tu
     return tuple(sorted({int(order[j]) for t, j in enumerate(nearest) if gap[t, j] <= radius_m}))
 
 
-def recorded_positions(sightings: Sequence[Mapping[str, Any]], minimum_px: int) -> np.ndarray:
-    """(T, 2) floor-plane positions in metres at which a tour recorded the instances, with masks of at least minimum_px.
+def recorded_positions(sightings: Sequence[Mapping[str, Any]], min_mask_px: int) -> np.ndarray:
+    """(T, 2) floor-plane positions in metres at which a tour recorded the instances, with masks of at least min_mask_px.
 
     sightings: those of one category in one visit (``ovman.sim.visit.Visit.sightings``).
     """
-    return positions([(seen["x"], seen["z"]) for seen in sightings if seen["px"] >= minimum_px], "recorded")
+    return positions([(seen["x"], seen["z"]) for seen in sightings if seen["px"] >= min_mask_px], "recorded")

@@ -10,7 +10,7 @@ from typing import overload
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Visit
-from ovman.perception.recorded import cameras, digest, view
+from ovman.perception.tour_files import cameras, digest, view
 
 
 class RecordedTour(Sequence[Observation]):

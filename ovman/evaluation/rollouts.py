@@ -22,7 +22,6 @@ from ovman.language import noun
 from ovman.models.record import read_records
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
-from ovman.navigation import Primitives
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
@@ -36,11 +35,11 @@ Tour = Callable[[str, np.ndarray], Visit]
 """A visit as an agent is given it: "first" or "second", and the positions (K, 2) in metres that can be reached in it."""
 
 
-def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, minimum_px: int, reachable: np.ndarray) -> Visit:
+def _tour(visit: str, sightings: Sequence[Mapping[str, Any]], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:
     """A recorded visit as an agent with handed positions is given it: which instances each view recorded, and where."""
     views: dict[int, list[Sighting]] = {}
     for seen in sightings:
-        if seen["px"] >= minimum_px:
+        if seen["px"] >= min_mask_px:
             views.setdefault(seen["view"], []).append(Sighting(handed(visit, seen["instance"]), category, seen["x"], seen["z"]))
     nowhere = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
     return Visit(tuple(Observation(None, None, nowhere, 0.0, True, tuple(views[v])) for v in sorted(views)), reachable)
@@ -66,8 +65,8 @@ def execution(
             return handed(visits["second"], instance)
 
         def tour(which: str, reachable: np.ndarray) -> Visit:
-            least_px = constants.admissibility.minimum_mask_px
-            return _tour(visits[which], measured["sightings"][which], assignment.category, least_px, reachable)
+            min_mask_px = constants.admissibility.min_mask_px
+            return _tour(visits[which], measured["sightings"][which], assignment.category, min_mask_px, reachable)
 
     else:
 
@@ -78,7 +77,7 @@ def execution(
     if arm.answer is Source.HANDED:
         moving = assignment.relation is Relation.MOVING
         told = Told(assignment.answer, handed(visits["second"], assignment.target) if moving else None)
-    given = Given(draws("picks"), constants, Pilot(Primitives.of(constants), draws("paths")), senses, told)
+    given = Given(draws("picks"), constants, Pilot(constants.primitives, draws("paths")), senses, told)
     made = function(arm.name, arm.agent)
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         agent = made(given)

@@ -14,6 +14,7 @@ from typing import Any
 from ovman.agents.interface import Action, Agent, Observation, Visit
 from ovman.models.settings import Arm
 from ovman.task import Query
+from ovman.workflow import at_work
 
 
 class AgentError(RuntimeError):
@@ -43,12 +44,18 @@ def function(name: str, agent: str) -> Callable[..., Any]:
 
 @contextmanager
 def failures(doing: str) -> Iterator[None]:
-    """What an agent raises is an AgentError of one line; where it happened is printed before."""
+    """What an agent raises, SystemExit included, is an AgentError of one line; where it happened is printed before.
+
+    doing: arm, episode and call. It is noted, so that the death of the process names it as well.
+    """
+    at_work.note(doing)
     try:
         yield
     except AgentError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
+        if getattr(error, "says_all", False):  # a damaged file is not the agent's fault
+            raise
         traceback.print_exception(error)
         last = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(last.filename).name}, line {last.lineno}"

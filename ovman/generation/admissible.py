@@ -51,8 +51,8 @@ def reasons(trial: Mapping[str, Any], constants: Settings) -> Iterator[Rejection
         return
     category = candidate["category"]
     changed = frozenset(a["instance"] for a in candidate["first"] + candidate["second"])
-    first = world_state(measured["sightings"]["first"], category, limits.minimum_mask_px)
-    second = world_state(measured["sightings"]["second"], category, limits.minimum_mask_px)
+    first = world_state(measured["sightings"]["first"], category, limits.min_mask_px)
+    second = world_state(measured["sightings"]["second"], category, limits.min_mask_px)
     if not all(_recorded(k, relation, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
     query = Query(category, relation)

@@ -15,7 +15,6 @@ from ovman.agents.pilot import Pilot
 from ovman.evaluation.assignment import Assignment
 from ovman.evaluation.rollout import execute, handed
 from ovman.models.record import read_records
-from ovman.navigation import Primitives
 from ovman.sim.session import Session
 from ovman.task import Relation
 from ovman.workflow import seeds
@@ -35,7 +34,7 @@ def oracle_run(session: Session, trial: Mapping[str, Any], seed: int, constants:
         return handed(visit, instance)
 
     moving = assignment.relation is Relation.MOVING
-    agent = Oracle(Pilot(Primitives.of(constants), paths), assignment.answer, name_of(assignment.target) if moving else None)
+    agent = Oracle(Pilot(constants.primitives, paths), assignment.answer, name_of(assignment.target) if moving else None)
     return {"seed": seed} | execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
 
 

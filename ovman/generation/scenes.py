@@ -15,14 +15,27 @@ from ovman.workflow.parameter import StageSettings
 SCHEMA = "ovman-scene/1"
 
 
+class SceneError(ValueError):
+    """A scene that the settings do not fit; one line: the setting, the scene and the remedy."""
+
+    says_all = True
+
+
 def survey(session: Session, waypoints: int, step_m: float) -> dict[str, Any]:
-    """The record of an untouched scene: objects, reachable points, components, tour waypoints. Metres, floor plane (x, z)."""
+    """The record of an untouched scene: objects, reachable points, components, tour waypoints. Metres, floor plane (x, z).
+
+    SceneError for a scene with fewer cells than waypoints.
+    """
     session.reset()
     start = session.pose
     points = session.reachable()
     grid = Grid.from_positions(points, step_m)
     objects = session.objects
     spawn = grid.nearest(start.x, start.z)
+    component = grid.component(spawn)
+    if len(component) < waypoints:
+        says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of benchmark.scenes"
+        raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
     return {
         "schema": SCHEMA,
@@ -32,8 +45,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> dict[str, Any]:
         "reachable": sorted([round(x, 4), round(z, 4)] for x, z in points),
         "components": sorted((len(c) for c in grid.components()), reverse=True),
         "waypoints": [
-            {"x": round(x, 4), "z": round(z, 4)}
-            for x, z in map(grid.centre, farthest_points(grid, grid.component(spawn), waypoints, spawn))
+            {"x": round(x, 4), "z": round(z, 4)} for x, z in map(grid.centre, farthest_points(grid, component, waypoints, spawn))
         ],
         "objects": [
             {

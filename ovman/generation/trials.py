@@ -54,7 +54,7 @@ class Trials:
             else:
                 world = self._world(alterations, candidate)
                 self._visits[name] = visit.record(
-                    self._session, world, name, alterations, self._views, self._constants.measurement.mask_px, directory, key
+                    self._session, world, name, alterations, self._views, self._constants.measurement.min_mask_px, directory, key
                 )
         return self._visits[name]
 

@@ -1,7 +1,7 @@
 """Where the agent can go, how it gets there, and the primitives that take it there."""
 
 from ovman.navigation.grid import DIRECTIONS, Cell, Grid
-from ovman.navigation.navigator import Navigator, Primitives
+from ovman.navigation.navigator import Navigator
 from ovman.navigation.plan import Edge, geodesic_m, shortest_path, steps_from
 from ovman.navigation.waypoints import farthest_points
 
@@ -11,7 +11,6 @@ __all__ = [
     "Edge",
     "Grid",
     "Navigator",
-    "Primitives",
     "farthest_points",
     "geodesic_m",
     "shortest_path",

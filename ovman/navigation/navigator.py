@@ -3,32 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
-from ovman.models.settings import Settings
+from ovman.models.settings.benchmark import Primitives
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.plan import shortest_path
 
 MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
-
-
-@dataclass(frozen=True)
-class Primitives:
-    """Table "params": metres, degrees and numbers of actions."""
-
-    step_m: float
-    turn_deg: float
-    heading_tolerance_deg: float
-    stop_within_m: float
-    blocked_edge_expiry: int
-    patience_cells: int = 4
-    """Cells by which the path that is being followed may be longer than the shortest one before it is given up."""
-
-    @staticmethod
-    def of(constants: Settings) -> Primitives:
-        """The primitives of config.yaml; `constants` must own primitives.*."""
-        p = constants.primitives
-        return Primitives(p.step_m, p.turn_deg, p.heading_tolerance_deg, p.stop_within_m, p.blocked_edge_expiry)
+PATIENCE_CELLS = 4
+"""Cells by which the path that is followed may exceed the shortest one before the navigator gives it up."""
 
 
 def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str | None:
@@ -97,7 +79,7 @@ class Navigator:
         else:
             onwards = shortest_path(self._grid, followed[-1], goal, avoided, self._directions)
             kept = followed + onwards[1:] if onwards is not None else ()
-        return kept if 1 < len(kept) <= len(shortest) + self._primitives.patience_cells else shortest
+        return kept if 1 < len(kept) <= len(shortest) + PATIENCE_CELLS else shortest
 
     def _rest(self, here: Cell, avoided: frozenset[frozenset[Cell]]) -> tuple[Cell, ...] | None:
         """What is left of the path that is being followed; None if the agent has left it or an edge of it is avoided."""

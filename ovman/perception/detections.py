@@ -9,11 +9,12 @@ from functools import cache
 from pathlib import Path
 
 from ovman.models.settings import Settings
-from ovman.perception import networks, recorded, tour
-from ovman.perception.records import Detected, write_detections
+from ovman.perception import networks, tour, tour_files
+from ovman.perception.detected import Detected
+from ovman.perception.records import write_detections
 from ovman.perception.store import Store
 
-SIGHT = (networks, recorded, tour)
+SIGHT = (networks, tour, tour_files)
 """The modules that decide, with what they import, what is detected."""
 
 
@@ -30,16 +31,16 @@ def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], ke
 
     def look(directory: Path, content: str) -> Detected:
         return tour.detections(
-            list(recorded.tour(directory, field_of_view_deg)),
+            list(tour_files.tour(directory, field_of_view_deg)),
             *loaded(),
-            perception.detector.minimum_mask_px,
+            perception.detector.min_mask_px,
             perception.encoder.crop_padding,
             content,
         )
 
     seen: dict[str, Detected] = {}
     for name, directory in visits.items():
-        began, content = time.process_time(), recorded.digest(directory, field_of_view_deg, seen_by)
+        began, content = time.process_time(), tour_files.digest(directory, field_of_view_deg, seen_by)
         seen[name], known = store.kept(content, lambda directory=directory, content=content: look(directory, content))
         took = "seen before" if known else f"{time.process_time() - began:.1f} s of the processor"
         print(f"{name}: {len(seen[name])} detections, {took}", flush=True)

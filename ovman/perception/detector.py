@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ovman.perception import predictor
-from ovman.perception.kept import Kept
+from ovman.perception.network_cache import NetworkCache
 from ovman.perception.weights import WeightsError, fitting, state
 
 KEY = "perception.detector"
@@ -41,9 +41,9 @@ class Detector:
     """
 
     def __init__(
-        self, load: Callable[[], Any], side_px: int, confidence: float, device: str = "cpu", kept: Kept | None = None
+        self, load: Callable[[], Any], side_px: int, confidence: float, device: str = "cpu", kept: NetworkCache | None = None
     ) -> None:
-        self._load, self._confidence, self._device, self._kept = cache(load), confidence, device, kept or Kept(None)
+        self._load, self._confidence, self._device, self._kept = cache(load), confidence, device, kept or NetworkCache(None)
         self._at = {side_px: self}
         self.options = {
             "imgsz": side_px,

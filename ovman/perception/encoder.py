@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ovman.perception.graph import Graph, exported
-from ovman.perception.kept import Kept
+from ovman.perception.network_cache import NetworkCache
 from ovman.perception.weights import WeightsError, fitting, located, state
 
 KEY = "perception.encoder"
@@ -99,10 +99,12 @@ class Encoder:
     the image tower and embeddings of phrases. side_px: of the crops that the image tower takes; size: K, of the embeddings.
     """
 
-    def __init__(self, load: Callable[[], tuple[Any, Architecture]], device: str = "cpu", kept: Kept | None = None) -> None:
+    def __init__(
+        self, load: Callable[[], tuple[Any, Architecture]], device: str = "cpu", kept: NetworkCache | None = None
+    ) -> None:
         import torch
 
-        self._load, self._device, self._kept = load, device, kept or Kept(None)
+        self._load, self._device, self._kept = load, device, kept or NetworkCache(None)
         facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(*self._towers))).encode()))
         self.side_px, self.size = facts["side_px"], facts["size"]
         self._mean, self._deviation = (

@@ -7,7 +7,8 @@ from pathlib import Path
 
 from ovman.models.settings import Settings
 from ovman.perception.clusters import Cluster, Detection, clusters
-from ovman.perception.records import Detected, read_detections, write_maps
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, write_maps
 
 
 def mapped(seen: Detected, radius_m: float) -> tuple[Cluster, ...]:

@@ -13,7 +13,7 @@ from typing import Any
 from ovman.perception import detector, encoder, graph, predictor, weights
 from ovman.perception.detector import Detector
 from ovman.perception.encoder import Encoder
-from ovman.perception.kept import Kept
+from ovman.perception.network_cache import NetworkCache
 from ovman.perception.weights import WeightsError, detector_file, encoder_file, located, sha256
 
 LIBRARIES = (
@@ -82,7 +82,7 @@ def looked_at_by(perception: Any) -> dict[str, Any]:
     towers = located(names.model)
     return {
         "weights": [sha256(detector_weights(perception)), sha256(encoder_weights(perception))],
-        "detector": [finds.architecture, finds.side_px, finds.confidence, finds.minimum_mask_px],
+        "detector": [finds.architecture, finds.side_px, finds.confidence, finds.min_mask_px],
         "encoder": [names.model if towers is None else sha256(towers), names.crop_padding],
         "device": perception.device,
         "libraries": _libraries(),
@@ -101,16 +101,16 @@ def _prepare(device: str) -> None:
         raise WeightsError("perception.device is cuda, and there is no GPU that torch can use; set it to cpu")
 
 
-def _kept(device: str, makers: Sequence[ModuleType], *of: Any) -> Kept:
+def _kept(device: str, makers: Sequence[ModuleType], *of: Any) -> NetworkCache:
     """Where what is made of a network is kept: by its weights and form, by the code and the libraries that make it, and by the
     instructions of the processor, which round differently. On a GPU nothing is made."""
     import torch
 
     if device != "cpu":
-        return Kept(None)
+        return NetworkCache(None)
     code = [sha256(Path(str(module.__file__))) for module in (*makers, graph, weights)]
     hangs_on = [of, code, _libraries(), torch.backends.cpu.get_cpu_capability()]
-    return Kept(hashlib.sha256(json.dumps(hangs_on).encode()).hexdigest())
+    return NetworkCache(hashlib.sha256(json.dumps(hangs_on).encode()).hexdigest())
 
 
 def _libraries() -> dict[str, str]:

@@ -43,9 +43,9 @@ def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> t
     return inter / np.maximum(masks.sum(axis=(1, 2))[:, None] + sizes[None] - inter, 1), sizes
 
 
-def found(iou: np.ndarray, sizes: np.ndarray, least_px: int, least_iou: float = LEAST_IOU) -> Found:
-    """What IoU (N, K) says: true instances are those of at least `least_px` pixels; a mask on a smaller one is right too."""
-    true = sizes >= least_px
+def found(iou: np.ndarray, sizes: np.ndarray, min_mask_px: int, least_iou: float = LEAST_IOU) -> Found:
+    """What IoU (N, K) says: true instances are those of at least `min_mask_px` pixels; a mask on a smaller one is right too."""
+    true = sizes >= min_mask_px
     recalled = iou.max(axis=0, initial=0.0) >= least_iou
     right = iou.max(axis=1, initial=0.0) >= least_iou
     return Found(int(true.sum()), int((true & recalled).sum()), len(iou), int(right.sum()))

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 from typing import Any
 
 from ovman.perception.graph import Graph, exported
-from ovman.perception.kept import Kept
-from ovman.perception.suppression import surest
+from ovman.perception.network_cache import NetworkCache
+from ovman.perception.non_max_suppression import non_max_suppression
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def with_network(options: Mapping[str, Any], network: Any) -> Any:
     return made
 
 
-def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Kept) -> Any:
+def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: NetworkCache) -> Any:
     """ultralytics' predictor on a processor, where pictures go one by one through a graph for their shape.
 
     load: gives the network, if there is a graph to make of it that is not kept yet.
@@ -93,7 +93,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Kept)
             found = boxes[:, boxes[4:end].amax(0) > sure].T
             confidence, of = found[:, 4:end].max(1, keepdim=True)
             corners = xywh2xyxy(found[:, :4])
-            stay = torch.from_numpy(surest(corners.numpy(), confidence[:, 0].numpy(), self.args.iou, most))
+            stay = torch.from_numpy(non_max_suppression(corners.numpy(), confidence[:, 0].numpy(), self.args.iou, most))
             return torch.cat((corners, confidence, of.float(), found[:, end:]), 1)[stay]
 
     made = Graphs(overrides=dict(options))

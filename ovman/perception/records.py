@@ -1,40 +1,21 @@
-"""What the perception leaves for others: detections, maps and nouns as .npz files without pickles.
+"""Detections, maps and noun embeddings as files of arrays (`ovman.perception.array_file`).
 
-Every file has a `schema`. Equal content has equal bytes. Imports no network library: who only reads maps starts fast.
+Imports no network library, so that a process that only reads maps starts fast.
 """
 
 from __future__ import annotations
 
-import os
-import zipfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
+from ovman.perception.array_file import read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, Masks
 
-__all__ = [
-    "Detected",
-    "Masks",
-    "RecordError",
-    "read_arrays",
-    "read_detections",
-    "read_maps",
-    "read_nouns",
-    "write_arrays",
-    "write_detections",
-    "write_maps",
-    "write_nouns",
-]
-
-DETECTIONS, MAPS, NOUNS = "ovman-detections/1", "ovman-maps/1", "ovman-nouns/1"
+DETECTIONS, MAPS, NOUNS = "ovman-detections/2", "ovman-maps/2", "ovman-nouns/2"
 _ARRAYS = ("view", "point", "feature", "pixels", "confidence")
-
-
-class RecordError(ValueError):
-    """A file that is not what its schema says; one line with the file and the remedy."""
 
 
 def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
@@ -49,20 +30,17 @@ def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
 
 
 def read_detections(path: Path) -> dict[str, Detected]:
-    """The detections of visits by their names. RecordError for a file that is none of detections."""
+    """The detections of visits by their names. ArrayFileError for a file that is none of detections."""
     arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
-    def bits(number: int) -> Callable[[], np.ndarray]:
-        def read() -> np.ndarray:
-            with np.load(path) as file:
-                return file[f"{number}.bits"]
-
-        return read
+    def masks(number: int) -> Masks:
+        height, width = arrays[f"{number}.shape"].tolist()
+        return Masks(height, width, lambda: read_array(path, f"{number}.bits"))
 
     return {
         name: Detected(
             **{array: arrays[f"{number}.{array}"] for array in _ARRAYS},
-            packed=Masks(*map(int, arrays[f"{number}.shape"]), bits(number)),
+            packed=masks(number),
             content=str(arrays[f"{number}.content"]),
         )
         for number, name in enumerate(arrays["visits"].tolist())
@@ -86,7 +64,7 @@ def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
 
 
 def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
-    """The maps of visits by their names: (p, f, T) of every cluster. RecordError for a file that is none of maps."""
+    """The maps of visits by their names: (p, f, T) of every cluster. ArrayFileError for a file that is none of maps."""
     arrays = read_arrays(path, MAPS)
     ends = np.cumsum(arrays["points"])
     starts = (ends - arrays["points"]).tolist()
@@ -108,38 +86,6 @@ def write_nouns(path: Path, nouns: Mapping[str, np.ndarray]) -> None:
 
 
 def read_nouns(path: Path) -> dict[str, np.ndarray]:
-    """The unit embedding (K,) of every noun phrase. RecordError for a file that is none of nouns."""
+    """The unit embedding (K,) of every noun phrase. ArrayFileError for a file that is none of nouns."""
     arrays = read_arrays(path, NOUNS)
     return dict(zip(arrays["nouns"].tolist(), arrays["feature"], strict=True))
-
-
-def write_arrays(path: Path, schema: str, arrays: Mapping[str, np.ndarray], compressed: bool = False) -> None:
-    """Writes arrays without pickles under the name of what they are (`schema`), as numpy.savez does.
-
-    Compressed is at the fastest level, which numpy does not offer: in less than half of its time to 105 % of its size.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True)
-    method = zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED
-    with path.open("wb") as file:
-        with zipfile.ZipFile(file, "w", method, compresslevel=1) as archive:
-            for name, array in {"schema": np.array(schema), **arrays}.items():
-                member = zipfile.ZipInfo(f"{name}.npy")
-                member.compress_type = method
-                with archive.open(member, "w", force_zip64=True) as to:
-                    np.lib.format.write_array(to, np.asanyarray(array), allow_pickle=False)
-        file.flush()
-        os.fsync(file.fileno())
-
-
-def read_arrays(path: Path, schema: str, skip: str | None = None) -> dict[str, np.ndarray]:
-    """All arrays of a file but those whose name ends in `skip`. RecordError for a file that is none of `schema`."""
-    try:
-        with np.load(path) as file:
-            found = str(file["schema"]) if "schema" in file else "nothing"
-            wanted = [name for name in file.files if skip is None or not name.endswith(skip)] if found == schema else []
-            arrays = {name: file[name] for name in wanted}
-    except (zipfile.BadZipFile, ValueError, EOFError, AttributeError) as error:
-        raise RecordError(f"{path}: no readable .npz file ({error}); remove it and make it again") from None
-    if found != schema:
-        raise RecordError(f"{path}: schema is {found}, not {schema}; remove the file and make it again")
-    return arrays

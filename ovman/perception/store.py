@@ -9,7 +9,9 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from ovman.perception.records import Detected, RecordError, read_detections, write_detections
+from ovman.perception.array_file import ArrayFileError
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, write_detections
 
 
 class Store:
@@ -27,7 +29,7 @@ class Store:
         if path.exists():
             try:
                 return read_detections(path)[content], True
-            except (RecordError, KeyError):
+            except (ArrayFileError, KeyError):
                 path.unlink(missing_ok=True)
         for left in path.parent.glob(f".{path.name}.*.partial"):
             if not _alive(int(left.name.split(".")[-2])):

@@ -44,18 +44,18 @@ class Embedder(Protocol):
 
 
 def detections(
-    views: Sequence[View], detector: Segmenter, encoder: Embedder, minimum_mask_px: int, crop_padding: float, content: str = ""
+    views: Sequence[View], detector: Segmenter, encoder: Embedder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
     """What is detected in the views of a tour (at least one), in their order.
 
-    A mask counts if it has at least `minimum_mask_px` pixels and some of them have depth; its place is the median of those
+    A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its place is the median of those
     (Eq. backproj). ValueError for a tour without views.
     """
     if not views:
         raise ValueError("a tour without views shows nothing")
     masks, points, crops, confidence, numbers = [], [], [], [], []
     for number, (view, seen) in enumerate(zip(views, detector.detect([view.rgb for view in views]), strict=True)):
-        large = seen.masks.sum(axis=(1, 2), dtype=np.int64) >= minimum_mask_px
+        large = seen.masks.sum(axis=(1, 2), dtype=np.int64) >= min_mask_px
         found, sure = seen.masks[large], seen.confidence[large]
         places = median_points(view.depth, found, view.camera)
         placed = ~np.isnan(places[:, 0])

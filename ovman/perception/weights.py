@@ -7,6 +7,7 @@ opened, so that the workflow can ask which weights are files.
 from __future__ import annotations
 
 import contextlib
+import difflib
 import hashlib
 import io
 import os
@@ -107,12 +108,21 @@ def fitting(network: Any, tensors: Mapping[str, Any], name: str, key: str) -> An
     """`network` with `tensors` as its weights, in single precision. WeightsError where they are another network's."""
     try:
         network.load_state_dict({k: v.float() if v.is_floating_point() else v for k, v in tensors.items()})
-    except RuntimeError as error:
+    except RuntimeError:
         what = "architecture" if key.endswith("detector") else "model"
-        raise WeightsError(
-            f"{key}.weights: {name} does not fit {key}.{what} ({_line(error)}); name the one it was made for"
-        ) from None
+        differs = _difference({k: tuple(v.shape) for k, v in network.state_dict().items()}, tensors)
+        raise WeightsError(f"{key}.weights: {name} does not fit {key}.{what} ({differs}); name the one it was made for") from None
     return network
+
+
+def _difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, Any]) -> str:
+    """The first tensor in which weights are another network's. expected: shapes by name."""
+    for name, shape in expected.items():
+        if name not in tensors:
+            return f"it has no {name[:60]}"
+        if tuple(tensors[name].shape) != shape:
+            return f"its {name[:60]} is {'x'.join(map(str, tensors[name].shape))}, not {'x'.join(map(str, shape))}"
+    return f"it has {next((name for name in tensors if name not in expected), 'another form')[:60]}, which the network has not"
 
 
 def _allow(name: str, trust_pickles: bool, key: str) -> None:
@@ -165,8 +175,10 @@ def _tagged(model: str, tag: str, key: str) -> Path:
         raise WeightsError(f"{key}.weights is {tag}; a model of your own ({model}) needs a file of weights")
     found = get_pretrained_cfg(model, tag)
     if not found:
-        tags = ", ".join(list_pretrained_tags_by_model(model)) or "none: it is no model of open_clip"
-        raise WeightsError(f"{key}.weights is {tag}, which is no tag of {model}; there are {tags}")
+        tags = list_pretrained_tags_by_model(model)
+        near = ", ".join(difflib.get_close_matches(tag, tags, n=3, cutoff=0.0))
+        remedy = f"the nearest are {near}" if tags else f"{model} is no model of open_clip, name one that is"
+        raise WeightsError(f"{key}.weights is {tag}, which is no tag of {model}; {remedy}")
     repository = found.get("hf_hub", "")
     if not repository.endswith("/"):
         raise WeightsError(f"{key}.weights: {tag} of {model} was not released as {SAFE}; give a file of weights")

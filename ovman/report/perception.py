@@ -49,8 +49,8 @@ def bars(rows: Sequence[Record]) -> dict[str, Bar]:
     return {rate: Bar(rate, least[rate], _value(whole[rate], -np.inf)) for rate in RATES}
 
 
-def perception_table(rows: Sequence[Record], confidence: float, minimum_px: int) -> Table:
-    """All scenes with the bars, then by size and by scene. rows: of "perception.csv"; confidence and minimum_px: the detector's.
+def perception_table(rows: Sequence[Record], confidence: float, min_mask_px: int) -> Table:
+    """All scenes with the bars, then by size and by scene. rows: of "perception.csv"; confidence and min_mask_px: the detector's.
 
     Raises ValueError if there is no row of all.
     """
@@ -66,7 +66,7 @@ def perception_table(rows: Sequence[Record], confidence: float, minimum_px: int)
         name="perception",
         caption=(
             f"Perception against the true instances of the recorded tours, each distinct tour once. Recall: true masks of at "
-            f"least {minimum_px} px in single views that a detected one meets at an IoU of {LEAST_IOU}; precision: detected "
+            f"least {min_mask_px} px in single views that a detected one meets at an IoU of {LEAST_IOU}; precision: detected "
             f"masks at confidence {confidence} that meet a true one; walls, ceilings and floors are no instances. Doubled: "
             f"masks that meet an instance which a surer mask meets, too; precision counts them as right, and less doubled as "
             f"wrong. Top-1 and top-5: the right category among all of the scene, for the crops of the masks that meet an "
@@ -93,7 +93,7 @@ def perception_table(rows: Sequence[Record], confidence: float, minimum_px: int)
     )
 
 
-def backprojection_table(rows: Sequence[Record], minimum_px: int) -> Table:
+def backprojection_table(rows: Sequence[Record], min_mask_px: int) -> Table:
     """Both estimates over true and detected masks, and over objects by their worst mask. rows: of "backprojection.csv".
 
     Kinds of masks are in the order of the rows.
@@ -114,7 +114,7 @@ def backprojection_table(rows: Sequence[Record], minimum_px: int) -> Table:
         caption=(
             f"Self-check of the back-projection on the untouched tours: distance in metres from the estimate to the object's "
             f"axis-aligned box (0 inside) and, on the floor plane, to the box's centre, which no visible surface need be near. "
-            f"True masks of at least {minimum_px} px; detected ones that meet a true instance at an IoU of {LEAST_IOU}. Objects "
+            f"True masks of at least {min_mask_px} px; detected ones that meet a true instance at an IoU of {LEAST_IOU}. Objects "
             f"count by their worst mask."
         ),
         columns=(

@@ -67,14 +67,14 @@ def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants
     """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
     point = _pin_point(episode, first, second)
     showing = first if Relation(episode["relation"]).past else second
-    least_px = constants.admissibility.minimum_mask_px
+    min_mask_px = constants.admissibility.min_mask_px
     target, answer = episode["target"], episode["answer"]
     scores = [-math.inf] * len(showing.views)
     for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
         away = math.hypot(here[target]["x"] - answer["x"], here[target]["z"] - answer["z"])
         px = view["seen"].get(target, 0)
-        if px >= least_px and away <= THERE_M:
-            scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / least_px)
+        if px >= min_mask_px and away <= THERE_M:
+            scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / min_mask_px)
     return int(np.argmax(scores)), float(max(scores))
 
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ovman.models.note import sentence
 from ovman.models.settings import Arm, Settings, arms_of
 from ovman.report.budget import budget_table
 from ovman.report.cells import Record
@@ -28,7 +29,6 @@ from ovman.report.significance import significance_table
 from ovman.report.spread import seeds_table
 from ovman.report.table import Table, Text, csv_text
 from ovman.report.taxonomy import taxonomy_table
-from ovman_released.status import note
 
 # From the stem of a file of metrics to the table that it is shown as; the second argument is the stage's constants.
 TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
@@ -51,28 +51,28 @@ TABLES: Mapping[str, Callable[[Sequence[Record], Any], Table]] = {
     "dualmap": lambda rows, constants: dualmap_table(rows),
     "language": lambda rows, constants: language_table(rows, constants.evaluation.confidence),
     "perception": lambda rows, constants: perception_table(
-        rows, constants.perception.detector.confidence, constants.perception.detector.minimum_mask_px
+        rows, constants.perception.detector.confidence, constants.perception.detector.min_mask_px
     ),
-    "backprojection": lambda rows, constants: backprojection_table(rows, constants.perception.detector.minimum_mask_px),
+    "backprojection": lambda rows, constants: backprojection_table(rows, constants.perception.detector.min_mask_px),
 }
 
 
-def run(metrics: Sequence[Path], constants: Settings, output_dir: Path, released: Sequence[Path] = ()) -> None:
+def run(metrics: Sequence[Path], constants: Settings, output_dir: Path, notes: Sequence[Path] = ()) -> None:
     """Writes the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
 
-    released: records of whether the released systems were run, each called after its system; tables have a note of those that
-    were not.
+    notes: records of whether plug-ins made their arms' records, each called after its plug-in; the tables of these arms say which
+    did not.
     metrics: files whose stems are in ``TABLES``. constants: all of ``ovman.report.constants.KEYS`` and evaluation.confidence.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    shown = [noted(table(path, constants), released, arms_of(constants.arms)) for path in metrics]
+    shown = [noted(table(path, constants), notes, arms_of(constants.arms)) for path in metrics]
     write([constants_table(constants), *shown], output_dir)
 
 
-def noted(table: Table, released: Sequence[Path], all_arms: Sequence[Arm]) -> Table:
-    """A table of all arms of a kind with a sentence for each released system that would be in it and was not run."""
-    mine = {arm.released for arm in all_arms if arm.released is not None and table.name == arm.kind}
-    sentences = [sentence for path in released if path.stem in mine and (sentence := note(path)) is not None]
+def noted(table: Table, notes: Sequence[Path], all_arms: Sequence[Arm]) -> Table:
+    """A table of all arms of a kind with a sentence for each plug-in with such arms that did not make their records."""
+    mine = {arm.made_by for arm in all_arms if table.name == arm.kind}
+    sentences = [said for path in notes if path.stem in mine and (said := sentence(path)) is not None]
     if not sentences:
         return table
     plain = table.caption.plain if isinstance(table.caption, Text) else table.caption

@@ -90,8 +90,8 @@ def write_png(path: Path, image: np.ndarray) -> None:
         raise OSError(f"{path}: could not be written; is the disk full?")
 
 
-def _seen(event: Any, minimum_px: int) -> tuple[np.ndarray, list[str], dict[str, int]]:
-    """Index image (0 nothing, k the k-th name), the names of the instances in it, and the mask sizes of at least `minimum_px`."""
+def _seen(event: Any, min_mask_px: int) -> tuple[np.ndarray, list[str], dict[str, int]]:
+    """Index image (0 nothing, k the k-th name), the names of the instances in it, and mask sizes of at least `min_mask_px`."""
     names = sorted(event.instance_masks.keys())
     index = np.zeros(event.depth_frame.shape, np.uint16)
     sizes = {}
@@ -99,7 +99,7 @@ def _seen(event: Any, minimum_px: int) -> tuple[np.ndarray, list[str], dict[str,
         mask = event.instance_masks[name]
         index[mask] = k
         size = int(np.count_nonzero(mask))
-        if size >= minimum_px:
+        if size >= min_mask_px:
             sizes[name] = size
     return index, names, sizes
 
@@ -124,7 +124,7 @@ def record(
     name: str,
     alterations: Sequence[Alteration],
     views: Sequence[AgentPose],
-    minimum_px: int,
+    min_mask_px: int,
     directory: Path,
     key: str,
 ) -> Visit:
@@ -145,7 +145,7 @@ def record(
     records = []
     for i, pose in enumerate(views):
         event = look(session, world, pose)
-        index, names, sizes = _seen(event, minimum_px)
+        index, names, sizes = _seen(event, min_mask_px)
         now = {k: position(o) for k, o in there().items()}
         camera = event.metadata["cameraPosition"]
         records.append(

@@ -14,11 +14,11 @@ from ovman.models.settings import Settings
 from ovman.perception.crop import crop
 from ovman.perception.detector import Detector, network_of
 from ovman.perception.overlap import LEAST_IOU
+from ovman.training.picture_files import read, recorded
 from ovman.training.pictures import Picture
-from ovman.training.recorded import read, recorded
 from ovman.training.seen import seen
 
-LEAST_PX = 150
+MIN_MASK_PX = 150
 """Smallest true mask that is learned from; the agent encodes larger ones alone."""
 
 
@@ -57,9 +57,9 @@ def true_crops(folder: Path, padding: float, side_px: int) -> Crops:
     return _crops(folder.name, _true(folder), padding, side_px)
 
 
-def detected_crops(folder: Path, detector: Any, least_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
+def detected_crops(folder: Path, detector: Any, min_mask_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
     """Around the masks that a detector finds in one in `every` pictures, as far as they show an instance."""
-    return _crops(folder.name, _detected(folder, detector, least_px, every), padding, side_px)
+    return _crops(folder.name, _detected(folder, detector, min_mask_px, every), padding, side_px)
 
 
 def run_true(folder: Path, constants: Settings, output: Path) -> None:
@@ -78,7 +78,7 @@ def run_detected(folders: Sequence[Path], weights: Path, constants: Settings, ou
     training = constants.training.encoder
     detector = Detector(lambda: network_of(weights, settings.architecture), settings.side_px, settings.confidence)
     for folder, output in zip(folders, outputs, strict=True):
-        made = detected_crops(folder, detector, settings.minimum_mask_px, padding, training.crop_px, training.detected_one_in)
+        made = detected_crops(folder, detector, settings.min_mask_px, padding, training.crop_px, training.detected_one_in)
         made.write(output)
         print(f"{folder.name}: {len(made.types)} crops", flush=True)
 
@@ -86,12 +86,12 @@ def run_detected(folders: Sequence[Path], weights: Path, constants: Settings, ou
 def _true(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:
     for picture in read(recorded([folder])):
         sizes = np.bincount(picture.ids[picture.ids >= 0], minlength=len(picture.objects))
-        for number in np.flatnonzero(sizes >= LEAST_PX).tolist():
+        for number in np.flatnonzero(sizes >= MIN_MASK_PX).tolist():
             yield picture, picture.ids == number, number
 
 
-def _detected(folder: Path, detector: Any, least_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
-    for picture, masks, overlaps, _ in seen(detector, recorded([folder], every), least_px):
+def _detected(folder: Path, detector: Any, min_mask_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
+    for picture, masks, overlaps, _ in seen(detector, recorded([folder], every), min_mask_px):
         for mask, row in zip(masks, overlaps, strict=True):
             if row.max(initial=0.0) >= LEAST_IOU:
                 yield picture, mask, int(row.argmax())

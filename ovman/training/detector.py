@@ -13,7 +13,7 @@ from typing import Any
 from ovman.models.settings import Settings
 from ovman.perception.detector import Detector
 from ovman.perception.overlap import Found, found
-from ovman.training.recorded import recorded
+from ovman.training.picture_files import recorded
 from ovman.training.seen import seen
 
 WARM_UP_EPOCHS, FURTHER_WARM_UP_EPOCHS = 0.25, 0.05
@@ -33,11 +33,11 @@ AUGMENTATION = {
 """By ultralytics' names."""
 
 
-def judged(detector: Detector, folders: Sequence[Path], least_px: int, every: int = 1) -> Found:
-    """Recall and precision of a detector on recorded pictures: masks of at least `least_px`, IoU at least 0.5."""
+def judged(detector: Detector, folders: Sequence[Path], min_mask_px: int, every: int = 1) -> Found:
+    """Recall and precision of a detector on recorded pictures: masks of at least `min_mask_px`, IoU at least 0.5."""
     total = Found()
-    for _, _, iou, sizes in seen(detector, recorded(folders, every), least_px):
-        total += found(iou, sizes, least_px)
+    for _, _, iou, sizes in seen(detector, recorded(folders, every), min_mask_px):
+        total += found(iou, sizes, min_mask_px)
     return total
 
 
@@ -63,7 +63,9 @@ def run(
     torch.set_num_threads(1)
     ultralytics.settings.update({"sync": False})
     settings = constants.training.detector
-    epochs, rate = (settings.epochs, settings.rate) if start is None else (settings.further_epochs, settings.further_rate)
+    epochs, rate = (
+        (settings.epochs, settings.learning_rate) if start is None else (settings.further_epochs, settings.further_learning_rate)
+    )
     perception = constants.perception
     work.mkdir(parents=True, exist_ok=True)
     data = work / "data.yaml"
@@ -138,7 +140,7 @@ class _Watch:
         save_file(state, self._weights)
         perception = self._constants.perception.detector
         detector = Detector(lambda: deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
-        total = judged(detector, self._held_out, perception.minimum_mask_px, 1 if last else settings.look_at_one_in)
+        total = judged(detector, self._held_out, perception.min_mask_px, 1 if last else settings.look_at_one_in)
         losses = {} if trainer.tloss is None else {name: round(float(value), 4) for name, value in trainer.tloss.items()}
         record = {
             "step": self._step,

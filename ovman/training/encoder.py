@@ -105,7 +105,9 @@ def run(
 
     torch.set_num_threads(1)
     settings, seed = constants.training.encoder, constants.training.seed
-    steps, peak = (settings.steps, settings.rate) if start is None else (settings.further_steps, settings.further_rate)
+    steps, peak = (
+        (settings.steps, settings.learning_rate) if start is None else (settings.further_steps, settings.further_learning_rate)
+    )
     torch.manual_seed(seed)
     generator = torch.Generator().manual_seed(seed)
     crops = Crops.joined([Crops.read(path) for path in taught])

@@ -102,7 +102,7 @@ def main() -> None:
     encoder = encoder_of(settings.perception)
     eyes = localiser(settings, detector_of(settings.perception), encoder)
     eyes.look_for("Floor")
-    share = settings.perception.detector.minimum_mask_px / (settings.camera.width_px * settings.camera.height_px)
+    share = settings.perception.detector.min_mask_px / (settings.camera.width_px * settings.camera.height_px)
     looked: list[Looked] = []
     scenes = floor_plans(settings.benchmark.scenes).held_out
     for scene in scenes:

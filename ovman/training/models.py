@@ -11,7 +11,7 @@ from pathlib import Path
 from ovman.training.crops import Crops
 from ovman.training.encoder import MODEL
 from ovman.training.floorplans import floor_plans
-from ovman.training.recorded import recorded
+from ovman.training.picture_files import recorded
 from ovman.workflow.parameter import StageSettings
 
 LIBRARIES = ("torch", "ultralytics", "open_clip_torch")

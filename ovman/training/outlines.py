@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-LEAST_PX = 80
+MIN_MASK_PX = 80
 """Smallest instance that the detector is taught."""
 SPECK_PX = 20
 """Smaller pieces of an instance are left out of its outline."""
@@ -37,13 +37,13 @@ def _simple(polygon: np.ndarray) -> np.ndarray:
     return polygon[turns] if turns.sum() >= 3 else polygon
 
 
-def labels(ids: np.ndarray, least_px: int = LEAST_PX) -> list[str]:
+def labels(ids: np.ndarray, min_mask_px: int = MIN_MASK_PX) -> list[str]:
     """Lines of a label file for ids (H, W): class 0, then the outline in fractions of the picture's width and height."""
     height, width = ids.shape
     lines = []
     for number in range(int(ids.max()) + 1):
         mask = ids == number
-        if mask.sum() < least_px:
+        if mask.sum() < min_mask_px:
             continue
         polygon = outline(mask)
         if polygon is not None:

@@ -1,4 +1,4 @@
-"""Recorded pictures as a detector sees them, beside what is there."""
+"""RecordedPicture pictures as a detector sees them, beside what is there."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from typing import Any
 import numpy as np
 
 from ovman.perception.overlap import intersection_over_union
+from ovman.training.picture_files import RecordedPicture, read
 from ovman.training.pictures import Picture
-from ovman.training.recorded import Recorded, read
 
 TOGETHER = 16
 """Pictures that are shown to the detector at a time."""
 
 
 def seen(
-    detector: Any, chosen: Sequence[Recorded], least_px: int
+    detector: Any, chosen: Sequence[RecordedPicture], min_mask_px: int
 ) -> Iterator[tuple[Picture, np.ndarray, np.ndarray, np.ndarray]]:
-    """Of each picture in turn: itself, the detected masks (N, H, W) of at least `least_px`, their IoU (N, K) with its objects,
+    """Of each picture in turn: itself, the detected masks (N, H, W) of at least `min_mask_px`, their IoU (N, K) with its objects,
     and these objects' sizes (K,) in pixels.
     """
     for start in range(0, len(chosen), TOGETHER):
         pictures = list(read(chosen[start : start + TOGETHER]))
         for picture, found in zip(pictures, detector.detect([p.rgb for p in pictures]), strict=True):
-            masks = found.masks[found.masks.sum(axis=(1, 2)) >= least_px]
+            masks = found.masks[found.masks.sum(axis=(1, 2)) >= min_mask_px]
             yield picture, masks, *intersection_over_union(masks, picture.ids, len(picture.objects))

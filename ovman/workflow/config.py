@@ -7,54 +7,111 @@ the Snakefile imports it.
 from __future__ import annotations
 
 import difflib
-import json
+import operator
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
-import yaml
 from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Settings
 from ovman.workflow.parameter import flat
+from ovman.workflow.plugins import PluginError, plugin, with_sections
+from ovman.workflow.settings_files import ConfigError, read, read_sections, shown
 from ovman.workflow.stages import matching
 
 __all__ = ["ConfigError", "file_with", "load"]
 
-# What is measured must serve the verdict in force: (verdict, bound, how the bound must compare).
-_BOUNDS = (
-    ("admissibility.minimum_mask_px", "measurement.mask_px", "at most"),
-    ("success.visible_px", "measurement.visible_px", "at most"),
-    ("admissibility.validity_radius_m", "measurement.answer_to_navigable_m", "at least"),
-)
+Contradiction = tuple[tuple[str, ...], str]
+"""The place of a setting, and what is wrong with its value and what to do."""
 
 
-def contradictions(arms: Mapping[str, Arm], names: Iterable[str]) -> tuple[tuple[str, ...], str] | None:
-    """The first thing in section `arms` that fits nothing else in the settings: its place, and what is to be said of it."""
+def contradictions(settings: Settings) -> Iterator[Contradiction]:
+    """Values that make no sense together, each allowed by itself."""
+    yield from _of_measurement(settings)
+    yield from _of_counts(settings)
+    yield from _of_motion(settings)
+    yield from _of_arms(settings.arms, settings.plugins, flat(settings))
+
+
+def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
+    """What is measured must serve the verdict in force."""
+    measured, verdict, success = settings.measurement, settings.admissibility, settings.success
+    for key, value, bound, limit, fits, word in (
+        ("admissibility.min_mask_px", verdict.min_mask_px, "min_mask_px", measured.min_mask_px, operator.le, "at most"),
+        ("success.visible_px", success.visible_px, "visible_px", measured.visible_px, operator.le, "at most"),
+        (
+            "admissibility.validity_radius_m",
+            verdict.validity_radius_m,
+            "answer_to_navigable_m",
+            measured.answer_to_navigable_m,
+            operator.ge,
+            "at least",
+        ),
+    ):
+        if not fits(limit, value):
+            says = f"measurement.{bound} must be {word} that and is {limit}; change one of the two"
+            yield tuple(key.split(".")), f"is {value}, but {says}"
+
+
+def _of_counts(settings: Settings) -> Iterator[Contradiction]:
+    """No more episodes than candidates; at least one episode."""
+    benchmark, scenes = settings.benchmark, len(settings.benchmark.scenes)
+    for relation, episodes in benchmark.split:
+        draws = getattr(settings.candidates.draws, relation)
+        if episodes > draws * scenes:
+            says = f"candidates.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
+            yield ("benchmark", "split", relation), f"is {episodes}, but {says}"
+    if not any(episodes for _, episodes in benchmark.split):
+        yield ("benchmark", "split"), "asks for no episode; give at least one relation a number above 0"
+
+
+def _of_motion(settings: Settings) -> Iterator[Contradiction]:
+    """The agent can face every direction, and the mover has a step to take."""
+    primitives, mover = settings.primitives, settings.mover
+    turn, tolerance = primitives.turn_deg, primitives.heading_tolerance_deg
+    if 360.0 % turn:
+        yield ("primitives", "turn_deg"), f"is {turn}, which does not divide 360; write a divisor of 360, such as 30"
+    elif tolerance < turn / 2:
+        says = f"half of primitives.turn_deg ({turn}): some headings could not be reached; write at least {turn / 2}"
+        yield ("primitives", "heading_tolerance_deg"), f"is {tolerance}, which is less than {says}"
+    if mover.step_m > mover.lane_min_m:
+        says = f"mover.lane_min_m ({mover.lane_min_m}); lower it or ask for longer lanes"
+        yield ("mover", "step_m"), f"is {mover.step_m}, which is longer than {says}"
+    local = settings.dualmap.local_map
+    if local.split_frames >= local.split_window:
+        says = f"the {local.split_window} keyframes of dualmap.local_map.split_window never hold more; lower it"
+        yield ("dualmap", "local_map", "split_frames"), f"is {local.split_frames}, but {says}"
+
+
+def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:
+    """Arms name settings, plug-ins and other arms that exist, and have the fields of their kind."""
     for name, arm in arms.items():
+        if arm.made_by is not None and arm.made_by not in plugins:
+            listed = ", ".join(plugins) or "none"
+            yield ("arms", name, "made_by"), f"is {arm.made_by}, which is not in section plugins; the plug-ins are {listed}"
         for pattern in arm.constants:
             if not matching([pattern], names) or pattern == "arms":
-                return ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
+                yield ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
         foreign = ("expected", "runs") if arm.kind == "embodied" else ("executes", "embodiment", "budget", "cut_from")
         for field in foreign:
             if getattr(arm, field) != Arm.model_fields[field].default:
-                return ("arms", name, field), f"is not for an arm that is {arm.kind}; take it out"
+                yield ("arms", name, field), f"is not for an arm that is {arm.kind}; take it out"
         for field, kind in (("executes", "static"), ("cut_from", "embodied")):
             other = getattr(arm, field)
             if other is not None and (other not in arms or arms[other].kind != kind):
                 there = ", ".join(one for one, entry in arms.items() if entry.kind == kind and one != name)
-                return ("arms", name, field), f"is {other}, which is no {kind} arm; there are {there or 'none'}"
-        if arm.cut_from is not None:
-            whole = arms[arm.cut_from]
-            if whole.cut_from is not None or arm.budget is None or (whole.budget is not None and whole.budget < arm.budget):
-                says = "from whose runs it cannot be cut; name an arm that drives itself, for no fewer actions than `budget`"
-                return ("arms", name, "cut_from"), f"is {arm.cut_from}, {says}"
-    return None
+                yield ("arms", name, field), f"is {other}, which is no {kind} arm; there are {there or 'none'}"
+        whole = None if arm.cut_from is None else arms.get(arm.cut_from)
+        if whole is not None and not _can_be_cut(whole, arm):
+            says = "from whose runs it cannot be cut; name an arm that drives itself, for no fewer actions than `budget`"
+            yield ("arms", name, "cut_from"), f"is {arm.cut_from}, {says}"
 
 
-class ConfigError(ValueError):
-    """config.yaml cannot be used; one line: the file, the setting and the remedy."""
+def _can_be_cut(whole: Arm, arm: Arm) -> bool:
+    """Whether the runs of `whole` contain those of `arm`, which end after fewer actions."""
+    return whole.cut_from is None and arm.budget is not None and (whole.budget is None or whole.budget >= arm.budget)
 
 
 def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = ()) -> Settings:
@@ -66,23 +123,29 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     if isinstance(source, Mapping):
         tree, files = source, [Path(f) for f in files]
     else:
-        tree, files = _read(Path(source)), [Path(source)]
-    if not isinstance(tree, Mapping):
-        raise ConfigError(f"{file_with(files, ())}: holds {_shown(tree)}; it must hold sections (benchmark:, camera:, ...)")
+        tree, files = read_sections(Path(source)), [Path(source)]
+    model = with_sections(Settings, _plugins(tree, files))
     try:
-        config = Settings.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
+        config = model.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
     except ValidationError as error:
-        raise ConfigError(_line(error, files)) from None
-    values = flat(config)
-    if contradiction := contradictions(config.arms, values):
-        key, says = contradiction
+        raise ConfigError(_line(error, files, model)) from None
+    for key, says in contradictions(config):
         raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
-    for verdict, bound, needed in _BOUNDS:
-        if values[bound] > values[verdict] if needed == "at most" else values[bound] < values[verdict]:
-            where = file_with(files, tuple(verdict.split(".")))
-            needs = f"{bound} must be {needed} that and is {values[bound]}"
-            raise ConfigError(f"{where}: {verdict} is {values[verdict]}, but {needs}; change one of the two")
     return config
+
+
+def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str]:
+    """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
+    given = tree.get("plugins")
+    if not isinstance(given, Mapping):
+        return {}
+    named = {name: module for name, module in given.items() if isinstance(name, str) and isinstance(module, str)}
+    for name, module in named.items():
+        try:
+            plugin(name, module)
+        except PluginError as error:
+            raise ConfigError(f"{file_with(files, ('plugins', name))}: plugins.{name} is {module}, which {error}") from None
+    return named
 
 
 def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, Any]:
@@ -90,40 +153,16 @@ def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, An
     arms = tree.get("arms")
     if len(files) < 2 or not isinstance(arms, Mapping):
         return tree
-    sections = [read.get("arms") for path in files if isinstance(read := _read(path), Mapping)]
+    trees = [read(path) for path in files]
+    sections = [tree.get("arms") for tree in trees if isinstance(tree, Mapping)]
     names = dict.fromkeys(name for section in sections if isinstance(section, Mapping) for name in section)
     return {**tree, "arms": {name: arms[name] for name in (*names, *arms) if name in arms}}
-
-
-class _Loader(yaml.SafeLoader):
-    """YAML as Snakemake reads it, but a key that is there twice is an error."""
-
-    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [self.construct_object(key, deep=True) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise yaml.constructor.ConstructorError(problem=f"{key} is there twice", problem_mark=node.start_mark)
-        return super().construct_mapping(node, deep)
-
-
-def _read(path: Path) -> Any:
-    try:
-        return yaml.load(path.read_text(encoding="utf-8"), _Loader)  # noqa: S506 (a SafeLoader)
-    except OSError as error:
-        raise ConfigError(f"{path}: {error.strerror}; give the path of a config.yaml") from None
-    except UnicodeDecodeError:
-        raise ConfigError(f"{path}: is not UTF-8 text") from None
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        raise ConfigError(f"{path}:{mark.line + 1 if mark else 1}: {error.problem}") from None
-    except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: {' '.join(str(error).split())}") from None
 
 
 def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
     """Name of the last file that has the setting at `location`; config.yaml where none is known."""
     for path in reversed([Path(f) for f in files]):
-        here: Any = _read(path) if len(files) > 1 else {}
+        here: Any = read(path) if len(files) > 1 else {}
         for name in location:
             here = here.get(name, _ABSENT) if isinstance(here, Mapping) else _ABSENT
         if here is not _ABSENT and here != {}:
@@ -134,7 +173,7 @@ def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
 _ABSENT = object()
 
 
-def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
+def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
     """The first thing that is wrong: where, what, and what to do."""
     # A name that is not a setting explains a setting that is missing.
     first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "missing": 2}.get(e["type"], 1))
@@ -143,33 +182,30 @@ def _line(error: ValidationError, files: Sequence[str | Path]) -> str:
     name = ".".join(path)
     where = file_with(files, [p for p in location if not isinstance(p, int)])
     if first["type"] == "extra_forbidden":
-        return f"{where}: {name} is not a setting; {_nearest(path)}"
-    field = _field(path)
+        return f"{where}: {name} is not a setting; {_nearest(path, settings)}"
+    field = _field(path, settings)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     if first["type"] == "missing":
         remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        if path[0] not in Settings.model_fields:
+            remedy = "the plug-in's own overlay has its value"
         return f"{where}: {name}{meaning} is missing; add it, {remedy}"
     value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
     says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
     if first["type"] == "value_error":
         return f"{where}: {name}: {says}"
     if first["type"] in ("model_type", "model_attributes_type"):
-        return f"{where}: {name} is {_shown(value)}; it must be a section with settings of its own"
+        return f"{where}: {name} is {shown(value)}; it must be a section with settings of its own"
     hint = (
         "; write numbers without quotes, and give changes as a file (--configfile)"
         if isinstance(value, str) and "valid" in says
         else ""
     )
-    return f"{where}: {name} is {_shown(value)}; it must {says}{meaning}{hint}"
+    return f"{where}: {name} is {shown(value)}; it must {says}{meaning}{hint}"
 
 
-def _shown(value: Any) -> str:
-    text = json.dumps(value, default=str) if not isinstance(value, float) else repr(value)
-    return text if len(text) <= 60 else text[:57] + "..."
-
-
-def _models(path: Sequence[str]) -> type[BaseModel] | None:
-    model: Any = Settings
+def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:
+    model: Any = settings
     names = iter(path)
     for name in names:
         field = model.model_fields.get(name)
@@ -181,16 +217,16 @@ def _models(path: Sequence[str]) -> type[BaseModel] | None:
     return model
 
 
-def _field(path: Sequence[str]) -> Any:
-    model = _models(path[:-1])
+def _field(path: Sequence[str], settings: type[Settings]) -> Any:
+    model = _models(path[:-1], settings)
     return None if model is None or not path else model.model_fields.get(path[-1])
 
 
-def _nearest(path: Sequence[str]) -> str:
+def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
     """The nearest setting to a wrong name: in its own section first, then anywhere."""
-    model, wrong = _models(path[:-1]), path[-1]
+    model, wrong = _models(path[:-1], settings), path[-1]
     here = list(model.model_fields) if model is not None else []
-    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names()}
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names(settings)}
     for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
         near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
         if near:
@@ -201,7 +237,7 @@ def _nearest(path: Sequence[str]) -> str:
     return f"{'.'.join(path[:-1]) or 'config.yaml'} has {', '.join(here)}"
 
 
-def _names(model: type[BaseModel] = Settings, path: str = "") -> Iterator[str]:
+def _names(model: type[BaseModel], path: str = "") -> Iterator[str]:
     for name, field in model.model_fields.items():
         kind = field.annotation
         if isinstance(kind, type) and issubclass(kind, BaseModel):

@@ -6,6 +6,7 @@ place and renamed at the end, a journal belongs to one process at a time, and a 
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import gc
 import os
@@ -15,10 +16,11 @@ import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ovman.workflow.at_work import job_at_work
 from ovman.workflow.parameter import StageSettings
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
@@ -29,6 +31,9 @@ that a file there takes no other module's place."""
 COLLECTED = 10_000
 """New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
 fiftieth of its time."""
+
+UNWRITABLE = frozenset({errno.EROFS, errno.EACCES, errno.EPERM})
+"""Errors of the operating system that say all in one line: a place is read-only or belongs to another user."""
 
 
 class Job:
@@ -114,6 +119,8 @@ def job(snakemake: Any) -> Iterator[Job]:
     if snakemake.log:
         _log_to(Path(str(snakemake.log)))
     with ExitStack() as stack:
+        if os.environ.get(WORKFLOW_PID):
+            stack.enter_context(job_at_work(snakemake.rule, str(snakemake.log)))
         if int(snakemake.resources.get("gpu", 0)) > 0:
             stack.enter_context(held(gpu_lock()))
         work = Job(snakemake, stack)
@@ -121,9 +128,12 @@ def job(snakemake: Any) -> Iterator[Job]:
             yield work
             work._done()
         except BaseException as error:
-            work._failed()
+            with suppress(OSError):
+                work._failed()
             if getattr(error, "says_all", False):
                 raise SystemExit(str(error)) from None
+            if isinstance(error, OSError) and error.errno in UNWRITABLE and error.filename is not None:
+                raise SystemExit(f"{error.filename}: {error.strerror}; make it writable for this user") from None
             raise
 
 

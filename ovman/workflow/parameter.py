@@ -14,8 +14,9 @@ from pydantic import BaseModel, PrivateAttr
 
 from ovman.models.settings import Arm, Settings
 from ovman.models.settings.arms import WORDS, ArmJob
-from ovman.workflow.provenance import code_digest, module_digest
-from ovman.workflow.stages import STAGES, matching, owned
+from ovman.workflow.plugins import stage_of_plugin, with_sections
+from ovman.workflow.provenance import code_digest, module_digest, script_digest
+from ovman.workflow.stages import STAGES, matching
 
 
 def flat(settings: Settings) -> dict[str, Any]:
@@ -27,6 +28,8 @@ def flat(settings: Settings) -> dict[str, Any]:
     def walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
         for name in type(section).model_fields:
             value, where = getattr(section, name), f"{path}{name}"
+            if where == "plugins":  # says which sections there are
+                continue
             if isinstance(value, BaseModel):
                 yield from walk(f"{where}.", value)
             elif where == "arms":
@@ -44,8 +47,9 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
     the entry names, and the digest of the agent's code; and the same of the arm that it executes.
     """
     values = flat(settings)
-    record: dict[str, Any] = {"stage": stage, "code": code_digest(stage)}
-    patterns = STAGES[stage]
+    patterns, code = _stage(settings, stage)
+    record: dict[str, Any] = {"stage": stage, "code": code}
+    of_stage = patterns
     if arm is not None:
         entry = settings.arms[arm]
         involved = [entry] if entry.executes is None else [entry, settings.arms[entry.executes]]
@@ -54,9 +58,20 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
         if entry.executes is not None:
             record["arm"]["executed"] = _job_of(settings, entry.executes)
         record["agent"] = [module_digest(one.agent.partition(":")[0]) for one in involved]
-        record["of_agent"] = sorted(set(matching(patterns, values)) - set(owned(stage, values)))
+        record["of_agent"] = sorted(set(matching(patterns, values)) - set(matching(of_stage, values)))
     record["constants"] = {name: values[name] for name in matching(patterns, values)}
+    sections = {name.partition(".")[0] for name in record["constants"]}
+    if plugins := {name: module for name, module in settings.plugins.items() if name in sections}:
+        record["plugins"] = plugins
     return json.dumps(record, sort_keys=True, separators=(",", ":"))
+
+
+def _stage(settings: Settings, stage: str) -> tuple[tuple[str, ...], str]:
+    """Patterns of the constants that a stage owns, and the digest of its code; KeyError for no stage."""
+    if found := stage_of_plugin(settings, stage):
+        plugin, module = found
+        return plugin.stages[stage], script_digest(plugin.scripts / f"{stage}.py", module)
+    return STAGES[stage], code_digest(stage)
 
 
 def own_constants(arm: Arm) -> tuple[str, ...]:
@@ -91,7 +106,7 @@ class StageSettings(Settings):
                 here = here.setdefault(section, {})
             here[name] = value
         arms = tree.pop("arms", None)
-        made = cls.owned(tree, record["stage"])
+        made = with_sections(cls, record.get("plugins", {})).owned(tree, record["stage"])
         if arms is not None:
             made.__dict__["arms"] = {entry["name"]: Arm.model_validate(entry) for entry in arms}
         made._canonical = canonical

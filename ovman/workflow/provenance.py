@@ -18,9 +18,17 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine", "ovman_released": "packages/ovman-released"}
+PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine"}
 """The packages of this repository, and where each lies under its root."""
-BOUNDARY = frozenset({"ovman.workflow.config", "ovman.workflow.provenance", "ovman.models.settings", "ovman.workflow.stages"})
+BOUNDARY = frozenset(
+    {
+        "ovman.workflow.config",
+        "ovman.workflow.plugins",
+        "ovman.workflow.provenance",
+        "ovman.models.settings",
+        "ovman.workflow.stages",
+    }
+)
 """Not followed: they choose the parameter of a stage, which is compared itself. A new line in STAGES is no new code."""
 
 Parsed = tuple[str, tuple[tuple[str, int], ...]]
@@ -36,6 +44,15 @@ def script(stage: str, root: Path = ROOT) -> Path:
 def code_digest(stage: str, root: Path = ROOT) -> str:
     """Digest of the code that a stage runs, as the files were when any stage's was first asked for."""
     return _sources(root).digest(script(stage, root))
+
+
+@cache
+def script_digest(path: Path, plugin: str, root: Path = ROOT) -> str:
+    """Digest of a script of a plug-in, of what it imports from the plug-in's package, and from ovman.
+
+    plugin: the plug-in's module by its dotted name; like BOUNDARY, it is not followed.
+    """
+    return _sources(root).script_digest(path, plugin)
 
 
 @cache
@@ -85,12 +102,20 @@ class _Sources:
 
     def __init__(self, root: Path) -> None:
         self._root = root
-        self._packages = set(PACKAGES)
+        self._packages, self._boundary = set(PACKAGES), set(BOUNDARY)
         self._places: dict[str, Path | None] = {}
         self._read: dict[Path, Parsed] = {}
 
     def digest(self, entry: Path) -> str:
         return self._digest([self._parsed(entry)[0]], self.modules(entry))
+
+    def script_digest(self, path: Path, plugin: str) -> str:
+        packages, boundary = self._packages, self._boundary
+        self._packages, self._boundary = packages | {plugin.split(".")[0]}, boundary | {plugin}
+        try:
+            return self.digest(path)
+        finally:
+            self._packages, self._boundary = packages, boundary
 
     def module_digest(self, name: str) -> str | None:
         packages, self._packages = self._packages, self._packages | {name.split(".")[0]}
@@ -115,7 +140,7 @@ class _Sources:
         found: dict[str, Path] = {}
         while waiting:
             name = waiting.pop()
-            if name in found or any(part in BOUNDARY for part in _with_parents(name)):
+            if name in found or any(part in self._boundary for part in _with_parents(name)):
                 continue
             path = self._place(name)
             if path is None:

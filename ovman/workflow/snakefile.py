@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from ovman.models.settings import Settings
-from ovman.workflow import provenance
+from ovman.workflow import at_work, provenance
 from ovman.workflow.config import ConfigError, file_with
 from ovman.workflow.job import AGENTS, WORKFLOW_PID
 
@@ -22,6 +22,8 @@ ALIVE = Path(".snakemake", "ovman.alive")
 """Every Snakemake that works in a directory shares a lock on this file; the kernel takes it away from those that die."""
 SOURCES = Path(".snakemake", "ovman.sources.json")
 """What the first process found in the code's files; each job would read them again."""
+WRITTEN = ("results", "logs", "benchmarks")
+"""Folders of a working directory that the jobs write into."""
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 _kept: list[TextIO] = []
 
@@ -41,7 +43,16 @@ def prepare(workflow: Any) -> None:
     provenance.remember(Path.cwd() / SOURCES)
     limit_gpu(workflow)
     if workflow.is_main_process:
+        check_writable(Path.cwd(), () if workflow.dryrun else WRITTEN)
         release_stale_locks(Path.cwd())
+
+
+def check_writable(directory: Path, folders: Sequence[str]) -> None:
+    """SystemExit, in one line, where a working directory or one of its `folders` cannot be written."""
+    for place in (directory, directory / ".snakemake", *(directory / folder for folder in folders)):
+        if place.exists() and not os.access(place, os.W_OK):
+            remedy = "make it writable for this user, or work elsewhere with --directory"
+            raise SystemExit(f"{place}: is read-only; {remedy}")
 
 
 def limit_gpu(workflow: Any) -> None:
@@ -75,9 +86,16 @@ def release_stale_locks(directory: Path) -> None:
     except BlockingIOError:
         pass
     else:
+        at_work.dead(directory)
         for lock in (directory / ".snakemake" / "locks").glob("*.lock"):
             lock.unlink(missing_ok=True)
     fcntl.flock(file, fcntl.LOCK_SH)
+
+
+def print_deaths() -> None:
+    """Say in one line which job's process ended without a word, and with which arm and episode; for `onerror`."""
+    for line in at_work.dead(Path.cwd()):
+        print(line, file=sys.stderr, flush=True)
 
 
 def check_agents(config: Settings, files: Sequence[str | Path]) -> None:

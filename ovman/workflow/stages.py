@@ -10,8 +10,8 @@ _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 )
-_DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "minimum_mask_px"))
-_PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.minimum_mask_px", "success.radius_m")
+_DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px"))
+_PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.min_mask_px", "success.radius_m")
 _METRICS = (
     "arms",
     "benchmark.seed",
@@ -35,7 +35,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "candidates.delta_min_m",
         "candidates.spawn_clearance_m",
         "admissibility.tau_m",
-        "admissibility.minimum_mask_px",
+        "admissibility.min_mask_px",
         "admissibility.validity_radius_m",
         "admissibility.drift_tolerance_m",
         "admissibility.motion_m",
@@ -93,18 +93,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": _PREDICTING,
-    "executions": (*_RUNNING, "admissibility.minimum_mask_px"),
-    "released_cow": (*_RUNNING, "released.cow.*"),
-    "released_dualmap_setup": tuple(f"released.dualmap.{name}" for name in ("root", "commit", "python", "device")),
-    "released_dualmap": (
-        *_SIMULATOR,
-        *_GAIT,
-        "benchmark.seed",
-        "dualmap.runs",
-        "dualmap.walk.turn_deg",
-        "released.dualmap.*",
-    ),
-    "released_dualmap_predictions": _PREDICTING,
+    "executions": (*_RUNNING, "admissibility.min_mask_px"),
     "runs": ("success.*",),
     "metrics": _METRICS,
     "static": _METRICS,
@@ -116,9 +105,9 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "success.radius_m",
         "evaluation.confidence",
     ),
-    "perception": ("perception.detector.minimum_mask_px",),
-    "backprojection": ("camera.field_of_view_deg", "perception.detector.minimum_mask_px"),
-    "figures": ("camera.*", "admissibility.minimum_mask_px"),
+    "perception": ("perception.detector.min_mask_px",),
+    "backprojection": ("camera.field_of_view_deg", "perception.detector.min_mask_px"),
+    "figures": ("camera.*", "admissibility.min_mask_px"),
     "findings": (
         "benchmark.backend",
         "perception.detector.architecture",
@@ -143,7 +132,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "evaluation.confidence",
         "evaluation.near_miss_m",
         "perception.detector.confidence",
-        "perception.detector.minimum_mask_px",
+        "perception.detector.min_mask_px",
     ),
 }
 

@@ -53,18 +53,18 @@ def test_an_empty_map_means_nothing():
 
 
 @pytest.mark.parametrize(
-    ("features", "noun", "band", "message"),
+    ("features", "noun", "similarity_margin", "message"),
     [
         (np.eye(3), np.ones(2), BAND, "of one encoder"),
         (np.ones(3), np.ones(3), BAND, "of one encoder"),
         (np.eye(2) * np.nan, np.ones(2), BAND, "not finite"),
-        (np.eye(2), np.ones(2), -0.1, "band"),
-        (np.eye(2), np.ones(2), float("nan"), "band"),
+        (np.eye(2), np.ones(2), -0.1, "similarity_margin"),
+        (np.eye(2), np.ones(2), float("nan"), "similarity_margin"),
     ],
 )
-def test_wrong_input_is_named(features, noun, band, message):
+def test_wrong_input_is_named(features, noun, similarity_margin, message):
     with pytest.raises(ValueError, match=message):
-        grounded(features, noun, band)
+        grounded(features, noun, similarity_margin)
 
 
 def test_similarity_does_not_depend_on_the_neighbours():

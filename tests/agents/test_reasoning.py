@@ -50,7 +50,7 @@ def world_of(placed) -> WorldState:
 
 def asked(relation: Relation, first, second, noun: int = 0, constants: ReferenceConstants = CONSTANTS):
     maps = ObjectMap.of(first), ObjectMap.of(second)
-    return two_visits(relation, *maps, *(grounded(m.f, one_hot(noun), constants.band) for m in maps), constants)
+    return two_visits(relation, *maps, *(grounded(m.f, one_hot(noun), constants.similarity_margin) for m in maps), constants)
 
 
 @settings(derandomize=True, max_examples=60, deadline=None)
@@ -93,7 +93,7 @@ def test_the_order_of_the_clusters_is_of_no_consequence(first, second, relation,
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(seen, seen, st.sampled_from(list(Relation)), st.floats(0.3, 3))
 def test_pairs_are_grounded_and_cost_less_than_the_gate(first, second, relation, gate_m):
-    constants = replace(CONSTANTS, band=0.2, association=AssociationConstants(gate_m, 2.0))
+    constants = replace(CONSTANTS, similarity_margin=0.2, association=AssociationConstants(gate_m, 2.0))
     _, evidence = asked(relation, first, second, constants=constants)
     for i, j in evidence.pairs:
         one, other = first[i], second[j]
@@ -103,7 +103,7 @@ def test_pairs_are_grounded_and_cost_less_than_the_gate(first, second, relation,
 
 def test_features_tell_apart_what_places_confuse():
     slanted = (0.8, 0.6, 0.0)
-    constants = replace(CONSTANTS, band=0.5)
+    constants = replace(CONSTANTS, similarity_margin=0.5)
     first = [cluster(0.0, 0.0), cluster(0.4, 0.0, slanted)]
     second = [cluster(0.35, 0.0), cluster(0.05, 0.0, slanted)]
     assert asked(Relation.STABLE, first, second, constants=constants)[1].pairs == ((0, 0), (1, 1))

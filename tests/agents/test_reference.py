@@ -236,7 +236,7 @@ def test_a_threshold_that_changes_no_answer_is_no_new_run():
         return executions.unit(TWO_VISITS, seed, chosen, constants, eyes)
 
     usual = key(constants())
-    assert key(constants({"association.gate_m": 1.2501, "grounding.band": 0.031})) == usual
+    assert key(constants({"association.gate_m": 1.2501, "grounding.similarity_margin": 0.031})) == usual
     assert key(constants({"primitives.stop_within_m": 0.61})) != usual
     assert key(constants(), seed=1) != usual
     blind = TrueEyes(chosen)

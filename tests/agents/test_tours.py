@@ -13,8 +13,8 @@ from ovman.agents.interface import CameraPose, Observation, Visit
 from ovman.agents.reference.mapper import SeenMaps
 from ovman.evaluation.recorded_tour import content, recorded
 from ovman.perception.maps import mapped
-from ovman.perception.recorded import tour as recorded_views
 from ovman.perception.tour import detections
+from ovman.perception.tour_files import tour as recorded_views
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))
@@ -99,7 +99,7 @@ class Brightness:
 def test_a_tour_that_is_seen_gives_the_map_that_is_made_of_its_record(tmp_path):
     directory = tour(tmp_path / "tour")
     networks = Halves(), Brightness()
-    mapper = SeenMaps(*networks, minimum_mask_px=10, crop_padding=0.1, radius_m=0.6)
+    mapper = SeenMaps(*networks, min_mask_px=10, crop_padding=0.1, radius_m=0.6)
     found = mapper(recorded(directory, FOV_DEG, REACHABLE))
     expected = mapped(detections(list(recorded_views(directory, FOV_DEG)), *networks, 10, 0.1), 0.6)
     assert len(found) == len(expected) > 1

@@ -13,7 +13,7 @@ OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Flo
 NAMES = ("Floor|1", "Sofa|1", "Vase|1", "Vase|2", "wall|1")
 RECTANGLES = {"Floor|1": (40, 60, 0, 60), "Sofa|1": (10, 34, 4, 34), "Vase|1": (10, 30, 40, 58), "Vase|2": (36, 39, 40, 50)}
 """Rows and columns; all else is wall."""
-LEAST_PX = 50
+MIN_MASK_PX = 50
 
 
 @dataclass

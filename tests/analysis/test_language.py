@@ -38,7 +38,7 @@ CONSTANTS = SimpleNamespace(
     benchmark=SimpleNamespace(seed=0),
     success=SimpleNamespace(radius_m=1.0),
     evaluation=SimpleNamespace(confidence=0.95),
-    grounding=SimpleNamespace(band=0.03),
+    grounding=SimpleNamespace(similarity_margin=0.03),
     association=SimpleNamespace(gate_m=1.25, feature_scale_m=2.0, track_spread_m=0.4),
     admissibility=SimpleNamespace(tau_m=0.75),
 )

@@ -9,7 +9,7 @@ from ovman.analysis.instances import TrueObject, TrueScene
 from ovman.analysis.localisation import box_distance_m, centre_distance_m, localised
 from ovman.analysis.segmentation import DETECTED, TRUE
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
-from tests.analysis.recordings import LEAST_PX, SIDE, detected, mask, write_scene, write_visit
+from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
 
 CAMERA = Camera((0.0, 1.5, 0.0), 0.0, 0.0, 90.0)
 BOX = TrueObject("Box|1", "Box", (1.0, 2.0, 3.0), (0.2, 0.4, 0.6))
@@ -67,7 +67,7 @@ def test_true_and_detected_masks_of_a_tour(tmp_path):
     scene = TrueScene.load(write_scene(tmp_path))
     directory = write_visit(tmp_path / "untouched")
     seen = detected([mask("Sofa|1", 2), ~mask("Sofa|1"), mask("Vase|2")], views=[0, 0, 1])
-    rows = list(localised(scene, directory, 90.0, LEAST_PX, seen))
+    rows = list(localised(scene, directory, 90.0, MIN_MASK_PX, seen))
     assert [(r.view, r.mask, r.object) for r in rows] == [
         (0, TRUE, "Sofa|1"), (0, TRUE, "Vase|1"), (0, DETECTED, "Sofa|1"),
         (1, TRUE, "Sofa|1"), (1, TRUE, "Vase|1"), (1, DETECTED, "Vase|2"),
@@ -76,14 +76,14 @@ def test_true_and_detected_masks_of_a_tour(tmp_path):
     centre_x = ((left + right) / 2 - SIDE / 2) / (SIDE / 2) * 2.0
     assert rows[0].median_centre_m == pytest.approx(abs(centre_x - 0.0), abs=1e-9)
     assert rows[0].px == mask("Sofa|1").sum()
-    assert list(localised(scene, directory, 90.0, LEAST_PX, None)) == [r for r in rows if r.mask == TRUE]
+    assert list(localised(scene, directory, 90.0, MIN_MASK_PX, None)) == [r for r in rows if r.mask == TRUE]
 
 
 @pytest.mark.parametrize("changes", [{"alterations": [{"kind": "disable"}]}, {"moved": {"Vase|1": {}}}])
 def test_a_visit_with_changes_is_refused(tmp_path, changes):
     scene = TrueScene.load(write_scene(tmp_path))
     with pytest.raises(ValueError, match="something moves in this visit"):
-        list(localised(scene, write_visit(tmp_path / "visit", **changes), 90.0, LEAST_PX, None))
+        list(localised(scene, write_visit(tmp_path / "visit", **changes), 90.0, MIN_MASK_PX, None))
 
 
 def test_a_picture_that_is_gone_is_named(tmp_path):
@@ -91,4 +91,4 @@ def test_a_picture_that_is_gone_is_named(tmp_path):
     directory = write_visit(tmp_path / "untouched")
     (directory / "01_ids.png").unlink()
     with pytest.raises(FileNotFoundError, match="01_ids.png: no such image"):
-        list(localised(scene, directory, 90.0, LEAST_PX, None))
+        list(localised(scene, directory, 90.0, MIN_MASK_PX, None))

@@ -10,7 +10,7 @@ from ovman.analysis import perception
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.scores import CATEGORY, SCENE, SIZE, scores
 from ovman.language.vocabulary import nouns
-from tests.analysis.recordings import LEAST_PX, detected, mask, write_scene, write_visit
+from tests.analysis.recordings import MIN_MASK_PX, detected, mask, write_scene, write_visit
 
 PHRASES = sorted({phrase for category in ("Sofa", "Vase") for phrase in nouns(category)})
 TEXT = {phrase: np.eye(len(PHRASES))[i] for i, phrase in enumerate(PHRASES)}
@@ -35,7 +35,7 @@ def scene(tmp_path):
 
 
 def seen(scene, tmp_path, tours):
-    return perception.seen_in(scene, tours, TEXT, tmp_path / "visits" / "FloorPlan1", LEAST_PX)
+    return perception.seen_in(scene, tours, TEXT, tmp_path / "visits" / "FloorPlan1", MIN_MASK_PX)
 
 
 def all_of(scene, tmp_path, detections):
@@ -118,7 +118,7 @@ def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch):
     tours = {"untouched": perfect(), "again": perfect(content="a")}
     monkeypatch.setattr(perception, "read_detections", lambda path: tours)
     monkeypatch.setattr(perception, "read_nouns", lambda path: TEXT)
-    constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(minimum_mask_px=LEAST_PX)))
+    constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(min_mask_px=MIN_MASK_PX)))
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again")
     where = [tmp_path / "scenes" / "FloorPlan1.json"], [tmp_path / "FloorPlan1.npz"], tmp_path / "nouns.npz", tmp_path / "visits"
     for name in ("one.csv", "other.csv"):

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.navigation import Grid, Navigator, Primitives, geodesic_m
+from ovman.navigation import Grid, Navigator, geodesic_m
+from ovman.workflow.config import load
 
-PRIMITIVES = Primitives(0.25, 30.0, 15.0, 0.6, 30)
+PRIMITIVES = load(Path(__file__).parents[2] / "config.yaml").primitives
 
 
 def grid_of(cells: set[tuple[int, int]]) -> Grid:
@@ -80,3 +83,41 @@ def test_a_blocked_edge_is_tried_again_only_where_edges_expire():
     assert drive(grid, (0, 0), (7, 0), blocked, expires=False, opens_after=20)[0] is None
     outcome, _, actions, failures = drive(grid, (0, 0), (7, 0), blocked, expires=True, opens_after=20)
     assert outcome == "Stop" and len(failures) == 1 and actions > PRIMITIVES.blocked_edge_expiry
+
+
+FIELD = {(i, j) for i in range(-8, 9) for j in range(-8, 9)}
+
+
+@pytest.mark.parametrize("goal", [(4, 6), (8, 6), (6, 4), (6, 8)])
+def test_it_stops_within_reach_of_the_goal_wherever_that_lies(goal):
+    """The goal cell is 0.5 m away, within stop_within_m, and no coordinate is near zero."""
+    grid = grid_of(FIELD)
+    (x, z), face = grid.centre((6, 6)), grid.centre(goal)
+    yaw = math.degrees(math.atan2(face[0] - x, face[1] - z))
+    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, goal, face) == "Stop"
+
+
+@pytest.mark.parametrize("goal", [(6, -6), (-6, 6), (-6, -6)])
+def test_it_goes_on_to_a_goal_that_mirrors_its_own_place(goal):
+    """The coordinates of goal and agent add up to zero, their differences do not."""
+    grid = grid_of(FIELD)
+    (x, z), face = grid.centre((6, 6)), grid.centre(goal)
+    yaw = math.degrees(math.atan2(face[0] - x, face[1] - z))
+    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, goal, face) != "Stop"
+
+
+@pytest.mark.parametrize("yaw", [0.0, 90.0, 180.0, 270.0])
+def test_it_turns_to_no_point_that_it_stands_on(yaw):
+    grid = grid_of(FIELD)
+    x, z = grid.centre((6, 4))
+    assert Navigator(grid, PRIMITIVES, False).decide(x, z, yaw, True, (6, 4), (x, z)) == "Stop"
+
+
+@pytest.mark.parametrize("signs", [(-1, -1), (-1, 1), (1, -1)])
+def test_it_turns_to_a_point_that_mirrors_its_own_place(signs):
+    grid = grid_of(FIELD)
+    x, z = grid.centre((6, 6))
+    face = signs[0] * x, signs[1] * z
+    away = math.degrees(math.atan2(face[0] - x, face[1] - z)) + 180.0
+    action = Navigator(grid, PRIMITIVES, False).decide(x, z, away, True, (6, 6), face)
+    assert action in ("RotateLeft", "RotateRight")

@@ -38,7 +38,7 @@ def perception(detector_weights: Path, encoder_weights: Path, model: str, archit
             sha256="",
             side_px=side_px,
             confidence=0.25,
-            minimum_mask_px=20,
+            min_mask_px=20,
         ),
         encoder=SimpleNamespace(model=model, weights=str(encoder_weights), sha256="", crop_padding=0.1),
     )
@@ -279,7 +279,7 @@ def test_who_looks_is_told_by_bytes_and_constants_not_by_names(small, tmp_path):
         ("detector", {"weights": str(other)}),
         ("detector", {"confidence": 0.3}),
         ("detector", {"side_px": 96}),
-        ("detector", {"minimum_mask_px": 21}),
+        ("detector", {"min_mask_px": 21}),
         ("encoder", {"crop_padding": 0.2}),
         ("encoder", {"weights": str(other)}),
         ("encoder", {"model": "ViT-B-16"}),

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.perception.array_file import ArrayFileError
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, Masks
 from ovman.perception.records import (
-    RecordError,
     read_detections,
     read_maps,
     read_nouns,
@@ -98,7 +98,7 @@ def test_masks_that_fill_no_whole_byte():
 def test_a_file_of_another_kind_is_one_line(tmp_path):
     path = tmp_path / "nouns.npz"
     write_nouns(path, {"chair": np.array([1.0], np.float32)})
-    with pytest.raises(RecordError, match="schema is ovman-nouns/1, not ovman-maps/1") as caught:
+    with pytest.raises(ArrayFileError, match="schema is ovman-nouns/2, not ovman-maps/2") as caught:
         read_maps(path)
     assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
 
@@ -107,13 +107,13 @@ def test_a_file_of_another_kind_is_one_line(tmp_path):
 def test_a_file_that_is_no_archive_is_one_line(tmp_path, content):
     path = tmp_path / "maps.npz"
     path.write_bytes(content)
-    with pytest.raises(RecordError, match="remove it and make it again") as caught:
+    with pytest.raises(ArrayFileError, match="remove it and make it again") as caught:
         read_maps(path)
     assert "\n" not in str(caught.value)
 
 
 def test_a_pickle_in_an_archive_is_not_opened(tmp_path):
     path = tmp_path / "maps.npz"
-    np.savez(path, schema=np.array("ovman-maps/1"), visits=np.array([{}], object))
-    with pytest.raises(RecordError, match="allow_pickle"):
+    np.savez(path, schema=np.array("ovman-maps/2"), visits=np.array([{}], object))
+    with pytest.raises(ArrayFileError, match="allow_pickle"):
         read_maps(path)

@@ -12,7 +12,7 @@ from ovman.perception import detections, maps, nouns
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.records import read_detections, read_maps, read_nouns
 from ovman.perception.weights import WeightsError
-from tests.perception.test_recorded import change_picture, record
+from tests.perception.test_tour_files import change_picture, record
 
 PIXELS = 5
 
@@ -61,7 +61,7 @@ def home(tmp_path, monkeypatch):
                 sha256="",
                 side_px=32,
                 confidence=0.25,
-                minimum_mask_px=PIXELS,
+                min_mask_px=PIXELS,
             ),
             encoder=SimpleNamespace(
                 model=str(tmp_path / "e.json"), weights=str(tmp_path / "e.safetensors"), sha256="", crop_padding=0.1

@@ -26,7 +26,7 @@ class Player(engine.Engine):
 
     def _mannered(self, field, content):
         if field is Field.DEPTH:
-            near, far = self.settings.near_m, self.settings.far_m
+            near, far = self.session.settings.near_m, self.session.settings.far_m
             return (np.frombuffer(content, np.float32) * np.float32((far - near) / far)).tobytes()
         if field is not Field.METADATA:
             return content

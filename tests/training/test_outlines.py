@@ -3,7 +3,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.training.outlines import LEAST_PX, labels, outline
+from ovman.training.outlines import MIN_MASK_PX, labels, outline
 
 SIDE = 60
 
@@ -39,7 +39,7 @@ def test_labels_are_one_line_for_each_large_instance_in_fractions_of_the_picture
     ids = np.full((SIDE, SIDE), -1)
     ids[5:25, 5:25], ids[30:34, 30:34], ids[40:55, 10:50] = 0, 1, 2
     lines = labels(ids)
-    assert LEAST_PX > 4 * 4 and len(lines) == 2
+    assert MIN_MASK_PX > 4 * 4 and len(lines) == 2
     for line in lines:
         cls, *points = line.split()
         assert cls == "0" and len(points) % 2 == 0 and all(0 <= float(p) <= 1 for p in points)

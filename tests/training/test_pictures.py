@@ -6,9 +6,9 @@ import pytest
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.training.crops import Crops, true_crops
+from ovman.training.picture_files import read, recorded
 from ovman.training.pictures import VIEWS_A_DRAW, pictures
-from ovman.training.record import write
-from ovman.training.recorded import read, recorded
+from ovman.training.recording import write
 from ovman.workflow.seeds import generator
 
 COUNT = VIEWS_A_DRAW + 2

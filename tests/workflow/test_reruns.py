@@ -54,6 +54,8 @@ OF_ARMS = {"static": "predictions", "embodied": "executions"}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
+    **{f"benchmark.split.{relation}": 0 for relation in ("moved", "former", "moving", "stable", "appeared", "removed")},
+    "primitives.turn_deg": 20.0,
     "success.sweep_deg": [0, 30],
     "perception.device": "cuda",
     "perception.trust_pickles": True,
@@ -106,7 +108,7 @@ def kinds() -> list[list[str]]:
     """Constants that rerun the same stages, together; without those that say which files or arms there are."""
     found: dict[frozenset[str], list[str]] = {}
     for name in VALUES:
-        if name not in ("benchmark.scenes", "evaluation.seeds") and not name.startswith("released."):
+        if name not in ("benchmark.scenes", "evaluation.seeds"):
             found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
     return list(found.values())
 

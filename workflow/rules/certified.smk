@@ -8,7 +8,6 @@ rule certified:
         "logs/certified/{scene}.log",
     benchmark:
         "benchmarks/certified/{scene}.tsv"
-    retries: 2
     resources:
         gpu=GPU,
     params:

@@ -13,9 +13,10 @@ rule executions:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
-    retries: 2
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
+    wildcard_constraints:
+        arm=OF_NO_PLUGIN,
     params:
         constants=stage_of_arm("executions"),
     script:

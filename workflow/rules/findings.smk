@@ -22,8 +22,8 @@ rule findings:
     input:
         metrics=expand("results/metrics/{name}.csv", name=READ),
         paper=os.path.join(REPORT, "paper.yaml"),
-        explanations=os.path.join(REPORT, "findings", "explanations.yaml"),
-        template=os.path.join(REPORT, "findings", "page.md.j2"),
+        explanations=os.path.join(REPORT, "paper_comparison", "explanations.yaml"),
+        template=os.path.join(REPORT, "paper_comparison", "page.md.j2"),
     output:
         page="results/results.md",
         budget="results/figures/budget.png",

@@ -12,7 +12,6 @@ rule pictures:
         "logs/pictures/{scene}.log",
     benchmark:
         "benchmarks/pictures/{scene}.tsv"
-    retries: 2
     resources:
         gpu=GPU,
     params:

@@ -14,6 +14,8 @@ rule predictions:
         "benchmarks/predictions/{arm}.tsv"
     resources:
         gpu=network_gpu,
+    wildcard_constraints:
+        arm=OF_NO_PLUGIN,
     params:
         constants=stage_of_arm("predictions"),
     script:

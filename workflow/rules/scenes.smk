@@ -8,7 +8,6 @@ rule scenes:
         "logs/scenes/{scene}.log",
     benchmark:
         "benchmarks/scenes/{scene}.tsv"
-    retries: 2
     resources:
         gpu=GPU,
     params:

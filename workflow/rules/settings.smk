@@ -8,8 +8,9 @@ sys.path.insert(0, str(workflow.basedir))
 from ovman.models.settings import Kind, Need, named, of_kind, arms_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
+from ovman.workflow.plugins import plugins_of
 from ovman.perception.weights import located
-from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare
+from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare, print_deaths
 
 prepare(workflow)
 overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
@@ -27,6 +28,9 @@ SEEDS = settings.evaluation.seeds
 ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
+PLUGINS = plugins_of(settings)
+# The rules `predictions` and `executions` make the records of these arms; rules of plug-ins make the others'.
+OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
 # Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow.snakefile), and a job holds it (ovman.workflow.job).
 GPU = int(settings.benchmark.backend == "thor")
 # And these, for networks.

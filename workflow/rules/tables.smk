@@ -23,7 +23,7 @@ SHOWN = [
 rule tables:
     input:
         metrics=expand("results/metrics/{name}.csv", name=SHOWN),
-        released=expand("results/released/{system}.json", system=RELEASED),
+        notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS if arm.made_by)),
     output:
         tables=directory("results/tables"),
     log:

@@ -12,7 +12,6 @@ rule trials:
         "logs/trials/{scene}.log",
     benchmark:
         "benchmarks/trials/{scene}.tsv"
-    retries: 2
     resources:
         gpu=GPU,
     params:

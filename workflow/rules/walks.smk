@@ -12,7 +12,6 @@ rule walks:
         "logs/walks/{scene}.log",
     benchmark:
         "benchmarks/walks/{scene}.tsv"
-    retries: 2
     resources:
         gpu=max(GPU, NETWORK_GPU),
     params:

@@ -1,7 +1,7 @@
 """Stage `pictures`: views of a floor plan that the benchmark does not use."""
 
-from ovman.training import record
+from ovman.training import recording
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    record.run(work.scene, work.constants, work.output("pictures"))
+    recording.run(work.scene, work.constants, work.output("pictures"))

@@ -7,7 +7,6 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.frontiers import frontier_targets
 from ovman.agents.cow.odometry import Pose, failed
 from ovman.agents.cow.paths import Paths
@@ -17,6 +16,8 @@ from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
 from ovman.agents.interface import Action, Observation, Visit
 from ovman.evaluation.context import Given
+from ovman.models.settings.baselines import Cow
+from ovman.models.settings.benchmark import Primitives
 from ovman.task import Query
 
 
@@ -28,14 +29,14 @@ class Mode(StrEnum):
     EXPLOIT = "exploit"
 
 
-class Cow:
+class CowAgent:
     """CoW's agent for one episode. Of an observation it uses the RGB and depth images and the lens, and nothing else.
 
     It has no memory of another visit and no use for the relation: tours are not looked at. Deterministic.
     """
 
-    def __init__(self, localiser: Localiser, constants: CowConstants) -> None:
-        self._localiser, self._constants = localiser, constants
+    def __init__(self, localiser: Localiser, constants: Cow, primitives: Primitives) -> None:
+        self._localiser, self._constants, self._primitives = localiser, constants, primitives
         self._begin()
 
     def familiarise(self, visit: Visit) -> None:
@@ -87,7 +88,7 @@ class Cow:
             if failed(self._depth, depth, self._constants.unchanged_depth_m):
                 self._failed = self._last
             else:
-                self.pose = self.pose.after(self._last, self._constants.step_m, self._constants.turn_deg)
+                self.pose = self.pose.after(self._last, self._primitives.step_m, self._primitives.turn_deg)
         self._depth = depth
 
     def _decide(self, seen: Scan) -> Action:
@@ -132,7 +133,7 @@ class Cow:
             if proxy is None:
                 return (Action.STOP,)
             if self._away(region) < self._constants.stop_voxels:
-                return (*facing(self.pose, region, self._constants), Action.STOP)
+                return (*facing(self.pose, region, self._constants, self._primitives), Action.STOP)
             if (way := paths.to(proxy)) is not None:
                 return self._follow(way)
         targets = frontier_targets(self.map, self.cell, self._constants)
@@ -146,7 +147,7 @@ class Cow:
         return turns(1) if waypoint is None else self._steered(waypoint)
 
     def _steered(self, waypoint: Cell) -> tuple[Action, ...]:
-        return steered(self.map, self.pose, waypoint, self._constants, self._failed) or ()
+        return steered(self.map, self.pose, waypoint, self._constants, self._primitives, self._failed) or ()
 
     def _away(self, cell: Cell) -> float:
         """Distance to a cell in voxels."""
@@ -176,6 +177,7 @@ class Cow:
         return self._proxies[region]
 
 
-def agent(given: Given) -> Cow:
+def agent(given: Given) -> CowAgent:
     """The arm `cow`: needs the networks, and of the constants cow.*, locobot.* and section perception."""
-    return Cow(localiser(given.constants, *given.sight()), CowConstants.of(given.constants))
+    constants = given.constants
+    return CowAgent(localiser(constants, *given.sight()), constants.cow, constants.primitives)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.voxel_map import EIGHT, Cell, State, VoxelMap
+from ovman.models.settings.baselines import Cow
 
 
-def frontier_targets(known: VoxelMap, agent: Cell, constants: CowConstants) -> list[Cell]:
+def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]:
     """One cell for each stretch of frontier, the nearest to the agent first.
 
     Frontier cells without a free neighbour among the eight around them do not count, and fewer than `frontier_cells` of them are

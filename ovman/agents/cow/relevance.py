@@ -7,10 +7,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.models.settings import Settings
+from ovman.models.settings.baselines import Cow
 from ovman.perception.crop import crop
 
 PROMPT = "a photo of a {}"
@@ -57,14 +57,14 @@ def prompt(category: str) -> str:
 class OpenVocabularyLocaliser:
     """The reference agent's networks in the place of OWL-ViT: class-agnostic instances, their crops compared to the prompt.
 
-    smallest: share of the image that a mask covers at least; crop_padding: of the longer side of a mask's box.
+    min_mask_share: share of the image that a mask covers at least; crop_padding: of the longer side of a mask's box.
     """
 
     def __init__(
-        self, detector: Segmenter, encoder: Embedder, constants: CowConstants, smallest: float, crop_padding: float
+        self, detector: Segmenter, encoder: Embedder, constants: Cow, min_mask_share: float, crop_padding: float
     ) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
-        self._smallest, self._crop_padding = smallest, crop_padding
+        self._min_mask_share, self._crop_padding = min_mask_share, crop_padding
         self._text = np.zeros(0, np.float32)
 
     def look_for(self, category: str) -> None:
@@ -94,7 +94,7 @@ class OpenVocabularyLocaliser:
         A box is top, left, bottom, right in pixels, the latter two outside.
         """
         (seen,) = self._detector.detect([rgb])
-        masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._smallest * rgb.shape[0] * rgb.shape[1]]
+        masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._min_mask_share * rgb.shape[0] * rgb.shape[1]]
         if not len(masks):
             return np.zeros((0, 4)), np.zeros((0, len(self._text)), np.float32)
         crops = [crop(rgb, mask, self._crop_padding, self._encoder.side_px) for mask in masks]
@@ -109,9 +109,9 @@ def localiser(constants: Settings, detector: Any, encoder: Any) -> OpenVocabular
     for category in SYNONYMS:  # the encoder keeps what it has read: the job that loads its text tower loads it for all
         encoder.texts([prompt(category)])
     camera, perception = constants.camera, constants.perception
-    smallest = perception.detector.minimum_mask_px / (camera.width_px * camera.height_px)
+    min_mask_share = perception.detector.min_mask_px / (camera.width_px * camera.height_px)
     of_frames = detector.at(constants.locobot.side_px)
-    return OpenVocabularyLocaliser(of_frames, encoder, CowConstants.of(constants), smallest, perception.encoder.crop_padding)
+    return OpenVocabularyLocaliser(of_frames, encoder, constants.cow, min_mask_share, perception.encoder.crop_padding)
 
 
 def _box(mask: np.ndarray) -> np.ndarray:

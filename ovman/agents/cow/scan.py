@@ -8,8 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.odometry import Pose
+from ovman.models.settings.baselines import Cow
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ def square(image: np.ndarray, side_px: int) -> np.ndarray:
     return image[rows.astype(int)[:, None], columns.astype(int)]
 
 
-def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg: float, constants: CowConstants) -> Scan:
+def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg: float, constants: Cow) -> Scan:
     """The points of a depth image (S, S), metres along the optical axis, with the relevance (S, S) of its pixels.
 
     What is nearer than the camera sees, and what is above the ceiling, does not count.

@@ -5,10 +5,11 @@ from __future__ import annotations
 import heapq
 import math
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.odometry import Pose
 from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
 from ovman.agents.interface import Action
+from ovman.models.settings.baselines import Cow
+from ovman.models.settings.benchmark import Primitives
 
 
 def turns(by: int) -> tuple[Action, ...]:
@@ -22,7 +23,7 @@ def headings(count: int) -> tuple[int, ...]:
 
 
 def steered(
-    known: VoxelMap, pose: Pose, goal: Cell, constants: CowConstants, forbidden: Action | None = None
+    known: VoxelMap, pose: Pose, goal: Cell, constants: Cow, primitives: Primitives, forbidden: Action | None = None
 ) -> tuple[Action, ...] | None:
     """Actions, at least one, that lead to within `waypoint_voxels` of a goal; None where the search finds none.
 
@@ -40,19 +41,20 @@ def steered(
 
     waiting: list[tuple[float, int, Pose, tuple[Action, ...]]] = [(away(pose), 0, pose, ())]
     entered, made = {rounded(pose)}, 0
+    ways = headings(round(360.0 / primitives.turn_deg))
     for _ in range(constants.expansions):
         if not waiting:
             return None
         distance, _, at, actions = heapq.heappop(waiting)
         if actions and distance <= constants.waypoint_voxels:
             return actions
-        for by in headings(constants.headings):
+        for by in ways:
             macro = (*turns(by), Action.MOVE_AHEAD)
             if not actions and macro[0] is forbidden:
                 continue
             after = at
             for action in macro:
-                after = after.after(action, constants.step_m, constants.turn_deg)
+                after = after.after(action, primitives.step_m, primitives.turn_deg)
             cell = rounded(after)
             if cell in entered or known.at(cell) is State.OCCUPIED:
                 continue
@@ -62,12 +64,12 @@ def steered(
     return None
 
 
-def facing(pose: Pose, target: Cell, constants: CowConstants) -> tuple[Action, ...]:
+def facing(pose: Pose, target: Cell, constants: Cow, primitives: Primitives) -> tuple[Action, ...]:
     """The turns to the heading that looks at a cell best."""
     dx, dz = target[0] * constants.voxel_m - pose.x, target[1] * constants.voxel_m - pose.z
     bearing = math.degrees(math.atan2(dx, dz))
 
     def off(by: int) -> float:
-        return abs((bearing - (pose.yaw_deg - by * constants.turn_deg) + 180.0) % 360.0 - 180.0)
+        return abs((bearing - (pose.yaw_deg - by * primitives.turn_deg) + 180.0) % 360.0 - 180.0)
 
-    return turns(min(headings(constants.headings), key=lambda by: (round(off(by), 6), abs(by))))
+    return turns(min(headings(round(360.0 / primitives.turn_deg)), key=lambda by: (round(off(by), 6), abs(by))))

@@ -10,8 +10,8 @@ from enum import IntEnum
 import numpy as np
 from scipy import ndimage
 
-from ovman.agents.cow.constants import CowConstants
 from ovman.agents.cow.scan import Scan
+from ovman.models.settings.baselines import Cow
 
 Cell = tuple[int, int]
 
@@ -36,7 +36,7 @@ class VoxelMap:
     of them was found.
     """
 
-    def __init__(self, constants: CowConstants) -> None:
+    def __init__(self, constants: Cow) -> None:
         self._constants = constants
         self._origin = np.full(2, -BLOCK // 2)
         self._state = np.zeros((BLOCK, BLOCK), np.uint8)

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ovman.agents.dualmap.cloud import FLOOR, UP, area, shared_area
-from ovman.agents.dualmap.constants import GlobalConstants
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import Departure
 from ovman.agents.dualmap.map_object import MapObject
+from ovman.models.settings.baselines import DualmapGlobal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +76,7 @@ class Anchor:
 class GlobalMap:
     """Anchors in the order that they came in, after those of an earlier visit if there are any."""
 
-    def __init__(self, voxel_m: float, constants: GlobalConstants, preloaded: Iterable[Anchor] = ()) -> None:
+    def __init__(self, voxel_m: float, constants: DualmapGlobal, preloaded: Iterable[Anchor] = ()) -> None:
         self.anchors: list[Anchor] = list(preloaded)
         self._voxel_m, self._constants = voxel_m, constants
 

@@ -12,7 +12,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.agents.dualmap.constants import LifeConstants
+from ovman.models.settings.baselines import DualmapLife
 
 
 class Phase(StrEnum):
@@ -35,7 +35,7 @@ class Stage:
     frames: int = 0
 
 
-def advanced(stage: Stage, missed: int, stable: bool, constants: LifeConstants) -> Stage:
+def advanced(stage: Stage, missed: int, stable: bool, constants: DualmapLife) -> Stage:
     """The stage of an object after a keyframe.
 
     missed: keyframes since it was last seen, 0 where this one shows it; stable: as ``is_stable`` has it.
@@ -52,7 +52,12 @@ def advanced(stage: Stage, missed: int, stable: bool, constants: LifeConstants) 
     return Stage(stage.phase, frames)
 
 
-def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: LifeConstants) -> bool:
+def flush_frames(constants: DualmapLife) -> int:
+    """Number of empty keyframes after which every object has settled or gone."""
+    return constants.window + max(constants.pending, constants.waiting) + 1
+
+
+def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: DualmapLife) -> bool:
     """Whether an object was observed often enough, and as what it is.
 
     classes, confidences: of its observations in their order; kinds: how many classes there are.
@@ -63,7 +68,7 @@ def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, 
     return most * constants.majority_one_in > len(classes) or converged(classes, confidences, kinds, constants)
 
 
-def converged(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: LifeConstants) -> bool:
+def converged(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: DualmapLife) -> bool:
     """Whether a Bayes filter over an object's class has come to rest.
 
     Each observation has the likelihood of its confidence for its own class, and the rest shared out equally among the others;

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.agents.dualmap.cloud import box_iou
-from ovman.agents.dualmap.constants import GlobalConstants, LocalConstants
-from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, is_stable
+from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, flush_frames, is_stable
 from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
 from ovman.agents.dualmap.relation import lies_on
+from ovman.models.settings.baselines import DualmapGlobal, DualmapLocal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,9 +35,9 @@ class LocalMap:
     def __init__(
         self,
         kinds: int,
-        constants: LocalConstants,
+        constants: DualmapLocal,
         draws: np.random.Generator,
-        handing_on: GlobalConstants | None = None,
+        handing_on: DualmapGlobal | None = None,
         unknown: int | None = None,
     ) -> None:
         self.objects: list[MapObject] = []
@@ -71,7 +71,7 @@ class LocalMap:
 
     def flush(self) -> None:
         """Empty keyframes until nothing is undecided: what is unstable goes."""
-        for _ in range(self._constants.life.flush):
+        for _ in range(flush_frames(self._constants.life)):
             self.observe(())
 
     def _uid(self) -> int:
@@ -104,7 +104,7 @@ class LocalMap:
         classes, confidences = [s.class_id for s in thing.seen], [s.confidence for s in thing.seen]
         return is_stable(classes, confidences, self._kinds, self._constants.life)
 
-    def _hand_on(self, constants: GlobalConstants) -> None:
+    def _hand_on(self, constants: DualmapGlobal) -> None:
         """Settled furniture departs with what is on it; what else has settled and is on nothing is dropped."""
         leaving: set[int] = set()
         for thing in self.objects:
@@ -125,7 +125,7 @@ class LocalMap:
 _FRESH = Stage()
 
 
-def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: LocalConstants) -> list[int | None]:
+def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: DualmapLocal) -> list[int | None]:
     """For each observation the index of the object that it is one of, None for something new.
 
     The similarity is spatial, the fraction of the observation's points near the object's cloud (0 where their boxes hardly
@@ -141,7 +141,7 @@ def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: Local
     ]
 
 
-def _match(one: Seen, objects: Sequence[tuple[int, MapObject]], constants: LocalConstants) -> int | None:
+def _match(one: Seen, objects: Sequence[tuple[int, MapObject]], constants: DualmapLocal) -> int | None:
     possible = []
     for j, thing in objects:
         visual = float(one.feature @ thing.feature)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ovman.agents.dualmap.cloud import FLOOR, Cloud
-from ovman.agents.dualmap.constants import LocalConstants
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.life_cycle import Stage
 from ovman.agents.dualmap.observation import Observation
+from ovman.models.settings.baselines import DualmapLocal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,7 +53,7 @@ class MapObject:
     stage: Stage = field(default_factory=Stage)
 
     @staticmethod
-    def of(uid: int, seen: Sequence[Seen], frames: Sequence[int], constants: LocalConstants) -> MapObject:
+    def of(uid: int, seen: Sequence[Seen], frames: Sequence[int], constants: DualmapLocal) -> MapObject:
         """The object that these observations make, in their order."""
         first = seen[0]
         made = MapObject(uid, [first], [frames[0]], [first.cloud], first.feature.copy(), first.cloud.box)
@@ -66,7 +66,7 @@ class MapObject:
         seen, frames, parts = list(self.seen), list(self.frames), list(self.parts)
         return MapObject(self.uid, seen, frames, parts, self.total.copy(), self.box, self.stage)
 
-    def add(self, seen: Seen, frame: int, constants: LocalConstants) -> None:
+    def add(self, seen: Seen, frame: int, constants: DualmapLocal) -> None:
         """Append an observation's cloud, thinning at every `thin_every`-th, and its share of the running mean of the features."""
         self.seen.append(seen)
         self.frames.append(frame)
@@ -138,7 +138,7 @@ def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:
     return a, b, count
 
 
-def parted(whole: MapObject, a: int, b: int, uid: int, constants: LocalConstants) -> tuple[MapObject, MapObject]:
+def parted(whole: MapObject, a: int, b: int, uid: int, constants: DualmapLocal) -> tuple[MapObject, MapObject]:
     """An object as the two that its classes a and b say it is. The commoner keeps the name and what was seen as a third class."""
     counts = Counter(seen.class_id for seen in whole.seen)
     lesser = a if counts[a] < counts[b] else b

@@ -12,9 +12,9 @@ import numpy as np
 from ovman.agents.dualmap.global_map import Anchor
 from ovman.agents.dualmap.map_object import MapObject
 from ovman.agents.reference.object_map import ObjectMap
-from ovman.perception.records import RecordError, read_arrays, write_arrays
+from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 
-SCHEMA = "ovman-dualmap/1"
+SCHEMA = "ovman-dualmap/2"
 
 Pair = tuple[str, str]
 """The names of a first and of a second visit."""
@@ -116,11 +116,11 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
 
 
 def read(path: Path) -> tuple[RunMaps, ...]:
-    """The maps of all runs of a scene. RecordError for a file that is none of them."""
+    """The maps of all runs of a scene. ArrayFileError for a file that is none of them."""
     try:
         arrays = read_arrays(path, SCHEMA)
     except FileNotFoundError:
-        raise RecordError(f"{path} is not there; make the stage dualmap") from None
+        raise ArrayFileError(f"{path} is not there; make the stage dualmap") from None
     rows = zip(
         arrays["position"],
         arrays["feature"],

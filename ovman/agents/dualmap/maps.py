@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
@@ -36,7 +35,7 @@ def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[P
         return seeds.generator(constants.benchmark.seed, "dualmap", scene, *visits, number)
 
     kinds, unknown = next(((walk.kinds, walk.unknown) for walk in walks.values()), (0, None))
-    run = Run(number, kinds, MapConstants.of(constants.dualmap, unknown), draws)
+    run = Run(number, kinds, constants.dualmap, draws, unknown)
     keyframes = {name: walk.frames for name, walk in walks.items()}
     return run.read(Maintained(constants.dualmap.maintained), keyframes, pairs)
 

@@ -2,19 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-
-@dataclass(frozen=True, slots=True)
-class MaskConstants:
-    """same_iou: two masks above it are one; colour_bins: of a channel, in a mask's histogram; same_colours: cosine of two masks'
-    histograms above which they are one where they overlap."""
-
-    same_iou: float
-    colour_bins: int
-    same_colours: float
+from ovman.models.settings.baselines import DualmapObservation
 
 
 def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
@@ -25,16 +15,16 @@ def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
 
 
 def filtered(
-    masks: np.ndarray, rgb: np.ndarray, least_px: float, constants: MaskConstants
+    masks: np.ndarray, rgb: np.ndarray, min_mask_px: float, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The masks that are observed, of masks (N, H, W) bool in a picture rgb (H, W, 3).
 
     Returns which of the N they are (M,), the masks (M, H, W) bool, disjoint, and the same before anything was subtracted. Masks
-    below least_px pixels go; of two that are the same the larger stays; one that overlaps a larger one of the same colours is
-    merged into it; what still overlaps is the smaller one's; what that leaves below least_px goes.
+    below min_mask_px pixels go; of two that are the same the larger stays; one that overlaps a larger one of the same colours is
+    merged into it; what still overlaps is the smaller one's; what that leaves below min_mask_px goes.
     """
     sizes = np.array([np.count_nonzero(mask) for mask in masks], np.int64)
-    kept = np.flatnonzero(sizes >= max(least_px, 1))
+    kept = np.flatnonzero(sizes >= max(min_mask_px, 1))
     kept = kept[np.argsort(-sizes[kept], kind="stable")]
     masks, sizes = masks[kept], sizes[kept]
     flat = masks.reshape(len(masks), int(np.prod(masks.shape[1:])))
@@ -47,7 +37,7 @@ def filtered(
     for mask in own[::-1]:
         mask &= ~taken
         taken |= mask
-    enough = np.array([np.count_nonzero(mask) for mask in own], np.int64) >= max(least_px, 1)
+    enough = np.array([np.count_nonzero(mask) for mask in own], np.int64) >= max(min_mask_px, 1)
     return kept[enough], own[enough].reshape(-1, *masks.shape[1:]), whole[enough]
 
 
@@ -78,7 +68,7 @@ def _first_of_same(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np
 
 
 def _merged(
-    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: MaskConstants
+    flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray]:
     """Masks (N, H * W), the largest first, without those that were merged into a larger one; and which of them they are."""
     meet = np.argwhere(np.triu(shared > 0, 1)).tolist()

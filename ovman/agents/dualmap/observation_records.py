@@ -15,9 +15,9 @@ import numpy as np
 
 from ovman.agents.dualmap.observation import Observation
 from ovman.agents.dualmap.shot import Seen, Shot
-from ovman.perception.records import read_arrays, write_arrays
+from ovman.perception.array_file import read_arrays, write_arrays
 
-WALKS = "ovman-walks/1"
+WALKS = "ovman-walks/2"
 MILLIMETRES = 1000.0
 REACH_M = np.iinfo(np.int16).max / MILLIMETRES
 SLICE_MM = 50
@@ -127,7 +127,7 @@ def write_walks(
 
 
 def read_walks(path: Path) -> dict[str, Walk]:
-    """The walks of a scene by their visits' names. RecordError for a file that is none of walks."""
+    """The walks of a scene by their visits' names. ArrayFileError for a file that is none of walks."""
     arrays = read_arrays(path, WALKS)
     low, names = arrays["low_mobility"].tolist(), tuple(arrays["names"].tolist())
     shots = [[(one, one.box) for one in shot.seen] for shot in unpacked(arrays)]

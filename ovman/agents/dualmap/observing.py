@@ -10,9 +10,9 @@ import numpy as np
 
 from ovman.agents.dualmap.classes import Classes, TextEmbedder
 from ovman.agents.dualmap.dbscan import largest_cluster
-from ovman.agents.dualmap.masks import MaskConstants, filtered
+from ovman.agents.dualmap.masks import filtered
 from ovman.agents.dualmap.shot import Seen, Shot
-from ovman.models.settings import Settings
+from ovman.models.settings.baselines import DualmapObservation
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.crop import squared
 from ovman.perception.tour import Embedder, Segmenter, Segments
@@ -41,9 +41,8 @@ class Observer:
     more of its pixels are drawn, and the border of a crop is narrower, so that the same things give the same clouds.
     """
 
-    def __init__(self, detector: Segmenter, encoder: Encoder, constants: Settings) -> None:
+    def __init__(self, detector: Segmenter, encoder: Encoder, constants: DualmapObservation) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
-        self._masks = MaskConstants(constants.same_iou, constants.colour_bins, constants.same_colours)
         self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)
 
     def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
@@ -65,7 +64,7 @@ class Observer:
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
         objects = []
         for which, own, whole in zip(
-            *filtered(segments.masks, frame.rgb, self._constants.least_px * scale, self._masks), strict=True
+            *filtered(segments.masks, frame.rgb, self._constants.min_mask_px * scale, self._constants), strict=True
         ):
             clouds = self._clouds(frame, own, share, runs)
             if all(map(len, clouds)):

@@ -16,12 +16,12 @@ from enum import StrEnum
 import numpy as np
 
 from ovman.agents.dualmap.cloud import Cloud
-from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.global_map import Anchor, GlobalMap
 from ovman.agents.dualmap.local_map import Departure, LocalMap
 from ovman.agents.dualmap.map_object import Seen
 from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps
 from ovman.agents.dualmap.observation import Observation
+from ovman.models.settings.baselines import Dualmap
 
 Keyframes = Sequence[Sequence[Observation]]
 Looks = Sequence[Sequence[Seen]]
@@ -39,12 +39,17 @@ class Maintained(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run of DualMap. number: which of the observations' clouds are its own; kinds: how many classes there are."""
+    """One run of DualMap.
+
+    number: index of the run's clouds in every observation; kinds: number of classes; unknown: the class of what no name fits,
+    which becomes no anchor, or None; constants: owns local_map and global_map; draws: as `Draws`.
+    """
 
     number: int
     kinds: int
-    constants: MapConstants
+    constants: Dualmap
     draws: Draws
+    unknown: int | None = None
 
     def read(self, maintained: Maintained, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
         """The maps of the visits in `walks`, by name, and of the pairs of them."""
@@ -96,7 +101,7 @@ class Run:
 
     def _local(self, draws: np.random.Generator, handing_on: bool) -> LocalMap:
         constants = self.constants
-        return LocalMap(self.kinds, constants.local, draws, constants.anchors if handing_on else None, constants.unknown)
+        return LocalMap(self.kinds, constants.local_map, draws, constants.global_map if handing_on else None, self.unknown)
 
     def _seen(self, local: LocalMap, keyframes: Looks) -> LocalMap:
         for seen in keyframes:
@@ -105,7 +110,7 @@ class Run:
 
     def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = ()) -> list[Anchor]:
         """The anchors of a visit in the order in which they are saved, after those that were there before it."""
-        found = GlobalMap(self.constants.local.voxel_m, self.constants.anchors, preloaded)
+        found = GlobalMap(self.constants.local_map.voxel_m, self.constants.global_map, preloaded)
         found.take(departures)
         return sorted(found.anchors, key=lambda anchor: anchor.uid)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ovman.agents.dualmap.cloud import UP, area, footprint, shared_area
-from ovman.agents.dualmap.constants import GlobalConstants
 from ovman.agents.dualmap.map_object import MapObject
+from ovman.models.settings.baselines import DualmapGlobal
 
 
 def major_plane(thing: MapObject, bin_m: float) -> float | None:
@@ -19,7 +19,7 @@ def major_plane(thing: MapObject, bin_m: float) -> float | None:
     return float((bins[counts.argmax()] + 0.5) * bin_m)
 
 
-def lies_on(upper: MapObject, lower: MapObject, constants: GlobalConstants) -> bool:
+def lies_on(upper: MapObject, lower: MapObject, constants: DualmapGlobal) -> bool:
     """Whether an object without a major plane lies on one that has one."""
     if upper.low_mobility or not lower.low_mobility:
         return False

@@ -22,7 +22,7 @@ from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
 from ovman.models.record import read_records
 from ovman.perception import networks
-from ovman.perception.records import RecordError, read_arrays, write_arrays
+from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.sim import walk
 from ovman.sim.change import Alteration, World
 from ovman.sim.embodiment import Embodiment
@@ -34,7 +34,7 @@ from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
 
-PART = "ovman-walk-part/1"
+PART = "ovman-walk-part/2"
 TOGETHER = 8
 """Frames that are looked at at a time."""
 
@@ -177,7 +177,7 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     """A walk that was kept, its shots put into the memory; None where there is none, or where what it builds on is gone."""
     try:
         arrays = read_arrays(part, PART)
-    except (FileNotFoundError, RecordError):
+    except (FileNotFoundError, ArrayFileError):
         return None
     contents = arrays["content"].tolist()
     shots = dict(zip(arrays["new"].tolist(), unpacked(arrays), strict=True))

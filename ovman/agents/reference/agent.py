@@ -83,7 +83,7 @@ class SingleVisitAgent(ReferenceAgent):
         self._goal = None
 
     def _decided(self, query: Query, phrase: np.ndarray) -> Answer | Abstention:
-        means = grounded(self._second.f, phrase, self._constants.band)
+        means = grounded(self._second.f, phrase, self._constants.similarity_margin)
         return picked(one_visit(query.relation, self._second, means, self._reachable)[0], self._rng)
 
 

@@ -23,13 +23,14 @@ def similarities(features: ArrayLike, noun: ArrayLike) -> np.ndarray:
     return (f * q).sum(axis=1)
 
 
-def grounded(features: ArrayLike, noun: ArrayLike, band: float) -> tuple[int, ...]:
-    """G_v: the sorted indices i of a map with s_i >= max_j s_j - band; none for an empty map.
+def grounded(features: ArrayLike, noun: ArrayLike, similarity_margin: float) -> tuple[int, ...]:
+    """G_v: the sorted indices i of a map with s_i >= max_j s_j - similarity_margin; none for an empty map.
 
-    features (N, K), noun (K,): unit vectors of one encoder; band: delta_g >= 0, without unit. A near-tie does not discard the
-    right instance. Raises ValueError as ``similarities`` does, and for a negative band. Source: the paper's grounding stage.
+    features (N, K), noun (K,): unit vectors of one encoder; similarity_margin: delta_g >= 0, without unit. A near-tie does not
+    discard the right instance. Raises ValueError as ``similarities`` does, and for a negative margin. Source: the paper's
+    grounding stage.
     """
-    if not band >= 0:
-        raise ValueError(f"band must be at least 0, not {band}")
+    if not similarity_margin >= 0:
+        raise ValueError(f"similarity_margin must be at least 0, not {similarity_margin}")
     s = similarities(features, noun)
-    return tuple(np.flatnonzero(s >= s.max() - band).tolist()) if len(s) else ()
+    return tuple(np.flatnonzero(s >= s.max() - similarity_margin).tolist()) if len(s) else ()

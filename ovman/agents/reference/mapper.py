@@ -40,20 +40,20 @@ class KeptMaps:
 class SeenMaps:
     """Maps that are made of whatever tour is seen: each of its frames goes through the networks.
 
-    detector, encoder: the networks (``ovman.perception.networks``); minimum_mask_px, crop_padding, radius_m: as in the sections
+    detector, encoder: the networks (``ovman.perception.networks``); min_mask_px, crop_padding, radius_m: as in the sections
     perception and maps of config.yaml.
     """
 
     detector: Segmenter
     encoder: Embedder
-    minimum_mask_px: int
+    min_mask_px: int
     crop_padding: float
     radius_m: float
 
     def __call__(self, visit: Visit) -> Sequence[Cluster]:
         """The clusters of the visit's map. ValueError for a visit without images."""
         views = [_view(observation) for observation in visit.observations]
-        return mapped(detections(views, self.detector, self.encoder, self.minimum_mask_px, self.crop_padding), self.radius_m)
+        return mapped(detections(views, self.detector, self.encoder, self.min_mask_px, self.crop_padding), self.radius_m)
 
 
 def _view(observation: Observation) -> View:

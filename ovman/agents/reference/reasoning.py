@@ -33,16 +33,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class ReferenceConstants:
-    """band: delta_g of the grounding; association: gamma and lambda; decision: tau."""
+    """similarity_margin: delta_g of the grounding; association: gamma and lambda; decision: tau."""
 
-    band: float
+    similarity_margin: float
     association: AssociationConstants
     decision: DecisionConstants
 
     @staticmethod
     def of(constants: Settings) -> ReferenceConstants:
         """Those of config.yaml; `constants` must own grounding.*, association.* and admissibility.tau_m."""
-        return ReferenceConstants(constants.grounding.band, AssociationConstants.of(constants), DecisionConstants.of(constants))
+        return ReferenceConstants(
+            constants.grounding.similarity_margin, AssociationConstants.of(constants), DecisionConstants.of(constants)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,7 +105,7 @@ def two_visits_asked(
     relation: Relation, map_1: ObjectMap, map_2: ObjectMap, phrase: np.ndarray, constants: ReferenceConstants
 ) -> tuple[Answer | Abstention, Evidence]:
     """``two_visits``, with what the noun phrase of this unit embedding (K,) means by the features of the maps."""
-    means = [grounded(objects.f, phrase, constants.band) for objects in (map_1, map_2)]
+    means = [grounded(objects.f, phrase, constants.similarity_margin) for objects in (map_1, map_2)]
     return two_visits(relation, map_1, map_2, *means, constants)
 
 
@@ -117,7 +119,7 @@ def means_of(query: Query, recorded: Recorded, which: str, objects: ObjectMap) -
     """Which objects of a map of the visit `which` the query's noun means: by their features, or as it is handed over."""
     if recorded.grounding is Source.HANDED:
         return recorded.true_objects(which, objects.p)
-    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.band)
+    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.similarity_margin)
 
 
 def one_visit(

@@ -71,8 +71,8 @@ class Arm(Section):
     expected: bool = Field(False, description="its static success is the expectation over a stochastic pick")
     runs: Some = Field(1, description="runs of a static arm over all episodes; its rates are their means")
     embodiment: Literal["default", "locobot"] = Field("default", description="body and camera of an embodied arm")
-    released: Literal["cow", "dualmap"] | None = Field(
-        None, description="the released system that it is; the arm is left out while section released names no clone of it"
+    made_by: str | None = Field(
+        None, description="the plug-in whose rules make its records; they may be empty, and a note in the tables then says why"
     )
     any_instance: bool = Field(False, description="its own task is to reach any instance; it is judged on that, too")
     budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")

@@ -1,4 +1,4 @@
-"""The baselines: CoW and DualMap, written again and as their authors released them."""
+"""The baselines CoW and DualMap, reimplemented."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ovman.models.settings.values import Commit, Count, Fraction, Metres, Probability, Section, Some, Voxels, Whole
+from ovman.models.settings.values import Count, Fraction, Metres, Probability, Section, Some, Voxels, Whole
 
 
 class Locobot(Section):
@@ -17,7 +17,7 @@ class Locobot(Section):
 
 
 class Cow(Section):
-    """The constants of CoW."""
+    """CoW (Gadre et al., CVPR 2023). Lengths are metres unless the name says voxels."""
 
     similarity: Annotated[float, Field(ge=-1, le=1)] = Field(description="cosine from which an instance is the category")
     centre_only: bool = Field(description="whether the centre of a box alone is relevant, or all of it")
@@ -40,42 +40,46 @@ class Cow(Section):
 
 
 class DualmapLife(Section):
-    """How long an object of DualMap's local map lives."""
+    """Life of an object in DualMap's local map.
 
-    window: Some = Field(description="keyframes since it was seen during which it is being updated")
-    stable: Some = Field(description="observations of a stable object")
-    majority_one_in: Some = Field(description="more than one in so many observations are of its commonest class")
-    filter_probability: Probability = Field(description="greatest probability of a converged class filter")
-    filter_entropy: Annotated[float, Field(gt=0)] = Field(description="nats")
-    filter_change: Fraction = Field(description="of the greatest probability")
-    filter_span: Some = Field(description="observations over which it has changed by less")
+    A stable object has enough observations, and either a majority class or a converged Bayes filter over its class. After the
+    window an unstable object is removed and a stable one settles.
+    """
+
+    window: Some = Field(description="keyframes after the last observation during which an object is updated")
+    stable: Some = Field(description="fewest observations of a stable object")
+    majority_one_in: Some = Field(description="a majority class has more than one in so many observations")
+    filter_probability: Probability = Field(description="a converged filter's greatest probability is above this")
+    filter_entropy: Annotated[float, Field(gt=0)] = Field(description="a converged filter's entropy is below this, nats")
+    filter_change: Fraction = Field(description="a converged filter's greatest probability has changed by less")
+    filter_span: Some = Field(description="observations over which that change is taken")
     pending: Some = Field(description="keyframes after the window until an unstable object is removed")
     waiting: Some = Field(description="keyframes after the window until a stable object has settled")
 
 
 class DualmapLocal(Section):
-    """DualMap's local map."""
+    """DualMap's local (concrete) map: from observations of keyframes to objects."""
 
-    near_m: Metres = Field(description="metres between points that count as shared")
+    near_m: Metres = Field(description="metres; a point of an observation this near to an object's cloud is shared")
     least_iou: Annotated[float, Field(ge=0, lt=1)] = Field(description="of two 3-D boxes, below which nothing is shared")
     match: Annotated[float, Field(ge=1, lt=2)] = Field(
         description="shared fraction + cosine above which two are one; at least 1, so that looks alone match nothing"
     )
-    voxel_m: Metres = Field(description="metres, one point a voxel")
+    voxel_m: Metres = Field(description="metres; a thinned cloud has one point a voxel")
     thin_every: Annotated[Whole, Field(ge=2)] = Field(description="observations between two thinnings of a cloud")
-    split_frames: Some = Field(description="keyframes with two classes, above which an object is two")
-    split_window: Some = Field(description="keyframes that are looked back on")
+    split_frames: Some = Field(description="keyframes with the same two classes above which an object is split")
+    split_window: Some = Field(description="latest keyframes in which split_frames is counted")
     life: DualmapLife
 
 
 class DualmapGlobal(Section):
-    """DualMap's global map."""
+    """DualMap's global (abstract) map: anchors, and what lies on them."""
 
-    overlap: Fraction = Field(description="of the smaller footprint, above which two anchors are one")
-    plane_bin_m: Metres = Field(description="metres, bin of heights")
-    on_overlap: Fraction = Field(description="of the upper footprint over the lower, from which it is on it")
-    on_below_m: Annotated[float, Field(ge=0)] = Field(description="metres below the upper object's lowest point")
-    on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres above it")
+    overlap: Fraction = Field(description="shared fraction of the smaller footprint above which two anchors merge")
+    plane_bin_m: Metres = Field(description="metres, bin of heights; the commonest bin is an anchor's major plane")
+    on_overlap: Fraction = Field(description="least fraction of the upper footprint that lies over the lower one")
+    on_below_m: Annotated[float, Field(ge=0)] = Field(description="metres; farthest plane below the upper object's lowest point")
+    on_above_m: Annotated[float, Field(ge=0)] = Field(description="metres; farthest plane above that point")
 
 
 class DualmapWalk(Section):
@@ -86,14 +90,14 @@ class DualmapWalk(Section):
 
 
 class DualmapObservation(Section):
-    """What DualMap sees in a frame."""
+    """From a frame to DualMap's observations. Pixel counts are those of a frame of published_px and are scaled to others."""
 
     published_px: Some = Field(description="pixels of a frame that counts of pixels are stated for")
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
-    least_px: Some = Field(description="pixels, smallest mask")
-    same_iou: Fraction = Field(description="of two masks that are one")
-    colour_bins: Annotated[Whole, Field(ge=1, le=256)] = Field(description="bins of a channel")
-    same_colours: Fraction = Field(description="cosine of two masks' histograms above which they are one")
+    min_mask_px: Some = Field(description="pixels, smallest mask")
+    same_iou: Fraction = Field(description="IoU above which two masks are one")
+    colour_bins: Annotated[Whole, Field(ge=1, le=256)] = Field(description="bins of a channel in a mask's colour histogram")
+    same_colours: Fraction = Field(description="cosine of two overlapping masks' histograms above which they are one")
     border_px: Count = Field(description="pixels around a mask's box")
     image_weight: Fraction = Field(description="of the crop in a feature")
     text_weight: Annotated[float, Field(ge=0, le=1)] = Field(description="of the class name in a feature")
@@ -118,38 +122,3 @@ class Dualmap(Section):
     )
     local_map: DualmapLocal
     global_map: DualmapGlobal
-
-
-class Clone(Section):
-    """Released code, run from the user's clone."""
-
-    root: str = Field(description="folder of the clone; empty leaves the system out")
-    commit: Commit = Field(description="Git commit that the clone must be at")
-    python: str = Field(description="Python interpreter of the clone's own environment")
-    device: Literal["cpu", "cuda"] = Field(description="where its networks run")
-
-
-class ReleasedCow(Clone):
-    """CoW's released code."""
-
-    threshold: Annotated[float, Field(gt=0, lt=1)] = Field(description="relevance from which it takes a detection, as released")
-    budget: Some = Field(description="actions, as released")
-    processes: Some = Field(description="runners side by side, each with an agent of its own for a share of the episodes")
-
-
-class ReleasedDualmap(Clone):
-    """DualMap's released code."""
-
-    guard: Literal["first_only", "every_frame"] = Field(description="frames without a detection that are kept from breaking it")
-    maintained: Literal["concatenated_local", "concatenated_global", "preloaded_global"] = Field(
-        description="the map that is maintained through two visits; the maps of single visits are of its kind"
-    )
-    side_px: Annotated[Whole, Field(ge=480, le=4096)] = Field(description="pixels, side of a frame of the dense walks")
-    time_limit_s: Annotated[float, Field(gt=0)] = Field(description="seconds after which one run is ended")
-
-
-class Released(Section):
-    """The baselines as their authors released them."""
-
-    cow: ReleasedCow
-    dualmap: ReleasedDualmap

@@ -57,7 +57,7 @@ class Camera(Section):
 class Tour(Section):
     """A visit's tour."""
 
-    waypoints: Some = Field(description="W, farthest-point waypoints")
+    waypoints: Annotated[Some, Field(le=1000)] = Field(description="W, farthest-point waypoints")
     headings: Annotated[Whole, Field(ge=1, le=360)] = Field(description="views per waypoint")
 
 
@@ -93,7 +93,7 @@ class Candidates(Section):
 class Measurement(Section):
     """The loosest settings that a verdict may be re-derived for."""
 
-    mask_px: Some = Field(description="pixels")
+    min_mask_px: Some = Field(description="pixels")
     answer_to_navigable_m: Metres = Field(description="metres")
     visible_px: Some = Field(description="pixels")
 
@@ -102,7 +102,7 @@ class Admissibility(Section):
     """What makes a trial admissible and certified."""
 
     tau_m: Metres = Field(description="metres, tau")
-    minimum_mask_px: Some = Field(description="pixels")
+    min_mask_px: Some = Field(description="pixels")
     validity_radius_m: Metres = Field(description="metres")
     drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
@@ -136,7 +136,7 @@ class Maps(Section):
 class Grounding(Section):
     """Which map objects a noun means."""
 
-    band: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+    similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
 
 
 class SingleVisit(Section):

@@ -21,7 +21,7 @@ class DetectorNetwork(Section):
         description="pixels, side that pictures are scaled to"
     )
     confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
-    minimum_mask_px: Some = Field(description="pixels, smallest mask that is kept")
+    min_mask_px: Some = Field(description="pixels, smallest mask that is kept")
 
 
 class EncoderNetwork(Section):
@@ -48,8 +48,8 @@ class DetectorTraining(Section):
     epochs: Some = Field(description="passes over all pictures")
     further_epochs: Some = Field(description="passes after that, without mosaics")
     batch: Some = Field(description="pictures a step")
-    rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
-    further_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further passes")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further passes")
     weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
     look_every: Some = Field(description="steps between two looks at the held-out scenes")
     look_at_one_in: Some = Field(description="one in so many held-out pictures is looked at meanwhile")
@@ -63,8 +63,8 @@ class EncoderTraining(Section):
     steps: Some = Field(description="steps on the crops of true masks")
     further_steps: Some = Field(description="steps on the crops of true and of detected masks after that")
     batch: Some = Field(description="crops a step")
-    rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
-    further_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further steps")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further steps")
     weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
     look_every: Some = Field(description="steps between two looks at the held-out scenes")
 

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from pydantic import model_validator
+from pydantic import Field
 
 from ovman.models.settings.arms import Arms
-from ovman.models.settings.baselines import Cow, Dualmap, Locobot, Released
+from ovman.models.settings.baselines import Cow, Dualmap, Locobot
 from ovman.models.settings.benchmark import (
     Admissibility,
     Association,
@@ -29,7 +27,7 @@ from ovman.models.settings.values import Section
 
 
 class Settings(Section):
-    """All settings of config.yaml, by section."""
+    """All settings of config.yaml, by section. Each plug-in adds a section (`ovman.workflow.plugins`)."""
 
     benchmark: Benchmark
     camera: Camera
@@ -47,23 +45,8 @@ class Settings(Section):
     single_visit: SingleVisit
     evaluation: Evaluation
     dualmap: Dualmap
-    released: Released
     training: Training
     locobot: Locobot
     cow: Cow
+    plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")
     arms: Arms
-
-    @model_validator(mode="before")
-    @classmethod
-    def _without_clones(cls, tree: Any) -> Any:
-        """Arms of released systems of which no clone is named are left out."""
-
-        def named(entry: Any) -> bool:
-            here = tree.get("released")
-            for key in (entry.get("released") if isinstance(entry, dict) else None, "root"):
-                here = here.get(key) if isinstance(here, dict) and isinstance(key, str) else None
-            return here != ""
-
-        if not isinstance(tree, dict) or not isinstance(tree.get("arms"), dict):
-            return tree
-        return {**tree, "arms": {name: entry for name, entry in tree["arms"].items() if named(entry)}}

@@ -26,7 +26,6 @@ Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
 Listed = BeforeValidator(_sequence)
 """A list in YAML is a tuple here."""
-Commit = Annotated[str, Field(pattern=r"^[0-9a-f]{40}$")]
 
 
 class Section(BaseModel):

@@ -138,8 +138,7 @@ def of_positions(arm: Arm, trial: Mapping[str, Any], settings: Any) -> Reasoning
     """From the sightings that the arm was handed: every recorded instance of the category is an object, and all are grounded."""
     candidate, measured = trial["candidate"], trial["measured"]
     worlds = [
-        world_state(measured["sightings"][which], candidate["category"], settings.admissibility.minimum_mask_px)
-        for which in VISITS
+        world_state(measured["sightings"][which], candidate["category"], settings.admissibility.min_mask_px) for which in VISITS
     ]
     seen = [sorted(world.category(candidate["category"]), key=lambda k: (k.x, k.z)) for world in worlds]
     p = [np.array([(k.x, k.z) for k in instances], dtype=float).reshape(-1, 2) for instances in seen]
@@ -154,7 +153,7 @@ def of_positions(arm: Arm, trial: Mapping[str, Any], settings: Any) -> Reasoning
                 similarity=None,
                 grounded=True,
                 track=tuple(k.track),
-                views=_views(measured["sightings"][VISITS[v]], k.id, settings.admissibility.minimum_mask_px),
+                views=_views(measured["sightings"][VISITS[v]], k.id, settings.admissibility.min_mask_px),
                 nearest_m=nearest[v].get(i),
             )
             for i, k in enumerate(instances)
@@ -167,8 +166,8 @@ def of_positions(arm: Arm, trial: Mapping[str, Any], settings: Any) -> Reasoning
     )
 
 
-def _views(sightings: Sequence[Mapping[str, Any]], instance: str, minimum_px: int) -> tuple[int, ...]:
-    return tuple(seen["view"] for seen in sightings if seen["instance"] == instance and seen["px"] >= minimum_px)
+def _views(sightings: Sequence[Mapping[str, Any]], instance: str, min_mask_px: int) -> tuple[int, ...]:
+    return tuple(seen["view"] for seen in sightings if seen["instance"] == instance and seen["px"] >= min_mask_px)
 
 
 def _nearest(points: Sequence[Mapping[int, np.ndarray]]) -> list[dict[int, float]]:

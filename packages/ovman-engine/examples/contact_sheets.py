@@ -1,4 +1,4 @@
-"""Draws what the engine's objects and rooms look like: docs/engine/types.png and docs/engine/rooms.png.
+"""Draws what the engine's objects and rooms look like: docs/types.png and docs/rooms.png.
 
 python examples/contact_sheets.py [FOLDER]
 """
@@ -136,7 +136,7 @@ def rooms() -> Iterator[Image.Image]:
 
 
 def main() -> None:
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent / "docs" / "engine")
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parents[1] / "docs")
     folder.mkdir(parents=True, exist_ok=True)
     for name, sheet in (("types", types()), ("rooms", tiled(list(rooms()), 4))):
         sheet.quantize(COLOURS, dither=Image.Dither.NONE).save(folder / f"{name}.png", optimize=True)

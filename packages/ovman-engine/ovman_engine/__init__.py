@@ -1,4 +1,4 @@
-"""An engine that stands in for AI2-THOR's Unity build: no GPU, no display, the unmodified ai2thor Controller in front of it."""
+"""An engine that replaces AI2-THOR's Unity build: CPU only, no display, behind the unmodified ai2thor Controller."""
 
 import os
 import shlex
@@ -6,18 +6,18 @@ import sys
 
 __version__ = "0.5.0"
 DISPLAY = ":0"
-"""A display that nobody opens."""
+"""Display name for a client that asks for one. Nothing connects to it."""
 COMMAND = "OVMAN_ENGINE"
-"""Environment variable with the command line of the engine, for processes whose own Python has not what the engine needs."""
+"""Environment variable with the engine's command line, for clients whose own Python lacks the engine's packages."""
 MASKS_ONLY = "renderMasksOnly"
-"""Key that any action may carry: of the images of its event, only the instance masks are wanted. Colours are four fifths of what
-images take. AI2-THOR has no such key."""
+"""Key that any action may carry: of all images, its event then carries instance masks only. Colours take four fifths of the time
+of an image. AI2-THOR has no such key."""
 
 
 def executable() -> str:
-    """What to give the Controller as `local_executable_path`.
+    """The engine's command line: the value for the Controller's argument `local_executable_path`.
 
-    The client refuses to start anything while the environment names no DISPLAY; where there is none, this sets one.
+    The client starts nothing while the environment has no DISPLAY, so this function sets one if it is missing.
     """
     os.environ.setdefault("DISPLAY", DISPLAY)
     return os.environ.get(COMMAND) or f"{shlex.quote(sys.executable)} -m ovman_engine"

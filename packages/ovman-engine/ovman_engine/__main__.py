@@ -1,4 +1,4 @@
-"""The engine's process: `python -m ovman_engine`, started by the ai2thor Controller and driven over its FIFO protocol."""
+"""The engine's process, `python -m ovman_engine`: the ai2thor Controller starts it and drives it over its FIFO protocol."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ovman_engine.client.wire import ClientGone, Wire
 SERVER_PIPE, CLIENT_PIPE = "AI2THOR_FIFO_SERVER_PIPE_PATH", "AI2THOR_FIFO_CLIENT_PIPE_PATH"
 DEFAULT_SIZE = 300, 300
 WATCH_S = 0.5
-"""How often the engine looks whether the process that started it still lives."""
+"""Interval at which the engine checks that the process that started it is alive."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Serves one client until it goes. Returns the exit status: 0, or 2 if nobody started it as an engine.
+    """Serves one client until it stops. Returns the exit status: 0, or 2 if the environment names no pipes.
 
-    The options are those that the Controller gives a Unity player: -screen-width and -screen-height are heeded.
+    The options are those of a Unity player; -screen-width and -screen-height are used.
     """
     options = list(sys.argv[1:] if arguments is None else arguments)
     if SERVER_PIPE not in os.environ or CLIENT_PIPE not in os.environ:
@@ -33,8 +33,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         )
         return 2
     for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-        os.environ.setdefault(variable, "1")  # small matrices: threads only wait for each other
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # meant for the client in the same terminal; the engine ends when its pipe does
+        os.environ.setdefault(variable, "1")  # the matrices are small: threads would only wait for each other
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the client; the engine ends with its pipe
     parent = os.getppid()
     try:
         wire = Wire(os.environ[SERVER_PIPE], os.environ[CLIENT_PIPE])
@@ -60,8 +60,8 @@ def _serve(wire: Wire, width: int, height: int) -> None:
 
 
 def _size(options: Sequence[str]) -> tuple[int, int]:
-    """Width and height that the options ask for. The default where there are none (headless), or none that pictures can have: the
-    client then asks for its size by an action, which can be refused with a reason."""
+    """Width and height from the options. The default if they are missing (headless) or impossible: the client then asks for its
+    size with ChangeResolution, which can be refused with a reason."""
     width, height = (_pixels(options, name) for name in ("-screen-width", "-screen-height"))
     return DEFAULT_SIZE if objection(width, height) else (width, height)
 
@@ -74,8 +74,8 @@ def _pixels(options: Sequence[str], name: str) -> int:
 
 
 def _end_with(parent: int) -> None:
-    """Ends this process soon after the process `parent` has, whatever it is doing then: drawing, or writing to a pipe that a fork
-    of the client holds open. Not by the kernel's signal, which follows the thread that started the engine, not its process."""
+    """Ends this process soon after the process `parent` has ended, even while it draws, or writes to a pipe that a fork of the
+    client holds open. The kernel's parent-death signal would follow the thread that started the engine, not its process."""
 
     def watch() -> None:
         while os.getppid() == parent:

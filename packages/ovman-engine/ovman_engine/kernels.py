@@ -1,7 +1,8 @@
-"""The compiled loops that pictures are made with, ready before a client waits for its first picture.
+"""Compiles the kernels that draw, before a client waits for its first image.
 
-Numba compiles a loop when it is first called and keeps the result for later processes. All of them take half a minute, several on
-a busy machine: longer than a client waits for an answer by default, but not longer than it waits for an engine to start.
+Numba compiles a function at its first call and caches the result for later processes. Compiling all of them takes half a minute,
+and several on a busy machine: longer than a client waits for an answer by default, but not longer than it waits for an engine to
+start.
 """
 
 from __future__ import annotations
@@ -16,20 +17,20 @@ from importlib.metadata import version
 from pathlib import Path
 
 SCENES = "FloorPlan212", "FloorPlan425"
-"""With sunshine and lamps; with a mirror, glass and something that can be moved."""
+"""The first has sunshine and lamps; the second has a mirror, glass and a movable object."""
 ROOMS = "paint", "picture"
-"""Where the loops are."""
+"""Packages with compiled functions."""
 SIDE_PX = 48
 KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage")
 
 
 def ready() -> bool:
-    """Whether an earlier process compiled the loops as they are now, on this kind of processor."""
+    """Whether an earlier process compiled the current kernels on this type of processor."""
     return _mark().exists()
 
 
 def compile_all() -> None:
-    """Draws a little of everything, and leaves a mark that it was done."""
+    """Calls every kernel once, by drawing small images, and leaves a mark."""
     from ovman_engine.engine import Engine
 
     engine = Engine(SIDE_PX, SIDE_PX)
@@ -42,14 +43,14 @@ def compile_all() -> None:
         do("Initialize", **dict.fromkeys(KINDS, True))
         for _ in range(4):
             do("RotateRight")
-    moved = next(b for b in engine.world.bodies.values() if b.dynamic)
+    moved = next(b for b in engine.session.world.bodies.values() if b.dynamic)
     x, y, z = (float(v) for v in moved.pose.position)
     do("TeleportObject", objectId=moved.object_id, position={"x": x, "y": y + 0.3, "z": z}, forceAction=True)
     do("ToggleMapView")
     do("ToggleMapView")
     do("AddThirdPartyCamera", position={"x": x, "y": y + 1, "z": z}, rotation={"x": 30, "y": 40, "z": 10}, fieldOfView=60)
     do("GetInteractablePoses", objectId=moved.object_id, maxPoses=1)
-    with suppress(OSError):  # a place that cannot be written: the next engine looks again
+    with suppress(OSError):  # a read-only folder: the next engine compiles again
         mark = _mark()
         mark.parent.mkdir(parents=True, exist_ok=True)
         for old in mark.parent.glob("kernels-*"):
@@ -58,7 +59,7 @@ def compile_all() -> None:
 
 
 def _mark() -> Path:
-    """Beside what Numba keeps, so that whoever deletes that deletes this."""
+    """Path of the mark. It lies beside Numba's cache, so that deleting the cache deletes the mark."""
     here = Path(__file__).parent
     files = sorted(p for room in ROOMS for p in (here / room).glob("*.py"))
     sources = [(p.name, p.stat().st_mtime_ns, p.stat().st_size) for p in files]

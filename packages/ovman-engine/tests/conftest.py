@@ -1,4 +1,8 @@
-"""The real ai2thor Controller in front of the engine's own process, and the engine without its process."""
+"""The real ai2thor Controller with the engine's own process, and the engine without its process.
+
+Hypothesis draws the same examples in every run, so that a failure comes from a change of the code; `pytest --hypothesis-profile
+default` draws others.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +14,14 @@ from typing import Any
 
 import msgpack
 import pytest
+from hypothesis import settings
 
 from ovman_engine import executable
 from ovman_engine.client.wire import Field
 from ovman_engine.engine import Engine
+
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
 """What the benchmark initialises the engine with."""
@@ -21,7 +29,7 @@ BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, 
 
 @pytest.fixture(scope="session", autouse=True)
 def display(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """What the client insists on: some display, no GPU, a home to put its log in."""
+    """What the client needs: a display by name, no visible GPU, and a home directory for its log."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("DISPLAY", ":0")
         patch.delenv("CUDA_VISIBLE_DEVICES", raising=False)
@@ -48,7 +56,7 @@ def start() -> Callable[..., Any]:
 
 @pytest.fixture(scope="module")
 def shared() -> Iterator[Any]:
-    """A Controller on FloorPlan201 as the benchmark starts it. Whoever uses it resets it first."""
+    """A Controller on FloorPlan201 as the benchmark starts it. A test that uses it resets it first."""
     with started(scene="FloorPlan201", **BARS) as controller:
         yield controller
 

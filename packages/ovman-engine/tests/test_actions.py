@@ -159,6 +159,7 @@ def test_unknown_scene_and_action(controller):
         ({"rotateStepDegrees": 0}, "rotateStepDegrees must be"),
         ({"maxUpwardLookAngle": -1}, "maxUpwardLookAngle must be"),
         ({"agentMode": "arm"}, "Unsupported agent mode: arm"),
+        ({"agentMode": None}, "NullReferenceException: Object reference"),
         ({"agentCount": 2}, "Unsupported number of agents: 2"),
         ({"rotateStepDegrees": 30, "snapToGrid": True}, "Invalid values 'rotateStepDegrees'"),
     ],
@@ -408,6 +409,27 @@ def test_removal_lasts_till_reset(controller):
     assert act(controller, "RemoveFromScene", objectIds=chairs[1:])["lastActionSuccess"]
     assert chairs[0] not in controller.step("Pass").instance_masks
     assert len(controller.reset("FloorPlan201").metadata["objects"]) == len(metadata["objects"])
+
+
+def test_a_scene_without_objects(controller):
+    """It is walked, drawn and simulated as any other."""
+    metadata = act(controller, "Pass")
+    everything, here = [o["objectId"] for o in metadata["objects"]], metadata["agent"]["position"]
+    assert act(controller, "RemoveObjsFromScene", objectIds=everything)["objects"] == []
+    for action, arguments in [
+        ("RotateRight", {}),
+        ("GetReachablePositions", {}),
+        ("InitialRandomSpawn", {}),
+        ("ToggleMapView", {}),
+        ("ToggleMapView", {}),
+        ("RandomizeMaterials", {}),
+        ("GetShortestPathToPoint", here),
+        ("AdvancePhysicsStep", {"allowAutoSimulation": True}),
+    ]:
+        metadata = act(controller, action, image=True, **arguments)
+        assert metadata["lastActionSuccess"], (action, metadata["errorMessage"])
+        assert metadata["objects"] == [] and metadata["isSceneAtRest"]
+    assert controller.last_event.frame.std() > 1 and controller.last_event.instance_masks
 
 
 def test_object_poses(controller):

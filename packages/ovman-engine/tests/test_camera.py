@@ -337,7 +337,7 @@ def test_textures_move_with_the_object():
     """The colour at a point of an object is the same wherever the object is."""
     world = World(floorplan.load("FloorPlan201"))
     meshes = scene_mesh.of_plan(world.plan, world.room)
-    looks = painter.Looks.of(meshes.materials)
+    looks = painter.Appearance.of(meshes.materials)
     movable = [o for o in world.plan.objects if o.dynamic]
     turn = floorplan.rotation_matrix(np.array([10.0, 77.0, -20.0]))
 

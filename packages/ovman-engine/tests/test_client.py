@@ -116,8 +116,8 @@ def test_resets_let_go_of_worlds_and_keep_a_bounded_number_of_plans():
         )
         for call in calls:
             served.answer(json.dumps(call).encode())
-        worlds.append(weakref.ref(served.world))
-        plans.append(weakref.ref(served.world.plan))
+        worlds.append(weakref.ref(served.session.world))
+        plans.append(weakref.ref(served.session.world.plan))
     gc.collect()
     assert sum(world() is not None for world in worlds) == 1
     assert len({id(plan()) for plan in plans if plan() is not None}) <= 8

@@ -145,7 +145,7 @@ def test_positions_along_its_own_axes_are_where_moves_along_them_lead(engine, ya
     assert np.abs(cells - cells.round()).max() < 1e-6 and {p["y"] for p in points} == {before[1]}
     found = {tuple(c) for c in cells.round().astype(int).tolist()}
     assert len(found) == len(points)
-    world = e.engine.world
+    world = e.engine.session.world
     for k in range(0, len(points), max(len(points) // 12, 1)):
         joined = 0
         for dx, dz in ((1, 0), (-1, 0), (0, 1), (0, -1)):
@@ -396,7 +396,7 @@ def test_parameters_of_former_days_are_taken(engine):
     )
     assert e.agent["lastActionSuccess"], e.agent["errorMessage"]
     assert e.agent["actionReturn"] == pytest.approx({"cameraNearPlane": 0.1, "cameraFarPlane": 20.0})
-    assert e.engine.settings.instances and e.engine.settings.classes
+    assert e.engine.session.settings.instances and e.engine.session.settings.classes
 
 
 def test_what_is_zero_is_at_its_default(engine):
@@ -404,7 +404,7 @@ def test_what_is_zero_is_at_its_default(engine):
         maxUpwardLookAngle=0, maxDownwardLookAngle=0, cameraNearPlane=0, cameraFarPlane=-1, visibilityDistance=0, agentCount=0
     )
     assert e.agent["actionReturn"] == pytest.approx({"cameraNearPlane": 0.1, "cameraFarPlane": 20.0})
-    assert e.do("LookUp")["agent"]["cameraHorizon"] == -30 and e.engine.settings.visibility_m == 1.5
+    assert e.do("LookUp")["agent"]["cameraHorizon"] == -30 and e.engine.session.settings.visibility_m == 1.5
 
 
 def test_look_angles_are_as_initialised(engine):

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ovman_engine.plan.assets import asset
-from ovman_engine.plan.blueprint import Malformed, read
+from ovman_engine.plan.house_json import InvalidHouse, read
 from ovman_engine.plan.houseplan import plan_of
 from ovman_engine.world.world import Pose, World
 
@@ -242,6 +242,13 @@ def test_rooms_open_to_each_other():
         (lambda h: h["rooms"][0].pop("floorPolygon"), "house.rooms[0] has no 'floorPolygon'"),
         (lambda h: h["rooms"][1].update(id="room|2"), "two things have the id 'room|2'"),
         (lambda h: h["rooms"][0].update(floorPolygon=[point(0, 0), point(1, 1), point(2, 2)]), "encloses nothing"),
+        (
+            lambda h: h["rooms"][0].update(floorPolygon=[point(*p) for p in WEST * 2]),
+            "house.rooms[0].floorPolygon encloses no floor",
+        ),
+        (lambda h: h["rooms"][1].update(floorPolygon=[point(0, 0), point(5e-4, 0), point(5e-4, 90)]), "encloses no floor"),
+        (lambda h: h["rooms"][0].update(floorPolygon=[point(x, x % 2) for x in range(201)]), "201 points; at most 200"),
+        (lambda h: h["doors"][0].update(wall0=["wall|2"]), "house.doors[0].wall0 is the id of none of its walls"),
         (lambda h: h["walls"][0].update(polygon=[]), "house.walls[0].polygon is a list of at least three points"),
         (lambda h: h["walls"][0]["polygon"][1].update(x="far"), "house.walls[0].polygon[1].x is a number"),
         (lambda h: h["walls"][0]["polygon"][1].update(x=1e30), "house.walls[0].polygon[1].x is a number within 1000"),
@@ -255,7 +262,7 @@ def test_what_is_no_house(engine, broken, message):
     """Refused with what is wrong and where; the scene stays as it is."""
     given = copy.deepcopy(house())
     broken(given)
-    with pytest.raises(Malformed) as caught:
+    with pytest.raises(InvalidHouse) as caught:
         read(given)
     assert message in str(caught.value)
     world = engine()
@@ -264,6 +271,40 @@ def test_what_is_no_house(engine, broken, message):
     answer = world.do("CreateHouse", house=given)
     assert not answer["lastActionSuccess"] and message in answer["errorMessage"]
     assert [o["objectId"] for o in world.agent["objects"]] == before
+
+
+def _wild_door(given):
+    given["doors"][0]["holePolygon"] = [point(-900, 0, -900), point(900, 0, 900)]
+    for wall in given["walls"]:
+        wall["roomId"] = -1
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        _wild_door,
+        lambda h: h["objects"][0].update(position=point(900, 900, 900)),
+        lambda h: h["rooms"][0].update(floorPolygon=[p for p in h["rooms"][0]["floorPolygon"] for _ in range(2)]),
+    ],
+    ids=["a door as large as a town", "a table in the sky", "every corner twice"],
+)
+def test_odd_houses_are_shown(home, change):
+    """No light reaches the middle of the first two; the house is drawn and can be walked all the same."""
+    given = house()
+    change(given)
+    event = home.step("CreateHouse", house=given)
+    assert event, event.metadata["errorMessage"]
+    assert event.frame.std() > 1
+    assert home.step("RotateRight") and home.step("GetReachablePositions").metadata["actionReturn"]
+
+
+def test_walls_of_one_name(home):
+    """Physics needs a name for each wall of its own."""
+    given = house()
+    given["walls"][3]["id"] = given["walls"][0]["id"]
+    assert home.step("CreateHouse", house=given)
+    place = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position=point(1.5, 1.0, 0.3))
+    assert place, place.metadata["errorMessage"]
 
 
 @pytest.mark.parametrize("given", [None, 3, "house", [], [1]])

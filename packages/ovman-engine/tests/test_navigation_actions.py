@@ -157,7 +157,7 @@ def test_paths_are_taut_and_free_and_no_longer_than_a_walk(scene):
             assert not floor.joined(corners[:-2], corners[2:]).any()
         back = scene.do("GetShortestPathToPoint", position=end, **start)["actionReturn"]
         assert length(back["corners"]) == pytest.approx(length(path["corners"]), rel=0.02, abs=0.02)
-    assert bent or scene.engine.scene_name != "FloorPlan8_physics"  # in others nearly all furniture can be moved
+    assert bent or scene.engine.session.scene_name != "FloorPlan8_physics"  # in others nearly all furniture can be moved
 
 
 def walk(at, start, end):
@@ -281,6 +281,10 @@ def test_types_are_told_as_ids(engine):
     scene = engine("FloorPlan8")
     cabinets = {o["objectId"] for o in scene.agent["objects"] if o["objectType"] == "Cabinet"}
     assert set(scene.do("ObjectTypeToObjectIds", objectType="cabinet")["actionReturn"]) == cabinets
+    assert scene.do("ObjectTypeToObjectIds", objectType="Elephant")["actionReturn"] == []
+    refused = scene.do("ObjectTypeToObjectIds", objectType=None)
+    assert not refused["lastActionSuccess"] and refused["errorMessage"].startswith("NullReferenceException: Object reference")
+    assert scene.do("Pass")["lastActionSuccess"]
 
 
 def test_from_outside_nothing_is_found_and_nothing_hangs(engine):

@@ -144,7 +144,7 @@ def bowled(world: World, speed: float) -> tuple[Body, Body]:
 @pytest.mark.parametrize(("speed", "moves"), [(2.0, True), (0.0, False)])
 def test_a_bystander_that_is_hit_moves_and_the_table_does_not(engine: Callable[..., Any], speed: float, moves: bool) -> None:
     thor = engine("FloorPlan203", fastActionEmit=False)
-    world = thor.engine.world
+    world = thor.engine.session.world
     target, table = bowled(world, speed)
     stood, table_pose = target.box.centre.copy(), table.pose
     reported = thor.do("Pass", renderImage=False)

@@ -18,7 +18,7 @@ import pytest
 from ovman_engine import executable
 from ovman_engine.client import log
 from ovman_engine.client.event import thrown
-from ovman_engine.client.resolution import LARGEST_EVENT_PX, LARGEST_PICTURE_PX, LONGEST_SIDE_PX, objection
+from ovman_engine.client.resolution import MAX_EVENT_PX, MAX_IMAGE_PX, MAX_SIDE_PX, objection
 
 DEADLINE_S = 20.0
 END = struct.pack("!BI", 255, 0)
@@ -238,7 +238,7 @@ def test_sizes_that_no_picture_can_have(width, height):
 
 def test_resolution_that_is_refused_is_not_taken(controller):
     before = controller.step("Pass").frame.shape
-    for x, y in ((0, 0), (-1, 300), (300, -5), (10_000, 10_000), (LONGEST_SIDE_PX + 1, 1), (2**31, 1), (1e300, 1)):
+    for x, y in ((0, 0), (-1, 300), (300, -5), (10_000, 10_000), (MAX_SIDE_PX + 1, 1), (2**31, 1), (1e300, 1)):
         try:
             event = controller.step("ChangeResolution", x=x, y=y)
         except ValueError:
@@ -252,13 +252,13 @@ def test_events_of_many_large_pictures_are_refused(controller):
     arguments = {"position": {"x": 0, "y": 1, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0}, "renderImage": False}
     assert controller.step("ChangeResolution", x=4096, y=2048, renderImage=False)
     added = [bool(controller.step("AddThirdPartyCamera", **arguments)) for _ in range(5)]
-    assert added == [True] * (LARGEST_EVENT_PX // LARGEST_PICTURE_PX - 1) + [False] * 2
+    assert added == [True] * (MAX_EVENT_PX // MAX_IMAGE_PX - 1) + [False] * 2
     assert controller.step("ChangeResolution", x=300, y=300, renderImage=False)
 
 
 def test_objections():
     assert not objection(1, 1) and not objection(300, 300, 60) and not objection(3840, 2160, 2)
-    assert objection(LONGEST_SIDE_PX + 1, 1) and objection(4097, 2048) and objection(4096, 2048, 5) and objection(0, 1)
+    assert objection(MAX_SIDE_PX + 1, 1) and objection(4097, 2048) and objection(4096, 2048, 5) and objection(0, 1)
 
 
 def test_memory_of_hostile_sessions_is_bounded(connect):

@@ -7,15 +7,17 @@ import pytest
 
 from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.plan import floorplan
+from ovman_engine.room.building import room_of
+from ovman_engine.room.inferred import WALL_ITEMS
 from ovman_engine.room.masonry import structures
-from ovman_engine.room.room import WALL_ITEMS, Room
+from ovman_engine.room.room import Room
 
 SCENES = floorplan.names()
 
 
 @pytest.fixture(scope="module")
 def rooms() -> list[Room]:
-    return [Room.of(floorplan.load(name)) for name in SCENES]
+    return [room_of(floorplan.load(name)) for name in SCENES]
 
 
 def test_agent_bounds_lie_inside_the_walls_that_are_seen(rooms: list[Room]) -> None:
@@ -97,6 +99,6 @@ def test_burners_stand_on_a_stove_that_is_drawn_and_solid(rooms: list[Room]) -> 
 
 
 def test_a_room_is_the_same_every_time() -> None:
-    first, second = (Room.of(floorplan.load("FloorPlan218")) for _ in range(2))
+    first, second = (room_of(floorplan.load("FloorPlan218")) for _ in range(2))
     assert first.outline == second.outline and first.blocks == second.blocks
     assert [n for n, _, _ in first.parts()] == [n for n, _, _ in second.parts()]

@@ -8,7 +8,7 @@ import pytest
 
 from ovman_engine.plan import floorplan
 from ovman_engine.world.placement import RECEPTACLES
-from ovman_engine.world.spawn import Wishes, points, spawn
+from ovman_engine.world.spawn import SpawnOptions, points, spawn
 from ovman_engine.world.world import World
 
 SCENES = ("FloorPlan11", "FloorPlan203", "FloorPlan310", "FloorPlan405")
@@ -105,7 +105,7 @@ def test_random_arrangement(engine, scene):
 def test_nothing_overlaps(scene):
     """Boxes of things put somewhere are apart from each other's; and physics finds no contact deeper than a millimetre."""
     world = World(floorplan.load(scene))
-    spawn(world, Wishes(seed=2, no_receptacles=frozenset(["Floor"])))
+    spawn(world, SpawnOptions(seed=2, no_receptacles=frozenset(["Floor"])))
     moved = [b for b in world.bodies.values() if not b.untouched]
     with world.trial([b.object_id for b in moved]) as model:
         for body in moved:

@@ -34,9 +34,9 @@ def seen(metadata, key="visible"):
     return {o["objectId"] for o in metadata["objects"] if o[key]}
 
 
-def shown(renderer, engine):
+def shown(renderer, session):
     """objectId -> pixels, and the distance in plan of the nearest of them from the agent, metres."""
-    view = engine.view()
+    view = session.view()
     frame = renderer.frame(view, rgb=False, depth=True, ids=True)
     across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
     x, y = np.meshgrid(across, -across)
@@ -52,11 +52,11 @@ def test_what_is_visible_is_in_the_picture_and_what_is_large_and_near_in_it_is_v
     large = missed = 0
     for name in SCENES:
         scene = engine(name, fastActionEmit=False)
-        renderer = Renderer(scene.engine.world)
+        renderer = Renderer(scene.engine.session.world)
         for pose in poses(scene, 8):
             metadata = scene.do("TeleportFull", **pose)
             assert metadata["lastActionSuccess"], metadata["errorMessage"]
-            pixels, nearest = shown(renderer, scene.engine)
+            pixels, nearest = shown(renderer, scene.engine.session)
             glazed = any(o["objectType"] in TRANSPARENT and pixels.get(o["objectId"]) for o in metadata["objects"])
             for record in metadata["objects"]:
                 count = pixels.get(record["objectId"], 0)
@@ -72,7 +72,7 @@ def test_sight_does_not_depend_on_pictures_or_on_what_was_seen_before(engine):
     walked = engine("FloorPlan206", fastActionEmit=False)
     where = list(poses(walked, 6))
     forth = [seen(walked.do("TeleportFull", **pose)) for pose in where]
-    Renderer(walked.engine.world).frame(walked.engine.view(), depth=True, ids=True)
+    Renderer(walked.engine.session.world).frame(walked.engine.session.view(), depth=True, ids=True)
     back = [seen(walked.do("TeleportFull", **pose)) for pose in reversed(where)]
     assert forth == back[::-1]
     assert seen(engine("FloorPlan206").do("TeleportFull", **where[-1])) == forth[-1]
@@ -94,7 +94,7 @@ def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
 def test_where_nothing_is_near_enough_nobody_is_looked_for(engine, monkeypatch):
     """And what is told of the objects is else the same: a client that reads masks saves the looks."""
     near, none = engine("FloorPlan8"), engine("FloorPlan8", visibilityDistance=0.01)
-    monkeypatch.setattr(none.engine._metadata.sight, "look", lambda *_: pytest.fail("looked"))
+    monkeypatch.setattr(none.engine.session.scene.sight, "look", lambda *_: pytest.fail("looked"))
     unseen, found = {"visible": False, "isInteractable": False}, 0
     for pose in poses(near, 6, seed=2):
         close, blind = near.do("TeleportFull", **pose), none.do("TeleportFull", **pose)
@@ -126,7 +126,7 @@ def put(scene, object_id, point):
 
 
 def before_the_camera(scene, metres):
-    view = scene.engine.view()
+    view = scene.engine.session.view()
     return view.position + metres * view.axes()[2]
 
 
@@ -182,7 +182,7 @@ def test_what_is_behind_glass_is_seen_but_cannot_be_reached(engine):
 
 def met(scene):
     """What a look along the middle of the picture meets first, how far away, and what is behind it."""
-    sight, view = scene.engine.sight, scene.engine.view()
+    sight, view = scene.engine.session.sight, scene.engine.session.view()
     looks = sight.look(view.position, view.axes()[2:])
     first, behind = ("" if i < 0 else sight.lines.names[i] for i in (looks.first[0], looks.behind[0]))
     return first, float(looks.away_m[0][0]), behind
@@ -201,16 +201,16 @@ def test_looks_go_all_around_evenly():
 def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
     """Within 2 cm, for 99 of 100 pixels."""
     scene = engine(name, fastActionEmit=False)
-    renderer = Renderer(scene.engine.world)
+    renderer = Renderer(scene.engine.session.world)
     inside = total = 0
     for pose in poses(scene, 4, seed=2):
         scene.do("TeleportFull", **pose)
-        view = scene.engine.view()
+        view = scene.engine.session.view()
         frame = renderer.frame(view, rgb=False, depth=True, ids=True)
         across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
         x, y = np.meshgrid(across, -across)
         points = view.position + np.stack([x, y, np.ones_like(x)], axis=-1) @ view.axes() * frame.depth[..., None]
-        for k, obj in enumerate(scene.engine.world.plan.objects):
+        for k, obj in enumerate(scene.engine.session.world.plan.objects):
             local = (points[frame.ids == k] - obj.box.centre) @ obj.box.rotation
             inside += (np.abs(local) <= obj.box.half + 0.02).all(axis=1).sum()
             total += len(local)
@@ -220,10 +220,10 @@ def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
 def test_points_of_the_picture_are_told(engine):
     """The object at a point of the picture, and where the look through it ends; nothing moves."""
     scene = engine("FloorPlan8", fastActionEmit=False)
-    renderer = Renderer(scene.engine.world)
+    renderer = Renderer(scene.engine.session.world)
     for pose in poses(scene, 3, seed=4):
         before = scene.do("TeleportFull", **pose)
-        view = scene.engine.view()
+        view = scene.engine.session.view()
         frame = renderer.frame(view, rgb=False, depth=True, ids=True)
         for row, column in ((20, 150), (150, 40), (150, 150), (280, 260)):
             at = {"x": (column + 0.5) / 300, "y": (row + 0.5) / 300}

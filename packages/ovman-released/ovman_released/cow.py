@@ -12,6 +12,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import ovman
+import ovman_released
+from ovman.models.note import Note
 from ovman.models.record import read_records
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -20,12 +23,12 @@ from ovman_released.clone import Clone
 from ovman_released.cow_episodes import Hidden
 from ovman_released.cow_process import Job
 from ovman_released.cow_results import collected
-from ovman_released.interpreter import Needs, environment, lacks
-from ovman_released.status import Status
+from ovman_released.interpreter import Needs, environment, lacks, linked
+from ovman_released.plugin import COW
+from ovman_released.settings import released_cow
 
 SYSTEM = "CoW (released)"
 REPOSITORY = "https://github.com/real-stanford/cow"
-PACKAGE_ROOT = Path(__file__).resolve().parents[3]
 OWL = "google/owlvit-base-patch32"
 _DOWNLOAD = (
     '-c "from transformers import OwlViTForObjectDetection as M, OwlViTProcessor as P; '
@@ -47,20 +50,23 @@ NEEDS = Needs(
         "regex": "regex",
         "packaging": "packaging",
         "yaml": "pyyaml",
+        "pydantic": "pydantic",
     },
     versions={"ai2thor": "5.0.0"},
     cached={OWL: ((("config.json",), ("model.safetensors", "pytorch_model.bin"), ("preprocessor_config.json",)), _DOWNLOAD)},
 )
-OF_PLACE = ("released.cow.root", "released.cow.python")
+OF_PLACE = (f"{COW}.root", f"{COW}.python")
 """Constants that say where things are, not what they do."""
 
 
 def missing(constants: StageSettings, needs: Needs = NEEDS) -> str | None:
     """What keeps the released system from being run, in one line with its remedy; None where nothing does."""
-    settings = constants.released.cow
+    settings = released_cow(constants)
+    if not settings.root:
+        return f"{COW}.root names no clone; packages/ovman-released/README.md says how to make one"
     root = Path(settings.root).absolute()
     wrong = Clone(REPOSITORY, root, settings.commit).lacks()
-    return wrong or lacks("released.cow", settings.python, settings.device, needs, environment(PACKAGE_ROOT))
+    return wrong or lacks(COW, settings.python, settings.device, needs, environment())
 
 
 def shares(episodes: Sequence[Hidden], processes: int) -> list[tuple[Hidden, ...]]:
@@ -71,12 +77,13 @@ def shares(episodes: Sequence[Hidden], processes: int) -> list[tuple[Hidden, ...
 
 def call(share: Sequence[Hidden], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
     """The released runner at work on `share` in a process of its own, which ends with this one."""
-    settings = constants.released.cow
+    settings = released_cow(constants)
     root = Path(settings.root).absolute()
     job = Job(root, directory / "results", directory / "verdicts.jsonl", constants.canonical, seed, tuple(share))
     job.write(directory / "job.json")
     command = [settings.python, "-m", "ovman_released.cow_process", str(directory / "job.json")]
-    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(PACKAGE_ROOT) | {COMMAND: executable()})
+    packages = linked(directory / "packages", ovman, ovman_released)
+    return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(packages) | {COMMAND: executable()})
 
 
 def unit(share: Sequence[Hidden], seed: int, constants: StageSettings) -> str:
@@ -92,7 +99,7 @@ def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept
     The released agent carries state from one episode to the next, so a call of the runner is done whole or not at all.
     RuntimeError in one line where the runner fails.
     """
-    parts = shares(episodes, constants.released.cow.processes)
+    parts = shares(episodes, released_cow(constants).processes)
     keys = [unit(part, seed, constants) for part in parts]
     with tempfile.TemporaryDirectory() as folder:
         working = {}
@@ -118,10 +125,10 @@ def run(
     trials_files: Sequence[Path],
     constants: StageSettings,
     outputs: Mapping[tuple[int, str], Path],
-    status: Path,
+    note: Path,
     journal: Path,
 ) -> None:
-    """Write the runs of every (seed, scene) of `outputs`, and to `status` whether there are any.
+    """Write the runs of every (seed, scene) of `outputs`, and to `note` whether there are any.
 
     Records are "ovman-run/1" as measured, of all episodes of a scene; the files are empty where something is missing.
     """
@@ -140,4 +147,4 @@ def run(
         mine = [record for record in records.get(seed, ()) if scenes[record["episode"]] == scene]
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text("".join(json.dumps(record, separators=(",", ":")) + "\n" for record in mine))
-    Status(SYSTEM, wrong or "").write(status)
+    Note(system=SYSTEM, missing=wrong or "").write(note)

@@ -26,6 +26,7 @@ from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims
 from ovman_released.cow_controller import EpisodeController
 from ovman_released.cow_episodes import Hidden, exported, vocabulary
+from ovman_released.settings import released_cow
 
 RUNNER, AGENT, LOCALIZATION = "robothor_challenge", "src.models.agent_fbe_owl", "src.models.localization.clip_owl"
 PROMPTS, SETTINGS = Path("prompt_templates", "imagenet_template.json"), Path("config_cow.yaml")
@@ -90,7 +91,7 @@ def run(job: Job) -> None:
 
 
 def _call(job: Job, constants: Settings, factory: Any, runner: Any) -> None:
-    settings = constants.released.cow
+    settings = released_cow(constants)
     kinds = {name: type(signature(factory.build).parameters[name].default) for name in ("env_type", "class_type")}
     world = {"env_type": kinds["env_type"].NORMAL, "class_type": kinds["class_type"].REGULAR}
     agent, arguments, depth = factory.build(

@@ -32,8 +32,10 @@ from ovman_released.dualmap_objects import Objects, read_objects
 from ovman_released.dualmap_process import guard, objects, session
 from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy
 from ovman_released.dualmap_setup import Installation
+from ovman_released.plugin import DUALMAP
+from ovman_released.settings import released_dualmap
 
-NOT_OF_A_RUN = ("dualmap.runs", "released.dualmap.root", "released.dualmap.python", "released.dualmap.time_limit_s")
+NOT_OF_A_RUN = ("dualmap.runs", f"{DUALMAP}.root", f"{DUALMAP}.python", f"{DUALMAP}.time_limit_s")
 """Constants that say where things are, how many runs there are or how long they may take, not what a run gives."""
 CODE = (walk, dualmap_frames, session, guard, objects)
 """The modules that decide, with what they import, what a run is given and what it leaves."""
@@ -143,8 +145,8 @@ class Runs:
 
 
 def policy_of(constants: StageSettings) -> Policy:
-    """How DualMap is run: as released, but for what the settings released.dualmap say."""
-    chosen = constants.released.dualmap
+    """How DualMap is run: as released, but for what the section `released_dualmap` says."""
+    chosen = released_dualmap(constants)
     return Policy(Maintained(chosen.maintained).kind, chosen.guard, chosen.device, chosen.time_limit_s)
 
 
@@ -179,7 +181,7 @@ def run(
     floor_y: height of the scene's floor, metres; code: digests of CODE; kept: directory of finished runs. Raises RunError in one
     line where a run fails or a map stays empty, WalkError, SimulatorError.
     """
-    chosen = constants.released.dualmap
+    chosen = released_dualmap(constants)
     maintained = Maintained(chosen.maintained)
     installation = Installation(Path(chosen.root).absolute(), Path(chosen.python))
     policy = policy_of(constants)

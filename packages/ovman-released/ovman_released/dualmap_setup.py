@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import os
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from ovman_released import interpreter
 from ovman_released.clone import Clone
+from ovman_released.plugin import DUALMAP, ReleasedDualmap
 
 SYSTEM = "DualMap (released)"
 REPOSITORY = "https://github.com/Eku127/DualMap"
-KEY = "released.dualmap"
-_OWN = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
 OLDEST = (3, 10)
 """DualMap's own Python; its process imports nothing of this package."""
 WEIGHTS = ("model/yolov8l-world.pt", "model/mobile_sam.pt", "model/FastSAM-s.pt")
@@ -63,15 +60,15 @@ class Installation:
     before: Path | None = None
 
 
-def lacks(dualmap: Any) -> str | None:
-    """What is missing and how to get it, in one line, given the settings released.dualmap; None where everything is there."""
+def lacks(dualmap: ReleasedDualmap) -> str | None:
+    """What is missing and how to get it, in one line, given section `released_dualmap`; None where everything is there."""
     if not dualmap.root:
-        return f"{KEY}.root names no clone; docs/baselines.md says how to make one"
+        return f"{DUALMAP}.root names no clone; packages/ovman-released/README.md says how to make one"
     root = Path(dualmap.root).absolute()
     return (
         Clone(REPOSITORY, root, dualmap.commit).lacks()
-        or interpreter.lacks(KEY, dualmap.python, dualmap.device, NEEDS, environment())
-        or interpreter.lacks(KEY, dualmap.python, "cpu", submodule(root), environment())
+        or interpreter.lacks(DUALMAP, dualmap.python, dualmap.device, NEEDS, environment())
+        or interpreter.lacks(DUALMAP, dualmap.python, "cpu", submodule(root), environment())
         or missing_weights(root, dualmap.python)
     )
 
@@ -83,12 +80,8 @@ def submodule(root: Path) -> interpreter.Needs:
 
 
 def environment() -> dict[str, str]:
-    """Environment variables for a process of DualMap.
-
-    None mixes this one's packages into its own; nothing is downloaded or installed, and no bytecode is written into the clone.
-    """
-    kept = {name: value for name, value in os.environ.items() if name not in _OWN}
-    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "YOLO_OFFLINE": "true", "YOLO_AUTOINSTALL": "false"}
+    """Environment variables for a process of DualMap: as for every released system, and nothing is installed."""
+    return interpreter.environment() | {"YOLO_OFFLINE": "true", "YOLO_AUTOINSTALL": "false"}
 
 
 def missing_weights(root: Path, python: str) -> str | None:

@@ -12,11 +12,14 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 OLDEST = (3, 11)
 """This package's oldest Python; the runners import its simulator session."""
 TIMEOUT_S = 300.0
 """PyTorch alone is imported for half a minute from a cold disk."""
+_OF_THIS_PYTHON = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
 
 _PROGRAM = """
 import importlib.metadata, importlib.util, json, sys
@@ -65,7 +68,7 @@ class Needs:
 def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping[str, str] | None = None) -> str | None:
     """What is missing and how to get it, in one line; None where everything is there.
 
-    key: section of the settings that names the interpreter, e.g. "released.cow"; device: "cuda" where a GPU is needed;
+    key: section of the settings that names the interpreter, e.g. "released_cow"; device: "cuda" where a GPU is needed;
     environment: instead of this process's.
     """
     if not python:
@@ -93,7 +96,7 @@ def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping
     return _first(key, python, device, needs, json.loads(answers[-1].removeprefix("OVMAN ")))
 
 
-def _first(key: str, python: str, device: str, needs: Needs, found: Mapping) -> str | None:
+def _first(key: str, python: str, device: str, needs: Needs, found: Mapping[str, Any]) -> str | None:
     version = tuple(found["version"])
     if version < needs.oldest:
         wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, version))
@@ -113,14 +116,21 @@ def _first(key: str, python: str, device: str, needs: Needs, found: Mapping) -> 
     return None
 
 
-def environment(root: Path) -> dict[str, str]:
-    """Environment variables for a process of a released system: this package can be imported, nothing is downloaded or written
-    into the clone."""
-    paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
-    return {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)),
-        "PYTHONDONTWRITEBYTECODE": "1",
-        "HF_HUB_OFFLINE": "1",
-        "TRANSFORMERS_OFFLINE": "1",
-    }
+def environment(*paths: Path) -> dict[str, str]:
+    """Environment variables for a process of a released system.
+
+    paths: folders that its Python finds modules in, beside its own environment. Nothing of this process's Python environment is
+    handed on, nothing is downloaded, and no bytecode is written into the clone.
+    """
+    kept = {name: value for name, value in os.environ.items() if name not in _OF_THIS_PYTHON}
+    if paths:
+        kept["PYTHONPATH"] = os.pathsep.join(map(str, paths))
+    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
+
+
+def linked(directory: Path, *packages: ModuleType) -> Path:
+    """`directory`, made with a link to each of these packages: what else lies beside them here is not to be found there."""
+    directory.mkdir(parents=True)
+    for package in packages:
+        (directory / package.__name__).symlink_to(Path(package.__path__[0]).resolve(), target_is_directory=True)
+    return directory

@@ -14,20 +14,23 @@ from pathlib import Path
 
 import pytest
 from ai2thor.controller import Controller
+from settings_of import settings_of
 
+import ovman
+import ovman_released
+from ovman.models.note import Note, sentence
 from ovman.sim.change import Alteration
 from ovman.sim.controller import launched
 from ovman.sim.mover import Lane
 from ovman.sim.session import AgentPose
 from ovman.task import Relation
-from ovman.workflow.config import load
 from ovman.workflow.journal import Journal
-from ovman.workflow.parameter import StageSettings, canonical
+from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
 from ovman_released.cow_episodes import Hidden, exported, vocabulary
-from ovman_released.status import note, read
+from ovman_released.interpreter import environment, linked
 
 ROOT = Path(__file__).parents[3]
 STAND_INS = Path(__file__).parent / "stand_ins"
@@ -83,11 +86,9 @@ def git(directory: Path, *arguments: str) -> str:
     ).stdout.strip()
 
 
-def constants(root: Path, commit: str, python: str, **changed):
-    config = load(ROOT / "config.yaml", [ROOT / "config.yaml"])
+def constants(root: Path, commit: str, python: str, **changed) -> StageSettings:
     given = {"root": str(root), "commit": commit, "python": python, "device": "cpu", "budget": 6, **changed}
-    released = config.released.model_copy(update={"cow": config.released.cow.model_copy(update=given)})
-    return StageSettings.parse(canonical(config.model_copy(update={"released": released}), "released_cow"))
+    return stage_settings(settings_of("cow", released_cow=given), "released_cow")
 
 
 @pytest.fixture(scope="module")
@@ -140,7 +141,7 @@ def ran(set_up, files, tmp_path_factory):
 
 def test_every_episode_under_every_seed_in_the_order_given(ran):
     records, status, _ = ran
-    assert read(status).run and note(status) is None
+    assert Note.read(status).ran and sentence(status) is None
     for seed, of_seed in records.items():
         assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.episode, ARM, seed) for h in EPISODES]
 
@@ -229,10 +230,10 @@ def test_what_is_missing_is_one_line_with_its_remedy(set_up, tmp_path):
     assert "git clone" in lacking(set_up, root=tmp_path / "empty")
     assert "lies inside another repository" in lacking(set_up, root=root / "src")
     assert f"checkout {'0' * 40}" in lacking(set_up, commit="0" * 40)
-    assert "released.cow.python" in lacking(set_up, python="")
-    assert "released.cow.python" in lacking(set_up, python=str(tmp_path / "python"))
+    assert "released_cow.python" in lacking(set_up, python="")
+    assert "released_cow.python" in lacking(set_up, python=str(tmp_path / "python"))
     assert "no working Python" in lacking(set_up, python=shutil.which("false"))
-    assert 'released.cow.device to "cpu"' in lacking(set_up, device="cuda")
+    assert 'released_cow.device to "cpu"' in lacking(set_up, device="cuda")
     bare = tmp_path / "bare"
     bare.write_text(f'#!/bin/sh\nexec "{sys.executable}" -S "$@"\n')
     bare.chmod(0o755)
@@ -264,8 +265,8 @@ def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files,
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
     cow.run(files[0], [files[1]], given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
     assert [path.read_bytes() for path in outputs.values()] == [b"", b""]
-    assert read(tmp_path / "status.json").says.startswith("there is no clone in")
-    assert note(tmp_path / "status.json").startswith("CoW (released) was not run")
+    assert Note.read(tmp_path / "status.json").missing.startswith("there is no clone in")
+    assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 
 @pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
@@ -309,14 +310,27 @@ def test_where_the_clone_is_does_not_change_what_a_call_is_and_all_else_does(set
     assert len({key(), *others}) == len(others) + 1
 
 
-def test_the_runners_process_needs_no_more_than_numpy_and_the_client():
-    """Its environment is the released system's own."""
-    heavy = ("cv2", "mujoco", "numba", "pandas", "pydantic", "scipy", "torch", "ultralytics", "yaml")
-    program = f"import sys, ovman_released.cow_process; print(*(set({heavy!r}) & set(sys.modules)))"
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}
+def test_the_runners_process_needs_no_more_than_it_says(tmp_path):
+    """Its environment is the released system's own: only what NEEDS names and its dependencies are imported."""
+    of_pydantic = {"annotated_types", "pydantic_core", "typing_extensions", "typing_inspection"}
+    program = (
+        "import sys; before = set(sys.modules); import ovman_released.cow_process; "
+        "names = {name.partition('.')[0] for name in set(sys.modules) - before}; "
+        "print(*(name for name in names if name not in sys.stdlib_module_names and not name.startswith('_')))"
     )
-    assert (done.returncode, done.stdout.split()) == (0, []), done.stderr
+    packages = linked(tmp_path / "packages", ovman, ovman_released)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment(packages))
+    assert done.returncode == 0, done.stderr
+    imported = set(done.stdout.split()) - {"ovman", "ovman_released"}
+    assert imported == {"numpy", "pydantic"} | of_pydantic and {"numpy", "pydantic"} <= set(cow.NEEDS.modules)
+
+
+def test_the_runners_process_finds_this_project_and_nothing_else_of_this_python(tmp_path, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "/somewhere")
+    packages = linked(tmp_path / "packages", ovman, ovman_released)
+    assert environment(packages)["PYTHONPATH"] == str(packages) and "PYTHONPATH" not in environment()
+    assert sorted(path.name for path in packages.iterdir()) == ["ovman", "ovman_released"]
+    assert (packages / "ovman_released" / "cow_process.py").is_file()
 
 
 def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):

@@ -13,13 +13,15 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from settings_of import PACKAGE, settings_of
+from settings_of import ROOT as REPOSITORY_ROOT
 
-from ovman.workflow.config import load
-from ovman_released.cow import NEEDS, PACKAGE_ROOT, REPOSITORY
+from ovman_released.cow import NEEDS, REPOSITORY
 from ovman_released.cow_results import Walk
 from ovman_released.interpreter import environment
+from ovman_released.settings import released_cow
 
-COW = load(PACKAGE_ROOT / "config.yaml").released.cow
+COW = released_cow(settings_of("cow"))
 PROGRAM = Path(__file__).with_name("clone_cow.py")
 STAND_IN = Path(__file__).parent / "stand_ins"
 ALLOWED = {"MoveAhead", "RotateLeft", "RotateRight", "LookUp", "LookDown", "Stop"}
@@ -28,7 +30,7 @@ real = pytest.mark.skipif(not ROOT, reason="COW_ROOT names no clone of CoW")
 
 
 def ask(root: Path, python: str, *arguments: Any, path: Path | None = None) -> dict[str, Any]:
-    env = environment(PACKAGE_ROOT)
+    env = environment(REPOSITORY_ROOT, PACKAGE)
     if path is not None:
         env["PYTHONPATH"] = f"{path}{os.pathsep}{env['PYTHONPATH']}"
     question, *places = map(str, arguments)

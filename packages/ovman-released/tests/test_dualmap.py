@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boxes import Box, spin, view
+from settings_of import merged, tree
 
 from ovman.agents.dualmap.mapped import Sort, read, write
 from ovman.workflow.config import load
@@ -17,7 +18,6 @@ from ovman_released.dualmap_frames import write_visit
 from ovman_released.dualmap_runner import Policy, RunError
 from ovman_released.dualmap_setup import Installation
 
-ROOT = Path(__file__).parents[3]
 SOFA = Box((0.6, 0.0, 1.6), (1.4, 0.6, 2.2), 0)
 CUP = Box((0.9, 0.6, 1.8), (1.0, 0.75, 1.9), 1)
 LAMP = Box((-2.0, 0.0, -0.2), (-1.7, 1.5, 0.2), 2)
@@ -104,22 +104,20 @@ def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
         recorded = type("Visit", (), {"record": {"scene": "FloorPlan1", "alterations": [], "mover": None, "views": []}})()
 
     def known(changes, code=("a",), nouns=("sofa",)):
-        config = load(ROOT / "config.yaml").model_copy(deep=True)
-        tree = config.model_dump()
+        given = tree("dualmap")
         for name, value in changes.items():
-            *path, last = name.split(".")
-            here = tree
-            for part in path:
-                here = here[part]
-            here[last] = value
-        return identity({"v": One}, nouns, stage_settings(load(tree), "released_dualmap"), code)["v"][0]
+            above = value
+            for part in reversed(name.split(".")):
+                above = {part: above}
+            given = merged(given, above)
+        return identity({"v": One}, nouns, stage_settings(load(given), "released_dualmap"), code)["v"][0]
 
     same = known({})
-    assert same == known({"released.dualmap.root": "/there", "released.dualmap.python": "python", "dualmap.runs": 5})
+    assert same == known({"released_dualmap.root": "/there", "released_dualmap.python": "python", "dualmap.runs": 5})
     others = [
-        known({"released.dualmap.guard": "every_frame"}),
-        known({"released.dualmap.maintained": "preloaded_global"}),
-        known({"released.dualmap.side_px": 700}),
+        known({"released_dualmap.guard": "every_frame"}),
+        known({"released_dualmap.maintained": "preloaded_global"}),
+        known({"released_dualmap.side_px": 700}),
         known({"dualmap.walk.turn_deg": 15.0}),
         known({}, code=("b",)),
         known({}, nouns=("sofa", "cup")),

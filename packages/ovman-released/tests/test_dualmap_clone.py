@@ -12,13 +12,14 @@ from pathlib import Path
 import pytest
 from boxes import Box, view
 from clone_dualmap import chosen
+from settings_of import settings_of
 
 from ovman.perception.backprojection import Camera
-from ovman.workflow.config import load
 from ovman_released.clone import Clone
 from ovman_released.dualmap_frames import join, write_visit
 from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy, run
 from ovman_released.dualmap_setup import REPOSITORY, Installation
+from ovman_released.settings import released_dualmap
 
 ROOT = os.environ.get("DUALMAP_ROOT", "")
 pytestmark = pytest.mark.skipif(not ROOT, reason="DUALMAP_ROOT names no clone of DualMap")
@@ -50,8 +51,7 @@ def mapped(directory: Path, kind: str, boxes: list[Box], preload: Path | None = 
 
 
 def test_it_is_the_pinned_commit():
-    commit = load(Path(__file__).parents[3] / "config.yaml").released.dualmap.commit
-    assert Clone(REPOSITORY, HERE.root, commit).lacks() is None
+    assert Clone(REPOSITORY, HERE.root, released_dualmap(settings_of("dualmap")).commit).lacks() is None
 
 
 def test_ten_boxes_are_ten_objects_where_they_are_though_the_first_frame_is_empty(tmp_path):

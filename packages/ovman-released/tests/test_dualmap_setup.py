@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
+from settings_of import PACKAGE, settings_of
 
-from ovman.workflow.config import load
 from ovman_released import dualmap_setup
 from ovman_released.dualmap_setup import NEEDS, WEIGHTS, environment, lacks, missing_weights
+from ovman_released.plugin import ReleasedDualmap
+from ovman_released.settings import released_dualmap
 
-ROOT = Path(__file__).parents[3]
-COMMIT = load(ROOT / "config.yaml").released.dualmap.commit
+COMMIT = released_dualmap(settings_of("dualmap")).commit
 
 
 @pytest.fixture
@@ -28,12 +27,13 @@ def clone(tmp_path):
     return tmp_path, subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
 
 
-def settings(root="", commit=COMMIT, python=sys.executable, device="cpu"):
-    return SimpleNamespace(root=str(root), commit=commit, python=str(python), device=device)
+def settings(root="", commit=COMMIT, python=sys.executable, device="cpu") -> ReleasedDualmap:
+    given = {"root": str(root), "commit": commit, "python": str(python), "device": device}
+    return released_dualmap(settings_of("dualmap", released_dualmap=given))
 
 
 def test_without_a_clone_the_page_is_named():
-    assert lacks(settings()) == "released.dualmap.root names no clone; docs/baselines.md says how to make one"
+    assert lacks(settings()) == "released_dualmap.root names no clone; packages/ovman-released/README.md says how to make one"
 
 
 def test_a_clone_elsewhere_in_its_history_is_told_to_go_to_the_pin(clone):
@@ -44,7 +44,7 @@ def test_a_clone_elsewhere_in_its_history_is_told_to_go_to_the_pin(clone):
 def test_then_the_interpreter_is_asked(clone):
     root, head = clone
     line = lacks(settings(root, head, root / "python"))
-    assert line.startswith(f"released.dualmap.python is {root / 'python'}")
+    assert line.startswith(f"released_dualmap.python is {root / 'python'}")
     line = lacks(settings(root, head))
     assert line.startswith("its environment lacks ") and "hydra-core" in line and sys.executable in line and "\n" not in line
 
@@ -68,7 +68,7 @@ def test_nothing_of_this_environment_is_handed_on(monkeypatch):
 
 
 def test_the_page_sets_up_what_is_looked_for():
-    page = (ROOT / "docs" / "baselines.md").read_text()
+    page = (PACKAGE / "README.md").read_text()
     for what in (*NEEDS.modules.values(), *NEEDS.cached, *WEIGHTS, COMMIT, dualmap_setup.REPOSITORY, "3rdparty/mobileclip"):
         assert what in page, what
     for name in ("guard", "maintained", "side_px", "time_limit_s"):

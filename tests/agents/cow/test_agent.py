@@ -6,10 +6,10 @@ import math
 
 import pytest
 
-from ovman.agents.cow.agent import Cow, Mode
+from ovman.agents.cow.agent import CowAgent, Mode
 from ovman.agents.cow.voxel_map import State
 from ovman.agents.interface import Action, Agent, CameraPose
-from tests.agents.cow.world import CONSTANTS, NOWHERE, Room, Sight, walked
+from tests.agents.cow.world import CONSTANTS, NOWHERE, PRIMITIVES, Room, Sight, walked
 
 TARGET = (6.6, 7.0, 0.3, 0.8, 4.6, 5.0)
 TABLE = (3.0, 4.2, 0.0, 0.8, 2.2, 3.4)
@@ -22,7 +22,7 @@ def room(start, *boxes) -> Room:
 
 
 def test_it_is_an_agent():
-    assert isinstance(Cow(Sight(), CONSTANTS), Agent)
+    assert isinstance(CowAgent(Sight(), CONSTANTS, PRIMITIVES), Agent)
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -39,8 +39,8 @@ def test_it_stops_beside_what_it_detected(start):
     assert actions[-1] is Action.STOP and sight.found > 0 and agent.map.regions
     assert set(actions) <= {Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT, Action.STOP}
     nearest = min(math.dist(agent.cell, region) for region in agent.map.regions) * CONSTANTS.voxel_m
-    assert nearest < CONSTANTS.stop_voxels * CONSTANTS.voxel_m + CONSTANTS.step_m
-    assert here.distance() < 1.0 + CONSTANTS.step_m
+    assert nearest < CONSTANTS.stop_voxels * CONSTANTS.voxel_m + PRIMITIVES.step_m
+    assert here.distance() < 1.0 + PRIMITIVES.step_m
     true, thought = places[-1]
     assert math.dist(true, thought) < 1e-6
 

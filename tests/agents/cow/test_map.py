@@ -17,7 +17,7 @@ from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, headings, steered
 from ovman.agents.cow.voxel_map import State, VoxelMap
 from ovman.agents.interface import Action
-from tests.agents.cow.world import CONSTANTS, SIDE, Room
+from tests.agents.cow.world import CONSTANTS, PRIMITIVES, SIDE, Room
 
 NO_CELLS = np.zeros((0, 2), np.int32)
 
@@ -133,12 +133,12 @@ POSES = st.builds(Pose, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.integers(
 @given(SCANS, POSES, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
 def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
-    actions = steered(known, pose, goal, CONSTANTS)
+    actions = steered(known, pose, goal, CONSTANTS, PRIMITIVES)
     if actions is None:
         return
     assert actions[-1] is Action.MOVE_AHEAD
     for action in actions:
-        pose = pose.after(action, CONSTANTS.step_m, CONSTANTS.turn_deg)
+        pose = pose.after(action, PRIMITIVES.step_m, PRIMITIVES.turn_deg)
         if action is Action.MOVE_AHEAD:
             assert known.at((round(pose.x / CONSTANTS.voxel_m), round(pose.z / CONSTANTS.voxel_m))) is not State.OCCUPIED
     assert math.hypot(pose.x / CONSTANTS.voxel_m - goal[0], pose.z / CONSTANTS.voxel_m - goal[1]) <= CONSTANTS.waypoint_voxels
@@ -146,8 +146,8 @@ def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
 
 def test_steering_does_not_begin_with_what_has_just_failed():
     known = mapped(seen(floor=square_of(10)))
-    assert steered(known, Pose(), (0, 6), CONSTANTS) == (Action.MOVE_AHEAD, Action.MOVE_AHEAD)
-    around = steered(known, Pose(), (0, 6), CONSTANTS, Action.MOVE_AHEAD)
+    assert steered(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES) == (Action.MOVE_AHEAD, Action.MOVE_AHEAD)
+    around = steered(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES, Action.MOVE_AHEAD)
     assert around is not None and around[0] is not Action.MOVE_AHEAD
 
 
@@ -157,8 +157,8 @@ def test_there_are_twelve_macro_headings():
 
 @given(POSES, st.tuples(st.integers(-9, 9), st.integers(-9, 9)).filter(lambda c: max(map(abs, c)) > 4))
 def test_facing_looks_within_half_a_turn(pose, target):
-    for action in facing(pose, target, CONSTANTS):
-        pose = pose.after(action, CONSTANTS.step_m, CONSTANTS.turn_deg)
+    for action in facing(pose, target, CONSTANTS, PRIMITIVES):
+        pose = pose.after(action, PRIMITIVES.step_m, PRIMITIVES.turn_deg)
     bearing = math.degrees(math.atan2(target[0] * CONSTANTS.voxel_m - pose.x, target[1] * CONSTANTS.voxel_m - pose.z))
     assert abs((bearing - pose.yaw_deg + 180.0) % 360.0 - 180.0) <= 15.0 + 1e-6
 

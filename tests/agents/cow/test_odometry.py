@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from ovman.agents.cow.odometry import Pose, failed
 from ovman.agents.interface import Action
-from tests.agents.cow.world import CONSTANTS, Room
+from tests.agents.cow.world import CONSTANTS, PRIMITIVES, Room
 
-STEP = CONSTANTS.step_m, CONSTANTS.turn_deg
+STEP = PRIMITIVES.step_m, PRIMITIVES.turn_deg
 MOTIONS = st.sampled_from([Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT])
 
 

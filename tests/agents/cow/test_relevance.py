@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from ovman.agents.cow.relevance import OpenVocabularyLocaliser, prompt
 from tests.agents.cow import world
 
 SIDE = 224
-CONSTANTS = replace(world.CONSTANTS, image_px=SIDE)
+CONSTANTS = world.CONSTANTS.model_copy(update={"image_px": SIDE})
 
 SIZE = 2 * SIDE
 BOXES = ((40, 60, 140, 180), (200, 300, 240, 420), (10, 10, 14, 14))
@@ -48,7 +48,7 @@ class Shades:
 
 
 def localiser(**changes) -> OpenVocabularyLocaliser:
-    made = OpenVocabularyLocaliser(Boxes(), Shades(), replace(CONSTANTS, **changes), 300 / 90000, 0.0)
+    made = OpenVocabularyLocaliser(Boxes(), Shades(), CONSTANTS.model_copy(update=changes), 300 / 90000, 0.0)
     made.look_for("HousePlant")
     return made
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from ovman.agents.cow.agent import Cow
-from ovman.agents.cow.constants import CowConstants
+from ovman.agents.cow.agent import CowAgent
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.task import Query, Relation
 from tests.arms import CONFIG
 
-CONSTANTS = replace(CowConstants.of(CONFIG), image_px=96)
+CONSTANTS, PRIMITIVES = CONFIG.cow.model_copy(update={"image_px": 96}), CONFIG.primitives
 SIDE = CONSTANTS.image_px
 FIELD_OF_VIEW_DEG = 90.0
 EYE_M, RADIUS_M = CONSTANTS.camera_height_m, 0.175
@@ -100,7 +99,7 @@ class Sight:
 
 def walked(room: Room, sight: Sight, budget: int, camera: CameraPose = NOWHERE):
     """The agent after its walk, the actions that it asked for, and after each of them the true and the believed place."""
-    agent = Cow(sight, CONSTANTS)
+    agent = CowAgent(sight, CONSTANTS, PRIMITIVES)
     agent.familiarise(Visit((), np.empty((0, 2))))
     agent.revisit(Visit((), np.empty((0, 2))))
     agent.ask(Query("Mug", Relation.REMOVED))
@@ -118,7 +117,7 @@ def walked(room: Room, sight: Sight, budget: int, camera: CameraPose = NOWHERE):
     return agent, actions, places
 
 
-def believed(agent: Cow, start: tuple[float, float, float]) -> tuple[float, float]:
+def believed(agent: CowAgent, start: tuple[float, float, float]) -> tuple[float, float]:
     """Where the agent believes to be, in the room's frame."""
     x, z, yaw_deg = start
     sine, cosine = math.sin(math.radians(yaw_deg)), math.cos(math.radians(yaw_deg))

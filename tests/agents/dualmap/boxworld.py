@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.constants import MapConstants
 from ovman.agents.dualmap.observation import Observation
 from ovman.workflow.config import load
 
-CONSTANTS = MapConstants.of(load(Path(__file__).parents[3] / "config.yaml").dualmap)
+CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap
 """As in config.yaml."""
 FEATURES = 16
 

@@ -22,9 +22,9 @@ from ovman.task import Query, Relation
 CHAIR, LAMP = np.eye(4)[0], np.eye(4)[1]
 VISITS = {"first": "untouched", "second": "displace-Chair"}
 CONSTANTS = SimpleNamespace(
-    grounding=SimpleNamespace(band=0.03),
+    grounding=SimpleNamespace(similarity_margin=0.03),
     association=SimpleNamespace(gate_m=1.25, feature_scale_m=2.0, track_spread_m=0.4),
-    admissibility=SimpleNamespace(tau_m=0.75, minimum_mask_px=300),
+    admissibility=SimpleNamespace(tau_m=0.75, min_mask_px=300),
     success=SimpleNamespace(radius_m=1.0),
 )
 

@@ -12,7 +12,7 @@ from ovman.agents.dualmap.map_object import MapObject, Seen
 from ovman.agents.dualmap.relation import lies_on, major_plane
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, feature, surface, walk
 
-LOCAL, ANCHORS = CONSTANTS.local, CONSTANTS.anchors
+LOCAL, ANCHORS = CONSTANTS.local_map, CONSTANTS.global_map
 HALF_METRE = Box((2.0, 0.25, 1.0), (0.5, 0.5, 0.5), class_id=3)
 
 

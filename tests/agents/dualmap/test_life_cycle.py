@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, converged, is_stable
+from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, converged, flush_frames, is_stable
 from tests.agents.dualmap.boxworld import CONSTANTS
 
-LIFE = CONSTANTS.local.life
+LIFE = CONSTANTS.local_map.life
 
 
 def life(stable: bool, unseen: int) -> list[Phase]:
@@ -31,7 +31,7 @@ def test_a_stable_object_waits_for_five_keyframes_and_has_settled():
 
 
 def test_the_empty_keyframes_at_the_end_are_as_many_as_a_life_has():
-    assert LIFE.flush == 16 == len(life(stable=False, unseen=40))
+    assert flush_frames(LIFE) == 16 == len(life(stable=False, unseen=40))
 
 
 @pytest.mark.parametrize("phase", [Phase.PENDING, Phase.WAITING, Phase.SETTLED])

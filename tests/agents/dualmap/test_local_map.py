@@ -17,7 +17,7 @@ from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
 from ovman.agents.dualmap.observation import Observation
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, TOUR, Box, feature, observation, walk
 
-LOCAL = CONSTANTS.local
+LOCAL = CONSTANTS.local_map
 
 
 def mapped(frames: Sequence[Sequence[Observation]], run: int = 0, flush: bool = True) -> LocalMap:

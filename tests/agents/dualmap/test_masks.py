@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.masks import MaskConstants, filtered, histogram
+from ovman.agents.dualmap.masks import filtered, histogram
+from ovman.workflow.config import load
 
-CONSTANTS = MaskConstants(same_iou=0.8, colour_bins=16, same_colours=0.95)
+CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap.observation
 RED, BLUE = (200, 30, 30), (30, 30, 200)
 
 
@@ -30,13 +33,13 @@ boxes = st.lists(st.tuples(*4 * [st.integers(0, 40)]), max_size=9)
 
 @settings(deadline=None)
 @given(boxes, st.integers(1, 60), st.integers(0, 5))
-def test_what_is_left_is_disjoint_large_enough_and_part_of_what_was_found(corners, least_px, seed):
+def test_what_is_left_is_disjoint_large_enough_and_part_of_what_was_found(corners, min_mask_px, seed):
     masks = np.array([box(min(a, c), min(b, d), max(a, c), max(b, d)) for a, b, c, d in corners]).reshape(-1, 40, 40)
     rgb = np.random.default_rng(seed).choice(np.array([RED, BLUE], np.uint8), (40, 40))
-    which, own, whole = filtered(masks, rgb, least_px, CONSTANTS)
+    which, own, whole = filtered(masks, rgb, min_mask_px, CONSTANTS)
     assert len(which) == len(own) == len(whole) == len(set(which.tolist()))
     assert (own.sum(axis=0) <= 1).all()
-    assert all(mask.sum() >= least_px for mask in own)
+    assert all(mask.sum() >= min_mask_px for mask in own)
     for k, part, all_of_it in zip(which, own, whole, strict=True):
         assert not (part & ~all_of_it).any()
         assert not (masks[k] & ~all_of_it).any()

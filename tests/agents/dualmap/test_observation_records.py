@@ -10,7 +10,7 @@ import pytest
 
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, read_walks, unpacked, write_walks
 from ovman.agents.dualmap.shot import Seen, Shot, without_ceiling
-from ovman.perception.records import RecordError
+from ovman.perception.array_file import ArrayFileError
 
 NAMES = ("chair", "sofa", "cup")
 
@@ -78,7 +78,7 @@ def test_walks_come_back_frame_by_frame_and_share_what_they_share(shots, tmp_pat
 
 def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
     (tmp_path / "x.npz").write_bytes(b"nothing")
-    with pytest.raises(RecordError, match=r"x\.npz"):
+    with pytest.raises(ArrayFileError, match=r"x\.npz"):
         read_walks(tmp_path / "x.npz")
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from ovman.agents.dualmap.mapped import Mapped, RunMaps, Sort, read, write
 from ovman.agents.dualmap.readings import Maintained, Run
-from ovman.perception.records import RecordError
+from ovman.perception.array_file import ArrayFileError
 from ovman.workflow import seeds
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, walk
 
@@ -113,7 +113,7 @@ def test_an_object_map_has_the_one_place_and_the_last_keyframe_of_every_object()
 
 
 def test_files_that_are_none_of_maps_are_refused(tmp_path: Path):
-    with pytest.raises(RecordError, match="make the stage dualmap"):
+    with pytest.raises(ArrayFileError, match="make the stage dualmap"):
         read(tmp_path / "none.npz")
     with pytest.raises(ValueError, match="the same visits"):
         write(tmp_path / "x.npz", [LOCAL, RunMaps({}, {})])

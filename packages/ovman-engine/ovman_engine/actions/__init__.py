@@ -1,8 +1,8 @@
-"""What a client can ask for: one function an action. Importing the package fills the table."""
+"""The actions of a client, one function each. Importing the package registers all of them."""
 
 from ovman_engine.actions import (
+    camera_pose,
     cameras,
-    gaze,
     house,
     materials,
     movement,
@@ -10,7 +10,7 @@ from ovman_engine.actions import (
     objects,
     physics,
     raycast,
-    reach,
+    reachable,
     scene,
     spawning,
     teleport,
@@ -20,7 +20,7 @@ from ovman_engine.actions.registry import TABLE
 __all__ = [
     "TABLE",
     "cameras",
-    "gaze",
+    "camera_pose",
     "house",
     "materials",
     "movement",
@@ -28,7 +28,7 @@ __all__ = [
     "objects",
     "physics",
     "raycast",
-    "reach",
+    "reachable",
     "scene",
     "spawning",
     "teleport",

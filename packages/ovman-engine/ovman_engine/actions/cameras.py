@@ -1,4 +1,4 @@
-"""Actions that put up third-party cameras and that turn the agent's camera into a map of the scene."""
+"""Actions on third-party cameras and on the map view."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.actions.registry import Thrown, action, out_of_range
-from ovman_engine.actions.values import FARTHEST, PartialVector3, Vector3
+from ovman_engine.actions.values import MAX_COMPONENT, PartialVector3, Vector3
 from ovman_engine.client.resolution import objection
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.picture.map_view import MapView
 from ovman_engine.picture.third_party import ThirdPartyCamera, normal_angles
 from ovman_engine.world.world import Refused
 
-LARGEST_M = 1000.0
-"""Largest half height of an orthographic picture."""
-MOST = 64
-"""Cameras that a scene may have: each one draws its pictures in every event."""
+MAX_ORTHOGRAPHIC_M = 1000.0
+"""Largest half height of an orthographic image, metres."""
+MAX_CAMERAS = 64
+"""Largest number of third-party cameras: each one draws its images in every event."""
 NAMED = {
     "red": "ff0000",
     "cyan": "00ffff",
@@ -44,12 +44,12 @@ NAMED = {
     "aqua": "00ffff",
     "magenta": "ff00ff",
 }
-"""Names of colours that Unity knows."""
+"""Unity's colour names."""
 
 
 @action("AddThirdPartyCamera")
 def add_third_party_camera(
-    engine: Engine,
+    session: Session,
     position: Vector3,
     rotation: Vector3,
     fieldOfView: float = 90.0,
@@ -60,11 +60,12 @@ def add_third_party_camera(
     farClippingPlane: float | None = None,
     antiAliasing: str = "none",
 ) -> None:
-    if len(engine.cameras) >= MOST:
-        raise Refused(f"This engine has at most {MOST} third-party cameras.")
-    if problem := objection(engine.width, engine.height, 2 + len(engine.cameras)):
+    """AddThirdPartyCamera: every later event carries its images."""
+    if len(session.cameras) >= MAX_CAMERAS:
+        raise Refused(f"This engine has at most {MAX_CAMERAS} third-party cameras.")
+    if problem := objection(session.width, session.height, 2 + len(session.cameras)):
         raise Refused(problem)
-    settings = engine.settings
+    settings = session.settings
     blank = ThirdPartyCamera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), fieldOfView, settings.near_m, settings.far_m)
     camera = _changed(
         blank,
@@ -77,12 +78,12 @@ def add_third_party_camera(
         nearClippingPlane,
         farClippingPlane,
     )
-    engine.cameras = (*engine.cameras, camera)
+    session.cameras = (*session.cameras, camera)
 
 
 @action("UpdateThirdPartyCamera")
 def update_third_party_camera(
-    engine: Engine,
+    session: Session,
     thirdPartyCameraId: int = 0,
     position: PartialVector3 | None = None,
     rotation: PartialVector3 | None = None,
@@ -93,7 +94,8 @@ def update_third_party_camera(
     nearClippingPlane: float | None = None,
     farClippingPlane: float | None = None,
 ) -> None:
-    cameras = engine.cameras
+    """UpdateThirdPartyCamera: changes the given properties of one camera."""
+    cameras = session.cameras
     if fieldOfView is not None:
         _check_field_of_view(fieldOfView)
     if not 0 <= thirdPartyCameraId < len(cameras):
@@ -113,7 +115,7 @@ def update_third_party_camera(
         nearClippingPlane,
         farClippingPlane,
     )
-    engine.cameras = (*cameras[:thirdPartyCameraId], camera, *cameras[thirdPartyCameraId + 1 :])
+    session.cameras = (*cameras[:thirdPartyCameraId], camera, *cameras[thirdPartyCameraId + 1 :])
 
 
 def _changed(
@@ -127,7 +129,7 @@ def _changed(
     near: float | None,
     far: float | None,
 ) -> ThirdPartyCamera:
-    """`camera` with what is not None changed. Refused if that is no camera; there is none, or the old one, then."""
+    """`camera` with all arguments changed that are not None. Refused, without effect, if the result is not a valid camera."""
     _check_field_of_view(fov)
     if size is not None and not orthographic:
         raise Thrown(
@@ -136,13 +138,13 @@ def _changed(
             "Otherwise, we use assume perspective camera setting."
             "Hint: call .step(..., orthographic=True).",
         )
-    if size is not None and not 0 < size <= LARGEST_M:
-        raise out_of_range(f"orthographicSize: {size:g} must be in (0, {LARGEST_M:g}].")
+    if size is not None and not 0 < size <= MAX_ORTHOGRAPHIC_M:
+        raise out_of_range(f"orthographicSize: {size:g} must be in (0, {MAX_ORTHOGRAPHIC_M:g}].")
     near = camera.near_m if near is None else near
     far = camera.far_m if far is None else far
-    if not 0 < near < far <= FARTHEST:
+    if not 0 < near < far <= MAX_COMPONENT:
         raise out_of_range(
-            f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far <= {FARTHEST:g}."
+            f"nearClippingPlane: {near:g} and farClippingPlane: {far:g} must satisfy 0 < near < far <= {MAX_COMPONENT:g}."
         )
     x, y, z = position
     return replace(
@@ -164,7 +166,7 @@ def _check_field_of_view(fov: float) -> None:
 
 
 def _colour(text: str) -> tuple[int, int, int] | None:
-    """A colour by its name or as #RGB, #RGBA, #RRGGBB or #RRGGBBAA; None for "default"."""
+    """An sRGB colour from its name or from #RGB, #RGBA, #RRGGBB or #RRGGBBAA; None for "default"."""
     if text == "default":
         return None
     digits = NAMED.get(text.lower())
@@ -177,10 +179,12 @@ def _colour(text: str) -> tuple[int, int, int] | None:
 
 
 @action("ToggleMapView")
-def toggle_map_view(engine: Engine) -> None:
-    engine.map_view = MapView.of(engine.world) if engine.map_view is None else None
+def toggle_map_view(session: Session) -> None:
+    """ToggleMapView: replaces the agent's camera by an orthographic view from above, or restores it."""
+    session.map_view = MapView.of(session.world) if session.map_view is None else None
 
 
 @action("GetMapViewCameraProperties")
-def map_view_camera_properties(engine: Engine) -> dict[str, Any]:
-    return MapView.of(engine.world).properties()
+def map_view_camera_properties(session: Session) -> dict[str, Any]:
+    """GetMapViewCameraProperties: the camera of the map view, as AI2-THOR describes it."""
+    return MapView.of(session.world).properties()

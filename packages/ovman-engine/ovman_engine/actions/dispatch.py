@@ -1,6 +1,6 @@
-"""From the name and arguments of an action to the function that does it, by AI2-THOR's rules and with its error codes.
+"""Calls the function of an action, by AI2-THOR's rules and with its error codes.
 
-Functions are matched by the names of arguments alone: of an action's overloads, the one that bears most of the given names.
+Functions are matched by argument names alone: among the overloads of an action, the one with most of the given names is called.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from ovman_engine.client.event import Outcome, thrown
 from ovman_engine.world.world import Refused
 
 if TYPE_CHECKING:
-    from ovman_engine.engine import Engine
+    from ovman_engine.client.session import Session
 
 ALWAYS_ACCEPTED = frozenset(
     {
@@ -32,25 +32,25 @@ ALWAYS_ACCEPTED = frozenset(
         "sequenceId",
     }
 )
-"""Keys that any action may carry: they are the engine's, or the client adds them by itself."""
+"""Keys that any action may carry: the engine reads them, or the client adds them."""
 
 
-def perform(engine: Engine, request: Mapping[str, Any]) -> Outcome:
-    """Runs the action that `request` names. Never raises: whatever goes wrong is a failed outcome."""
+def perform(session: Session, request: Mapping[str, Any]) -> Outcome:
+    """Performs the action that `request` names. Never raises: every error becomes a failed outcome."""
     name = request.get("action")
     arguments = {k: v for k, v in request.items() if k != "action"}
     try:
-        action = _matched(engine, name, arguments)
-        return Outcome(action.function(engine, **_bound(action, arguments)))
+        action = _matched(session, name, arguments)
+        return Outcome(action.function(session, **_bound(action, arguments)))
     except Refused as refusal:
         return Outcome(success=False, message=str(refusal), code=getattr(refusal, "code", None))
     except Exception as error:
         return thrown(error)
 
 
-def _matched(engine: Engine, name: Any, arguments: Mapping[str, Any]) -> Action:
+def _matched(session: Session, name: Any, arguments: Mapping[str, Any]) -> Action:
     overloads = TABLE.get(name, []) if isinstance(name, str) else []
-    overloads = [a for a in overloads if a.mode is None or a.mode == engine.agent_mode]
+    overloads = [a for a in overloads if a.mode is None or a.mode == session.agent_mode]
     if not overloads:
         raise Failed(f"Invalid action: {shown(name)}", "InvalidAction")
     ordered = sorted(overloads, key=lambda a: (sum(p.required for p in a.parameters), len(a.parameters)))

@@ -1,27 +1,31 @@
-"""CreateHouse: a ProcTHOR house in the scene "Procedural"."""
+"""CreateHouse: puts a ProcTHOR house into the scene "Procedural"."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from ovman_engine.actions.registry import action
-from ovman_engine.engine import PROCEDURAL, Engine
+from ovman_engine.client.session import PROCEDURAL, Session
 from ovman_engine.world.world import Refused
 
 
 @action("CreateHouse")
-def create_house(engine: Engine, house: Any) -> None:
-    """Contract, section 4. The agent is put where the house says; if it says nothing, where most room is."""
-    from ovman_engine.plan.blueprint import Malformed, read
+def create_house(session: Session, house: Any) -> None:
+    """CreateHouse (contract, section 4). The agent starts where the house says, else at the point farthest from walls and
+    objects.
+
+    Refused, with the scene unchanged, if `house` is not a valid house.
+    """
+    from ovman_engine.plan.house_json import InvalidHouse, read
     from ovman_engine.plan.houseplan import plan_of
 
-    if engine.scene_name != PROCEDURAL:
-        raise Refused(f"CreateHouse can only be called in the scene {PROCEDURAL}, not in {engine.scene_name or 'none'}.")
+    if session.scene_name != PROCEDURAL:
+        raise Refused(f"CreateHouse can only be called in the scene {PROCEDURAL}, not in {session.scene_name or 'none'}.")
     try:
         made = read(house)
-    except Malformed as error:
+    except InvalidHouse as error:
         raise Refused(f"House could not be created: {error}.") from None
-    engine.furnish(plan_of(made))
+    session.furnish(plan_of(made))
     if made.agent is not None:
-        agent = engine.world.agent
+        agent = session.world.agent
         _, agent.yaw_deg, agent.horizon_deg, agent.standing = made.agent

@@ -1,4 +1,4 @@
-"""Actions that change how a scene looks and nothing else."""
+"""Actions that change the appearance of a scene: materials, colours and lights."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from ovman_engine.actions.registry import Thrown, action, out_of_range
-from ovman_engine.engine import SCENE_SUFFIX, Engine
+from ovman_engine.client.session import SCENE_SUFFIX, Session
 from ovman_engine.paint.decor import Decor, Lighting, Range
 
 ROOM_TYPES = {
@@ -16,24 +16,24 @@ ROOM_TYPES = {
     "bathroom": "Bathroom",
     "robothor": "RoboTHOR",
 }
-"""As AI2-THOR compares and as it writes them"""
+"""Type of room as AI2-THOR compares it -> as it reports it."""
 LAST_TRAINING, LAST_VALIDATION = 20, 25
-"""Of the 30 scenes of a kind, which the materials of training and of validation are for; the others are for tests."""
+"""Last of the 30 scenes of each type that belong to training and to validation; the later ones are test scenes."""
 POOLS = ("train", "val", "test", "external")
 
 
-def _drawn(engine: Engine, what: str) -> str:
-    """Key of the next draw: it follows from the seed and from how many there were since."""
-    engine.draws += 1
-    return f"{what}|{engine.seed}|{engine.draws}"
+def _drawn(session: Session, what: str) -> str:
+    """Key of the next random draw: a function of the seed and of the number of earlier draws."""
+    session.draws += 1
+    return f"{what}|{session.seed}|{session.draws}"
 
 
-def _redecorate(engine: Engine, **changes: Any) -> None:
-    engine.change(decor=replace(engine.settings.decor, **changes))
+def _redecorate(session: Session, **changes: Any) -> None:
+    session.change(decor=replace(session.settings.decor, **changes))
 
 
 def _split(scene: str) -> str | None:
-    """The part of the scenes that `scene` belongs to; None for a house, which belongs to none."""
+    """The split that `scene` belongs to; None for a house."""
     digits = scene.removesuffix(SCENE_SUFFIX).removeprefix("FloorPlan")
     if not digits.isdigit():
         return None
@@ -41,7 +41,7 @@ def _split(scene: str) -> str | None:
     return "train" if number <= LAST_TRAINING else "val" if number <= LAST_VALIDATION else "test"
 
 
-def _room_types(engine: Engine, asked: list[str] | None) -> list[str]:
+def _room_types(session: Session, asked: list[str] | None) -> list[str]:
     if asked is None:
         return list(ROOM_TYPES)
     if not asked:
@@ -53,24 +53,25 @@ def _room_types(engine: Engine, asked: list[str] | None) -> list[str]:
                 "ArgumentException", f"inRoomTypes contains unknown room type: {name}.\nValid room types include {{{known}}}"
             )
     chosen = list(dict.fromkeys(name.lower() for name in asked))
-    own = engine.world.plan.kind.replace("_", "")
+    own = session.world.plan.kind.replace("_", "")
     if own in ROOM_TYPES and own not in chosen:
-        scene = engine.scene_name
+        scene = session.scene_name
         raise Thrown("ArgumentException", f'inRoomTypes must include "{own}" inside of a {own} scene: {scene}.')
     return chosen
 
 
 @action("RandomizeMaterials")
 def randomize_materials(
-    engine: Engine,
+    session: Session,
     useTrainMaterials: bool | None = None,
     useValMaterials: bool | None = None,
     useTestMaterials: bool | None = None,
     useExternalMaterials: bool | None = None,
     inRoomTypes: list[str] | None = None,
 ) -> dict[str, Any]:
-    """Contract, section 4. Finishes are drawn rather than taken from lists; which lists are asked for is part of the draw."""
-    chosen, split = _room_types(engine, inRoomTypes), _split(engine.scene_name)
+    """RandomizeMaterials (contract, section 4). Finishes are drawn by rule, not from lists; the lists asked for are part of the
+    draw's key."""
+    chosen, split = _room_types(session, inRoomTypes), _split(session.scene_name)
     asked = dict(zip(POOLS, (useTrainMaterials, useValMaterials, useTestMaterials, useExternalMaterials), strict=True))
     if split is not None and asked[split] is False:
         name = f"use{split.capitalize()}Materials"
@@ -78,45 +79,51 @@ def randomize_materials(
     own = {split, "external"} if split == "train" else {split} if split else set(POOLS)
     used = {pool: pool in own if wish is None else wish for pool, wish in asked.items()}
     pools = "+".join(pool for pool, yes in used.items() if yes)
-    _redecorate(engine, finishes=_drawn(engine, pools))
+    _redecorate(session, finishes=_drawn(session, pools))
     return {
         "chosenRoomTypes": chosen,
         **{f"use{pool.capitalize()}Materials": yes for pool, yes in used.items()},
-        "totalMaterialsConsidered": len(engine.world.plan.objects) * sum(used.values()),
+        "totalMaterialsConsidered": len(session.world.plan.objects) * sum(used.values()),
     }
 
 
 @action("ResetMaterials")
-def reset_materials(engine: Engine) -> None:
-    """Also takes back the colours: they are the materials' own."""
-    _redecorate(engine, finishes=Decor.finishes, colours=Decor.colours)
+def reset_materials(session: Session) -> None:
+    """ResetMaterials: restores the materials of the scene, and with them its colours."""
+    _redecorate(session, finishes=Decor.finishes, colours=Decor.colours)
 
 
 @action("RandomizeColors")
-def randomize_colors(engine: Engine) -> None:
-    _redecorate(engine, colours=_drawn(engine, "colours"))
+def randomize_colors(session: Session) -> None:
+    """RandomizeColors: draws other colours for the materials of the scene."""
+    _redecorate(session, colours=_drawn(session, "colours"))
 
 
 @action("ChangeColorOfMaterials")
-def change_color_of_materials(engine: Engine) -> None:
-    """The former name of RandomizeColors."""
-    randomize_colors(engine)
+def change_color_of_materials(session: Session) -> None:
+    """ChangeColorOfMaterials: the former name of RandomizeColors."""
+    randomize_colors(session)
 
 
 @action("ResetColors")
-def reset_colors(engine: Engine) -> None:
-    _redecorate(engine, colours=Decor.colours)
+def reset_colors(session: Session) -> None:
+    """ResetColors: restores the colours."""
+    _redecorate(session, colours=Decor.colours)
 
 
 @action("RandomizeLighting")
 def randomize_lighting(
-    engine: Engine,
+    session: Session,
     synchronized: bool = False,
     brightness: list[float] | None = None,
     randomizeColor: bool = True,
     hue: list[float] | None = None,
     saturation: list[float] | None = None,
 ) -> None:
+    """RandomizeLighting: draws brightness and, if `randomizeColor`, hue and saturation of each light within the given ranges.
+
+    `synchronized` gives all lights the same colour and brightness.
+    """
     for name, given in (("hue", hue), ("saturation", saturation)):
         if not randomizeColor and given is not None:
             raise Thrown("ArgumentException", f"Cannot pass in randomizeColor=False while also providing {name}={given}.")
@@ -137,10 +144,11 @@ def randomize_lighting(
             raise out_of_range(f"{name} range must be in [0:1], not {list(ranges[name])}")
     ordered: dict[str, Range] = {name: (min(r), max(r)) for name, r in ranges.items()}
     _redecorate(
-        engine, lighting=Lighting(_drawn(engine, "lighting"), synchronized=synchronized, tinted=randomizeColor, **ordered)
+        session, lighting=Lighting(_drawn(session, "lighting"), synchronized=synchronized, tinted=randomizeColor, **ordered)
     )
 
 
 @action("ResetLighting")
-def reset_lighting(engine: Engine) -> None:
-    _redecorate(engine, lighting=None)
+def reset_lighting(session: Session) -> None:
+    """ResetLighting: restores the lights of the scene."""
+    _redecorate(session, lighting=None)

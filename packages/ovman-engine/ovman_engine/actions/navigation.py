@@ -1,4 +1,4 @@
-"""Ways to an object, and poses that show it. Read-only: the agent stays where it is.
+"""Shortest paths to an object or a point, and poses from which an object is visible. The agent does not move.
 
 Sources: contract, section 4; AI2-THOR's BaseFPSAgentController (getShortestPath, SafelyComputeNavMeshPath) and the controllers'
 getInteractablePoses.
@@ -15,45 +15,45 @@ from typing import Any
 
 import numpy as np
 
-from ovman_engine.actions.reach import reachable_positions
-from ovman_engine.actions.registry import Thrown, action, out_of_range
+from ovman_engine.actions.reachable import reachable_positions
+from ovman_engine.actions.registry import Thrown, action, null_reference, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.body import Agent
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.bodies.passage import reachable
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.sight.interactable import poses, reaching
 from ovman_engine.sight.shortest_path import SNAP_M, Floor, shortest
 from ovman_engine.sight.visibility import axes, in_picture
 from ovman_engine.world.world import Refused
 
 HORIZONS_DEG = (-30.0, 0.0, 30.0, 60.0)
-"""Horizons that are tried unless an action says otherwise."""
+"""Default horizons."""
 ERROR_M = 1e-4
-"""How far beside the navigation mesh both ends of a way may be unless an action says otherwise."""
-FARTHEST_SNAP_M = 1.0
-"""How far beside the mesh a point may be however large an error is allowed."""
-FINEST_M = 0.05
-"""Smallest moves by which a place that sees an object is looked for."""
-MANY = 2**31 - 1
-MOST_LOOKS = 20_000
-"""Places of the camera that one action looks from: a client is waiting."""
+"""Default of allowedError: how far the ends of a path may lie beside the navigation mesh."""
+MAX_SNAP_M = 1.0
+"""Largest distance of a point from the mesh, whatever allowedError is."""
+MIN_STEP_M = 0.05
+"""Smallest step of the search for a position from which an object is visible."""
+UNLIMITED = 2**31 - 1
+MAX_VIEWPOINTS = 20_000
+"""Largest number of camera positions that one action tries: the client is waiting."""
 
 
-def _known(engine: Engine, object_id: str) -> str:
-    body = engine.world.bodies.get(object_id)
+def _known(session: Session, object_id: str) -> str:
+    body = session.world.bodies.get(object_id)
     if body is None or body.removed:
         raise Refused(f"Cannot find sim object with id '{object_id}'")
     return object_id
 
 
-def _of_type_or_id(engine: Engine, object_type: str | None, object_id: str | None) -> str:
+def _of_type_or_id(session: Session, object_type: str | None, object_id: str | None) -> str:
     if object_id:
-        return _known(engine, object_id)
+        return _known(session, object_id)
     if not object_type:
         raise Thrown("ArgumentNullException", "Value cannot be null.\nParameter name: key")
     wanted = object_type.replace(" ", "").lower()
-    found = [b.object_id for b in engine.world.bodies.values() if not b.removed and b.obj.type.lower() == wanted]
+    found = [b.object_id for b in session.world.bodies.values() if not b.removed and b.obj.type.lower() == wanted]
     if not found:
         raise Refused(f"Cannot find sim object: Object type '{object_type}' was not found in the scene.")
     if len(found) > 1:
@@ -64,31 +64,31 @@ def _of_type_or_id(engine: Engine, object_type: str | None, object_id: str | Non
 # Shortest paths
 
 
-def _floor(engine: Engine) -> Floor:
-    world = engine.world
+def _floor(session: Session) -> Floor:
+    world = session.world
     obstacles, names = world.obstacles()
     stays = np.array([name not in world.bodies or not world.bodies[name].dynamic for name in names], dtype=bool)
     x_0, z_0, x_1, z_1 = world.room.rectangle
     return Floor(obstacles.take(stays & (obstacles.reach > 0)), np.array([x_0, z_0]), np.array([x_1, z_1]))
 
 
-def _on_mesh(engine: Engine, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
-    """The point (2,) of the floor that is taken for `point` (3,). Refused if there is none near."""
-    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), FARTHEST_SNAP_M))
+def _on_mesh(session: Session, floor: Floor, point: np.ndarray, allowed_m: float) -> np.ndarray:
+    """The point (2,) of the navigation mesh for `point` (3,). Refused if the mesh has none near it."""
+    found = floor.nearest(point[[0, 2]], min(max(SNAP_M, allowed_m), MAX_SNAP_M))
     if found is None:
-        where = Vector3(float(point[0]), float(engine.world.plan.floor_y), float(point[2]))
+        where = Vector3(float(point[0]), float(session.world.plan.floor_y), float(point[2]))
         raise Refused(f"No point on NavMesh near {where.text(3)}.")
     return found
 
 
-def _path(engine: Engine, start: np.ndarray, target: np.ndarray, allowed_m: float) -> dict[str, Any]:
-    """The way from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused where there is none."""
-    floor, height = _floor(engine), float(engine.world.plan.floor_y)
+def _path(session: Session, start: np.ndarray, target: np.ndarray, allowed_m: float) -> dict[str, Any]:
+    """The path from `start` to `target` (3,) as AI2-THOR's NavMeshPath. Refused if the mesh has none."""
+    floor, height = _floor(session), float(session.world.plan.floor_y)
 
     def text(point: np.ndarray) -> str:
         return Vector3(float(point[0]), height, float(point[-1])).text(3)
 
-    ends = [_on_mesh(engine, floor, point, allowed_m) for point in (start, target)]
+    ends = [_on_mesh(session, floor, point, allowed_m) for point in (start, target)]
     if all(np.linalg.norm(end - point[[0, 2]]) > allowed_m for end, point in zip(ends, (start, target), strict=True)):
         raise Refused(
             f"Closest point on NavMesh was too far from the agent:  (startPosition={text(start)}, closest navmesh position"
@@ -100,9 +100,9 @@ def _path(engine: Engine, start: np.ndarray, target: np.ndarray, allowed_m: floa
     return {"corners": [Vector3(float(x), height, float(z)).to_json() for x, z in corners], "status": "PathComplete"}
 
 
-def _nearest_first(engine: Engine, start: np.ndarray) -> Iterator[np.ndarray]:
-    """Positions (3,) that moves lead to from `start` (3,), by the number of moves that are needed."""
-    world, step = engine.world, max(engine.settings.grid_m, FINEST_M)
+def _nearest_first(session: Session, start: np.ndarray) -> Iterator[np.ndarray]:
+    """Positions (3,) that moves reach from `start` (3,), in the order of the number of moves."""
+    world, step = session.world, max(session.settings.grid_m, MIN_STEP_M)
     x_0, z_0, x_1, z_1 = world.room.rectangle
     here, low, high = start[[0, 2]], np.array([x_0, z_0]), np.array([x_1, z_1])
     found = reachable(world.obstacles()[0], here, low, high, step, np.eye(2))
@@ -119,14 +119,15 @@ def _nearest_first(engine: Engine, start: np.ndarray) -> Iterator[np.ndarray]:
                 queue.append(cell)
 
 
-def _seeing(engine: Engine, object_id: str, start: np.ndarray) -> np.ndarray:
-    """The first position (3,) on the way from `start` at which an agent that looks at the object can reach it."""
-    world, s, sight = engine.world, engine.settings, engine.sight
+def _seeing(session: Session, object_id: str, start: np.ndarray) -> np.ndarray:
+    """The first position (3,), in the order of `_nearest_first`, from which an agent that faces the object can interact with
+    it."""
+    world, s, sight = session.world, session.settings, session.sight
     pivot = world.bodies[object_id].pose.position
-    for position in islice(_nearest_first(engine, start), MOST_LOOKS):
+    for position in islice(_nearest_first(session, start), MAX_VIEWPOINTS):
         agent = replace(world.agent, position=position)
         ways = reaching(sight, object_id, agent, s.visibility_m)
-        if len(ways) and in_picture(ways, _facing(agent, pivot), s.field_of_view_deg, engine.width / engine.height).any():
+        if len(ways) and in_picture(ways, _facing(agent, pivot), s.field_of_view_deg, session.width / session.height).any():
             return position
     raise Refused(
         f"Target object {object_id} is not visible on navigation path given current agent parameters:"
@@ -140,82 +141,90 @@ def _facing(agent: Agent, point: np.ndarray) -> np.ndarray:
     return axes(math.degrees(math.atan2(x, z)), -math.degrees(math.atan2(y, math.hypot(x, z))))
 
 
-def _start(engine: Engine, position: Vector3 | None, allowed_m: float) -> np.ndarray:
-    """Where a way begins, (3,): at the height of the agent, whatever the height that was given."""
+def _start(session: Session, position: Vector3 | None, allowed_m: float) -> np.ndarray:
+    """Start (3,) of a path, at the height of the agent whatever height was given."""
     if allowed_m < 0:
         raise Refused(f"allowedError must not be negative. You gave {allowed_m:g}.")
-    here = engine.world.agent.position
+    here = session.world.agent.position
     return here.copy() if position is None else np.array([position.x, here[1], position.z])
 
 
 def _to_object(
-    engine: Engine, object_type: str | None, object_id: str | None, start: np.ndarray, allowed_m: float
+    session: Session, object_type: str | None, object_id: str | None, start: np.ndarray, allowed_m: float
 ) -> dict[str, Any]:
-    target = _of_type_or_id(engine, object_type, object_id)
-    _on_mesh(engine, _floor(engine), start, allowed_m)
-    return _path(engine, start, _seeing(engine, target, start), allowed_m)
+    target = _of_type_or_id(session, object_type, object_id)
+    _on_mesh(session, _floor(session), start, allowed_m)
+    return _path(session, start, _seeing(session, target, start), allowed_m)
 
 
 @action("GetShortestPath")
 def shortest_path_from_pose(
-    engine: Engine,
+    session: Session,
     position: Vector3,
     rotation: Vector3,
     objectType: str | None = None,
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, position, allowedError), allowedError)
+    """GetShortestPath from a pose; the rotation is not used."""
+    return _to_object(session, objectType, objectId, _start(session, position, allowedError), allowedError)
 
 
 @action("GetShortestPath")
 def shortest_path_from_position(
-    engine: Engine,
+    session: Session,
     position: Vector3,
     objectType: str | None = None,
     objectId: str | None = None,
     allowedError: float = ERROR_M,
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, position, allowedError), allowedError)
+    """GetShortestPath from a position."""
+    return _to_object(session, objectType, objectId, _start(session, position, allowedError), allowedError)
 
 
 @action("GetShortestPath")
 def shortest_path(
-    engine: Engine, objectType: str | None = None, objectId: str | None = None, allowedError: float = ERROR_M
+    session: Session, objectType: str | None = None, objectId: str | None = None, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
-    return _to_object(engine, objectType, objectId, _start(engine, None, allowedError), allowedError)
+    """GetShortestPath from the agent."""
+    return _to_object(session, objectType, objectId, _start(session, None, allowedError), allowedError)
 
 
 @action("GetShortestPathToPoint")
 def shortest_path_to_point_from_position(
-    engine: Engine, position: Vector3, x: float, y: float, z: float, allowedError: float = ERROR_M
+    session: Session, position: Vector3, x: float, y: float, z: float, allowedError: float = ERROR_M
 ) -> dict[str, Any]:
-    return _path(engine, _start(engine, position, allowedError), np.array([x, y, z]), allowedError)
+    """GetShortestPathToPoint from a position."""
+    return _path(session, _start(session, position, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("GetShortestPathToPoint")
-def shortest_path_to_point(engine: Engine, x: float, y: float, z: float, allowedError: float = ERROR_M) -> dict[str, Any]:
-    return _path(engine, _start(engine, None, allowedError), np.array([x, y, z]), allowedError)
+def shortest_path_to_point(session: Session, x: float, y: float, z: float, allowedError: float = ERROR_M) -> dict[str, Any]:
+    """GetShortestPathToPoint from the agent."""
+    return _path(session, _start(session, None, allowedError), np.array([x, y, z]), allowedError)
 
 
 @action("ObjectTypeToObjectIds")
-def object_ids_of_type(engine: Engine, objectType: str) -> list[str]:
+def object_ids_of_type(session: Session, objectType: str | None) -> list[str]:
+    """ObjectTypeToObjectIds: the objectIds of all objects of a type, an empty list if the scene has none."""
+    if objectType is None:
+        raise null_reference()
     wanted = objectType.replace(" ", "").lower()
-    return [b.object_id for b in engine.world.bodies.values() if not b.removed and b.obj.type.lower() == wanted]
+    return [b.object_id for b in session.world.bodies.values() if not b.removed and b.obj.type.lower() == wanted]
 
 
 # Interactable poses
 
 
-def _clear(engine: Engine, places: np.ndarray) -> np.ndarray:
-    """At which of the positions (P, 3) the agent would collide with nothing: (P,) bool. There it can be teleported to."""
-    obstacles, _ = engine.world.obstacles()
+def _clear(session: Session, places: np.ndarray) -> np.ndarray:
+    """(P,) bool: at which of the positions (P, 3) the agent collides with nothing, so that it can be teleported there."""
+    obstacles, _ = session.world.obstacles()
     gaps = obstacles.distances(places[:, [0, 2]], float(obstacles.reach.max(initial=0.0)))
-    return (gaps >= obstacles.reach).all(axis=1) | (places == engine.world.agent.position).all(axis=1)
+    return (gaps >= obstacles.reach).all(axis=1) | (places == session.world.agent.position).all(axis=1)
 
 
 def _poses(
-    engine: Engine,
+    session: Session,
     object_id: str,
     positions: list[Vector3] | None,
     rotations: list[float] | None,
@@ -224,7 +233,7 @@ def _poses(
     max_distance: float | None,
     max_poses: int,
 ) -> list[dict[str, Any]]:
-    world, s = engine.world, engine.settings
+    world, s = session.world, session.settings
     step = s.turn_deg
     if rotations is None and abs(360.0 / step - round(360.0 / step)) > ERROR_M:
         raise Thrown(
@@ -236,26 +245,26 @@ def _poses(
     if max_distance is not None and max_distance <= 0:
         raise out_of_range("maxDistance must be >= 0 meters from the object.")
     distance = s.visibility_m if max_distance is None else max_distance
-    _known(engine, object_id)
+    _known(session, object_id)
     low, high = -s.look_up_deg, s.look_down_deg
     if horizons is None:
         horizons = [h for h in HORIZONS_DEG if low <= h <= high]
     elif outside := [h for h in horizons if not low <= h <= high]:
         raise Thrown("ArgumentException", f"Each horizon must be in [{low:g}:{high:g}]. You gave {outside[0]:g}.")
     if positions is None:
-        positions = [Vector3(**p) for p in reachable_positions(engine)]
+        positions = [Vector3(**p) for p in reachable_positions(session)]
     places = [p.array for p in positions]
     if places:
-        places = [p for p, clear in zip(places, _clear(engine, np.array(places)), strict=True) if clear]
+        places = [p for p, clear in zip(places, _clear(session, np.array(places)), strict=True) if clear]
     if rotations is None:
         offset = round(world.agent.yaw_deg % step)
         rotations = [float(offset + k * step) for k in range(round(360.0 / step))]
     if not (horizons and rotations and standings) or positions == []:
         raise Thrown("InvalidOperationException", "Every degree of freedom must have at least 1 valid value.")
-    if len(places) * len(standings) > MOST_LOOKS:
-        raise Refused(f"GetInteractablePoses looks from at most {MOST_LOOKS} places, not {len(places) * len(standings)}.")
+    if len(places) * len(standings) > MAX_VIEWPOINTS:
+        raise Refused(f"GetInteractablePoses looks from at most {MAX_VIEWPOINTS} places, not {len(places) * len(standings)}.")
     found = poses(
-        engine.sight,
+        session.sight,
         object_id,
         world.agent,
         places,
@@ -264,34 +273,36 @@ def _poses(
         standings,
         distance,
         s.field_of_view_deg,
-        engine.width / engine.height,
+        session.width / session.height,
     )
     return list(islice(found, max_poses))
 
 
 @action("GetInteractablePoses", mode=DEFAULT.mode)
 def interactable_poses(
-    engine: Engine,
+    session: Session,
     objectId: str,
     positions: list[Vector3] | None = None,
     rotations: list[float] | None = None,
     horizons: list[float] | None = None,
     standings: list[bool] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
+    """GetInteractablePoses of the default agent."""
     stances: list[bool | None] = [False, True] if standings is None else list(standings)
-    return _poses(engine, objectId, positions, rotations, horizons, stances, maxDistance, maxPoses)
+    return _poses(session, objectId, positions, rotations, horizons, stances, maxDistance, maxPoses)
 
 
 @action("GetInteractablePoses", mode=LOCOBOT.mode)
 def interactable_poses_of_a_locobot(
-    engine: Engine,
+    session: Session,
     objectId: str,
     positions: list[Vector3] | None = None,
     rotations: list[float] | None = None,
     horizons: list[float] | None = None,
     maxDistance: float | None = None,
-    maxPoses: int = MANY,
+    maxPoses: int = UNLIMITED,
 ) -> list[dict[str, Any]]:
-    return _poses(engine, objectId, positions, rotations, horizons, [None], maxDistance, maxPoses)
+    """GetInteractablePoses of the locobot, which does not crouch."""
+    return _poses(session, objectId, positions, rotations, horizons, [None], maxDistance, maxPoses)

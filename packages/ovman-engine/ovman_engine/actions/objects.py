@@ -1,4 +1,4 @@
-"""Actions that put objects somewhere, hide them or take them away."""
+"""Actions that place, hide, show and remove objects."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import ObjectPose, Vector3
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.plan.floorplan import rotation_matrix
 from ovman_engine.world.world import Refused, Unsettled
 
@@ -19,20 +19,22 @@ def _turned(rotation: Vector3 | None) -> np.ndarray | None:
 
 @action("PlaceObjectAtPoint")
 def place_object_at_point(
-    engine: Engine, objectId: str, position: Vector3, rotation: Vector3 | None = None, forceKinematic: bool = False
+    session: Session, objectId: str, position: Vector3, rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
-    rested = engine.world.place(objectId, position.array, _turned(rotation), forceKinematic, settle=engine.auto_simulation)
+    """PlaceObjectAtPoint: puts an object on the surface below a point. Returns where its pivot comes to rest, metres."""
+    rested = session.world.place(objectId, position.array, _turned(rotation), forceKinematic, settle=session.auto_simulation)
     return Vector3.of(rested).to_json()
 
 
 @action("PlaceObjectAtPoint")
 def place_object_at_first_free_point(
-    engine: Engine, objectId: str, positions: list[Vector3], rotation: Vector3 | None = None, forceKinematic: bool = False
+    session: Session, objectId: str, positions: list[Vector3], rotation: Vector3 | None = None, forceKinematic: bool = False
 ) -> dict[str, float]:
+    """PlaceObjectAtPoint at the first of several points that is free."""
     refusal = Refused("")
     for position in positions:
         try:
-            return place_object_at_point(engine, objectId, position, rotation, forceKinematic)
+            return place_object_at_point(session, objectId, position, rotation, forceKinematic)
         except Unsettled:
             raise
         except Refused as error:
@@ -42,7 +44,7 @@ def place_object_at_first_free_point(
 
 @action("TeleportObject")
 def teleport_object(
-    engine: Engine,
+    session: Session,
     objectId: str,
     position: Vector3,
     rotation: Vector3 | None = None,
@@ -51,13 +53,13 @@ def teleport_object(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
-    """Nothing is held or breaks."""
-    engine.world.teleport(objectId, position.array, _turned(rotation), forceAction, forceKinematic)
+    """TeleportObject: puts an object exactly at a pose. The last two arguments have no effect: nothing is held or breaks."""
+    session.world.teleport(objectId, position.array, _turned(rotation), forceAction, forceKinematic)
 
 
 @action("TeleportObject")
 def teleport_object_to_coordinates(
-    engine: Engine,
+    session: Session,
     objectId: str,
     x: float,
     y: float,
@@ -68,12 +70,13 @@ def teleport_object_to_coordinates(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
-    teleport_object(engine, objectId, Vector3(x, y, z), rotation, forceAction, forceKinematic)
+    """TeleportObject with x, y and z in place of a position."""
+    teleport_object(session, objectId, Vector3(x, y, z), rotation, forceAction, forceKinematic)
 
 
 @action("TeleportObject")
 def teleport_object_to_first_free_point(
-    engine: Engine,
+    session: Session,
     objectId: str,
     positions: list[Vector3],
     rotation: Vector3 | None = None,
@@ -82,10 +85,11 @@ def teleport_object_to_first_free_point(
     allowTeleportOutOfHand: bool = False,
     makeUnbreakable: bool = False,
 ) -> None:
+    """TeleportObject to the first of several positions that is free."""
     refusal = Refused("")
     for position in positions:
         try:
-            return teleport_object(engine, objectId, position, rotation, forceAction, forceKinematic)
+            return teleport_object(session, objectId, position, rotation, forceAction, forceKinematic)
         except Refused as error:
             refusal = error
     raise refusal
@@ -93,8 +97,9 @@ def teleport_object_to_first_free_point(
 
 @action("SetObjectPoses")
 def set_object_poses(
-    engine: Engine, objectPoses: list[ObjectPose] | None = None, placeStationary: bool = True, **rest: Any
+    session: Session, objectPoses: list[ObjectPose] | None = None, placeStationary: bool = True, **rest: Any
 ) -> str:
+    """SetObjectPoses: arranges the movable objects as listed, and removes all others."""
     if objectPoses is None:
         raise Refused(
             "objectPoses was not initialized correctly. Please make sure each element in the objectPoses list is initialized."
@@ -105,32 +110,37 @@ def set_object_poses(
         {"objectName": p.objectName, "position": p.position.array, "rotation": rotation_matrix(p.rotation.array)}
         for p in objectPoses
     ]
-    engine.world.set_poses(poses, placeStationary)
+    session.world.set_poses(poses, placeStationary)
     return ""
 
 
 @action("DisableObject")
-def disable_object(engine: Engine, objectId: str) -> None:
-    engine.world.set_active(objectId, False)
+def disable_object(session: Session, objectId: str) -> None:
+    """DisableObject: makes an object invisible and without collisions."""
+    session.world.set_active(objectId, False)
 
 
 @action("EnableObject")
-def enable_object(engine: Engine, objectId: str) -> None:
-    engine.world.set_active(objectId, True)
+def enable_object(session: Session, objectId: str) -> None:
+    """EnableObject: undoes DisableObject."""
+    session.world.set_active(objectId, True)
 
 
 @action("RemoveFromScene")
-def remove_from_scene(engine: Engine, objectId: str) -> None:
-    engine.world.remove(objectId)
+def remove_from_scene(session: Session, objectId: str) -> None:
+    """RemoveFromScene of one object."""
+    session.world.remove(objectId)
 
 
 @action("RemoveFromScene")
-def remove_all_from_scene(engine: Engine, objectIds: list[str]) -> None:
+def remove_all_from_scene(session: Session, objectIds: list[str]) -> None:
+    """RemoveFromScene of several objects."""
     if not objectIds:
         raise Refused("objectIds must not be empty!")
-    engine.world.remove(*objectIds)
+    session.world.remove(*objectIds)
 
 
 @action("RemoveObjsFromScene")
-def remove_objects_from_scene(engine: Engine, objectIds: list[str]) -> None:
-    remove_all_from_scene(engine, objectIds)
+def remove_objects_from_scene(session: Session, objectIds: list[str]) -> None:
+    """RemoveObjsFromScene: the former name of RemoveFromScene for several objects."""
+    remove_all_from_scene(session, objectIds)

@@ -1,4 +1,4 @@
-"""What is where: in the agent's picture, and how far the scene goes. Read-only.
+"""The object or the point behind a pixel of the agent's image, and the bounds of the scene. Nothing changes.
 
 Source: AI2-THOR's BaseFPSAgentController (GetObjectInFrame, GetCoordinateFromRaycast, GetSceneBounds).
 """
@@ -11,51 +11,54 @@ import numpy as np
 
 from ovman_engine.actions.registry import action, out_of_range
 from ovman_engine.actions.values import Vector3
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.sight.visibility import Eye, axes
 from ovman_engine.world.world import Refused
 
 
-def _met(engine: Engine, x: float, y: float) -> tuple[str | None, np.ndarray]:
-    """Name of the instance that is met first through a point of the picture (shares of its width and height, from the top left),
-    and where, (3,) metres. Beyond everything, the name is None and the point the camera's far plane."""
-    agent, s = engine.world.agent, engine.settings
+def _met(session: Session, x: float, y: float) -> tuple[str | None, np.ndarray]:
+    """The first instance on the ray through a point of the image (fractions of its width and height, from the top left), and
+    where the ray meets it, (3,) metres. Without a hit the name is None, and the point lies at the distance of the far plane."""
+    agent, s = session.world.agent, session.settings
     tall = math.tan(math.radians(s.field_of_view_deg) / 2)
     right, up, forward = axes(agent.yaw_deg, agent.horizon_deg)
-    way = right * (2 * x - 1) * tall * engine.width / engine.height + up * (1 - 2 * y) * tall + forward
+    way = right * (2 * x - 1) * tall * session.width / session.height + up * (1 - 2 * y) * tall + forward
     way /= np.linalg.norm(way)
-    lines = engine.sight.lines
+    lines = session.sight.lines
     owner, distance = lines.first(agent.camera[None], way[None], np.zeros(len(lines.names), dtype=bool))
     if owner[0] < 0:
         return None, agent.camera + way * s.far_m
     return lines.names[owner[0]], agent.camera + way * float(distance[0])
 
 
-def _interactable(engine: Engine) -> set[str]:
-    s = engine.settings
-    eye = Eye.of(engine.world.agent, s.field_of_view_deg, engine.width / engine.height)
-    return engine.sight.visible(eye, s.visibility_m, s.visibility_scheme)[1]
+def _interactable(session: Session) -> set[str]:
+    s = session.settings
+    eye = Eye.of(session.world.agent, s.field_of_view_deg, session.width / session.height)
+    return session.sight.visible(eye, s.visibility_m, s.visibility_scheme)[1]
 
 
 @action("GetObjectInFrame")
-def object_in_frame(engine: Engine, x: float, y: float, checkVisible: bool = False) -> str:
+def object_in_frame(session: Session, x: float, y: float, checkVisible: bool = False) -> str:
+    """GetObjectInFrame: the objectId behind a point of the image. Refused if the ray meets no object."""
     if not (0 <= x <= 1 and 0 <= y <= 1):
         raise out_of_range("x/y must be in [0:1]")
-    name, _ = _met(engine, x, y)
-    if name is None or name not in engine.world.bodies:
+    name, _ = _met(session, x, y)
+    if name is None or name not in session.world.bodies:
         raise Refused(f"no sim objects found at ({x:g},{y:g})")
-    if checkVisible and name not in _interactable(engine):
+    if checkVisible and name not in _interactable(session):
         raise Refused(f"target hit ({name}) at ({x:g}, {y:g}) is not currently Visible to Agent")
     return name
 
 
 @action("GetCoordinateFromRaycast")
-def coordinate_from_raycast(engine: Engine, x: float, y: float) -> dict[str, float]:
+def coordinate_from_raycast(session: Session, x: float, y: float) -> dict[str, float]:
+    """GetCoordinateFromRaycast: where the ray through a point of the image meets the scene, metres."""
     if not (0 <= x <= 1 and 0 <= y <= 1):
         raise out_of_range(f"x and y must be in [0:1] not (x={x:g}, y={y:g}).")
-    return Vector3.of(_met(engine, x, y)[1]).to_json()
+    return Vector3.of(_met(session, x, y)[1]).to_json()
 
 
 @action("GetSceneBounds")
-def scene_bounds(engine: Engine) -> list[dict[str, float]]:
-    return [Vector3.of(corner).to_json() for corner in engine.world.bounds()]
+def scene_bounds(session: Session) -> list[dict[str, float]]:
+    """GetSceneBounds: lower and upper corner of the scene, metres."""
+    return [Vector3.of(corner).to_json() for corner in session.world.bounds()]

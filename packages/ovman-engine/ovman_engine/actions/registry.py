@@ -1,7 +1,7 @@
-"""The table of actions, and how an action says that it did not succeed.
+"""The table of actions, and the errors of actions.
 
-An action is a function `f(engine, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
-arguments are read from it, and a `**rest` accepts anything besides. Several functions of one name are overloads.
+An action is a function `f(session, argument, ...)` whose keyword signature is the action's: names, types and defaults of the
+arguments are read from it, and `**rest` accepts any further argument. Several functions of one name are overloads.
 """
 
 from __future__ import annotations
@@ -35,39 +35,48 @@ class Action:
     parameters: tuple[Parameter, ...]
     takes_anything: bool
     mode: str | None = None
-    """agentMode of the agents that have it; None for all"""
+    """agentMode of the agents that have the action; None for all"""
 
     def bears(self, argument: str) -> bool:
+        """Whether the action has an argument of this name."""
         return any(p.name == argument for p in self.parameters)
 
 
 class Failed(Refused):
-    """An action that did not succeed and has one of AI2-THOR's error codes."""
+    """An action failed with one of AI2-THOR's error codes."""
 
     def __init__(self, message: str, code: str) -> None:
+        """`code` is AI2-THOR's error code."""
         super().__init__(message)
         self.code = code
 
 
 class Thrown(Refused):
-    """What Unity reports when an action throws: "<exception>: <message>. trace: <where>"."""
+    """An action failed with a .NET exception, which Unity reports as "<exception>: <message>. trace: <where>"."""
 
     def __init__(self, exception: str, message: str) -> None:
+        """`exception` is the name of the .NET class. The trace names the function that called this."""
         super().__init__(f"{exception}: {message}. trace:   at {sys._getframe(1).f_code.co_name}")
 
 
 def out_of_range(message: str) -> Thrown:
-    """.NET's ArgumentOutOfRangeException takes its only argument for the name of a parameter, and so do AI2-THOR's messages."""
+    """AI2-THOR's ArgumentOutOfRangeException. .NET takes the only argument for the name of a parameter, so the message reads like
+    one."""
     return Thrown(
         "ArgumentOutOfRangeException", f"Specified argument was out of the range of valid values.\nParameter name: {message}"
     )
+
+
+def null_reference() -> Thrown:
+    """The NullReferenceException with which AI2-THOR answers null for a required text."""
+    return Thrown("NullReferenceException", "Object reference not set to an instance of an object")
 
 
 TABLE: dict[str, list[Action]] = {}
 
 
 def action(name: str, mode: str | None = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Registers the function below under AI2-THOR's `name` of an action, for all agents or for those of one agentMode."""
+    """Registers the decorated function as the action `name`, for all agents or for those of one agentMode."""
 
     def register(function: Callable[..., Any]) -> Callable[..., Any]:
         TABLE.setdefault(name, []).append(_described(name, function, mode))

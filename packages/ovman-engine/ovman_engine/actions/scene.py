@@ -1,43 +1,45 @@
-"""Actions that set up the scene and the way it is shown."""
+"""Actions that load a scene and set how it is shown."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ovman_engine.actions.registry import action
-from ovman_engine.actions.values import FARTHEST
+from ovman_engine.actions.registry import action, null_reference
+from ovman_engine.actions.values import MAX_COMPONENT
 from ovman_engine.bodies.embodiment import DEFAULT, EMBODIMENTS, ActionNoise
 from ovman_engine.client.resolution import objection
+from ovman_engine.client.session import PROCEDURAL, SCENE_SUFFIX, Session
 from ovman_engine.client.settings import Settings
-from ovman_engine.engine import PROCEDURAL, SCENE_SUFFIX, Engine
 from ovman_engine.plan import floorplan
 from ovman_engine.world.world import Refused
 
 if TYPE_CHECKING:
     import numpy as np
 
-LARGEST_GRID_M = 5.0
+MAX_GRID_M = 5.0
 NEAR_CORNER = 1e-3
-"""Part of the grid's spacing within which an agent is on the grid: single precision, which recorded starts have gone through."""
+"""Fraction of the grid's spacing within which an agent is on the grid: recorded starts have single precision."""
 
 
 @action("GetScenesInBuild")
-def scenes_in_build(engine: Engine) -> list[str]:
+def scenes_in_build(session: Session) -> list[str]:
+    """GetScenesInBuild: the names of all scenes."""
     return [*(name + SCENE_SUFFIX for name in floorplan.names()), PROCEDURAL]
 
 
 @action("Reset")
-def reset(engine: Engine, sceneName: str | None = None, **rest: Any) -> None:
-    scene = sceneName or engine.scene_name
+def reset(session: Session, sceneName: str | None = None, **rest: Any) -> None:
+    """Reset: loads a scene, or the current one again. Refused if no scene has this name."""
+    scene = sceneName or session.scene_name
     try:
-        engine.load(scene)
+        session.load(scene)
     except KeyError:
         raise Refused(f"Scene '{scene}' couldn't be loaded because it is not in this build.") from None
 
 
 @action("Initialize")
 def initialize(
-    engine: Engine,
+    session: Session,
     gridSize: float = Settings.grid_m,
     snapToGrid: bool = Settings.snap_to_grid,
     rotateStepDegrees: float = Settings.turn_deg,
@@ -55,7 +57,7 @@ def initialize(
     maxUpwardLookAngle: float = Settings.look_up_deg,
     maxDownwardLookAngle: float = Settings.look_down_deg,
     timeScale: float = 1.0,
-    agentMode: str = DEFAULT.mode,
+    agentMode: str | None = DEFAULT.mode,
     agentCount: int = 1,
     makeAgentsVisible: bool = Settings.agent_visible,
     applyActionNoise: bool = True,
@@ -67,7 +69,9 @@ def initialize(
     renderClassImage: bool = False,
     **rest: Any,
 ) -> dict[str, float]:
-    """What is not positive leaves the planes, the visibility distance, the look angles and the noise at their defaults."""
+    """Initialize. Values that are not positive leave planes, visibility distance, look angles and noise at their defaults."""
+    if agentMode is None:
+        raise null_reference()
     embodiment = EMBODIMENTS.get(agentMode.lower())
     if embodiment is None:
         modes = " and ".join(f"'{mode}'" for mode in sorted({e.mode for e in EMBODIMENTS.values()}))
@@ -91,18 +95,18 @@ def initialize(
     for name, angle in (("maxDownwardLookAngle", maxDownwardLookAngle), ("maxUpwardLookAngle", maxUpwardLookAngle)):
         if angle < 0:
             raise Refused(f"{name} must be a non-negative float")
-    if not 0 < gridSize <= LARGEST_GRID_M:
+    if not 0 < gridSize <= MAX_GRID_M:
         raise Refused("grid size must be in the range (0,5]")
     near = cameraNearPlane if cameraNearPlane > 0 else Settings.near_m
     far = cameraFarPlane if cameraFarPlane > 0 else Settings.far_m
-    if not near < far <= FARTHEST:
+    if not near < far <= MAX_COMPONENT:
         raise Refused(f"The camera's planes must satisfy 0 < near < far. You gave {cameraNearPlane:g} and {cameraFarPlane:g}.")
     noise = embodiment.noise if applyActionNoise else None
     if noise is not None:
         move = (movementGaussianMu, movementGaussianSigma)
         turn = (rotateGaussianMu, rotateGaussianSigma)
         noise = ActionNoise(_positive(move, noise.move), _positive(turn, noise.turn))
-    engine.change(
+    session.change(
         grid_m=gridSize,
         snap_to_grid=snapToGrid,
         turn_deg=rotateStepDegrees,
@@ -121,10 +125,10 @@ def initialize(
         agent_visible=makeAgentsVisible,
         fast_emit=fastActionEmit,
     )
-    engine.auto_simulation = autoSimulation
-    agent = engine.world.agent
+    session.auto_simulation = autoSimulation
+    agent = session.world.agent
     agent.embodiment, agent.standing = embodiment, True
-    agent.position = _on_grid(engine)
+    agent.position = _on_grid(session)
     return {"cameraNearPlane": near, "cameraFarPlane": far}
 
 
@@ -132,47 +136,51 @@ def _positive(given: tuple[float, float], otherwise: tuple[float, float]) -> tup
     return (given[0] if given[0] > 0 else otherwise[0], given[1] if given[1] > 0 else otherwise[1])
 
 
-def _on_grid(engine: Engine) -> np.ndarray:
-    """Where the agent begins: the first corner of its cell of the grid that it can go to, (3,) metres; if there is none, where
-    it is."""
+def _on_grid(session: Session) -> np.ndarray:
+    """Start position (3,) metres: the first corner of the agent's grid cell that it can move to, or its own position if no corner
+    is free."""
     import numpy as np
 
-    world, grid = engine.world, engine.settings.grid_m
+    world, grid = session.world, session.settings.grid_m
     here = world.agent.position
     cell = np.floor(here[[0, 2]] / grid + NEAR_CORNER)
     for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):
         x, z = (cell + (i, j)) * grid
         corner = np.array([x, here[1], z])
         if np.abs(corner - here).max() < NEAR_CORNER * grid:
-            return engine.snapped(here)
-        if engine.in_bounds(corner) and world.blocker(here[[0, 2]], corner[[0, 2]]) is None:
+            return session.snapped(here)
+        if session.in_bounds(corner) and world.blocker(here[[0, 2]], corner[[0, 2]]) is None:
             return corner
     return here
 
 
 @action("ChangeResolution")
-def change_resolution(engine: Engine, x: int, y: int) -> None:
-    if problem := objection(x, y, 1 + len(engine.cameras)):
+def change_resolution(session: Session, x: int, y: int) -> None:
+    """ChangeResolution: the size of all images, pixels."""
+    if problem := objection(x, y, 1 + len(session.cameras)):
         raise Refused(problem)
-    engine.width, engine.height = x, y
+    session.width, session.height = x, y
 
 
 @action("ChangeQuality")
-def change_quality(engine: Engine, quality: str) -> None:
-    """There is one quality."""
+def change_quality(session: Session, quality: str) -> None:
+    """ChangeQuality: accepted without effect; the engine has one quality."""
 
 
 @action("SetRandomSeed")
-def set_random_seed(engine: Engine, seed: int) -> None:
-    engine.seed, engine.draws = seed, 0
-    engine.random.seed(seed)
+def set_random_seed(session: Session, seed: int) -> None:
+    """SetRandomSeed: restarts all later random draws."""
+    session.seed, session.draws = seed, 0
+    session.random.seed(seed)
 
 
 @action("SetObjectFilter")
-def set_object_filter(engine: Engine, objectIds: list[str]) -> None:
-    engine.change(shown=frozenset(objectIds))
+def set_object_filter(session: Session, objectIds: list[str]) -> None:
+    """SetObjectFilter: metadata list only these objects."""
+    session.change(shown=frozenset(objectIds))
 
 
 @action("ResetObjectFilter")
-def reset_object_filter(engine: Engine) -> None:
-    engine.change(shown=None)
+def reset_object_filter(session: Session) -> None:
+    """ResetObjectFilter: metadata list all objects."""
+    session.change(shown=None)

@@ -1,4 +1,4 @@
-"""Actions that find room on receptacles, and fill it at random."""
+"""Actions that find free places on receptacles, and put objects there at random."""
 
 from __future__ import annotations
 
@@ -6,40 +6,40 @@ from typing import Any
 
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import Vector3
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Body, Refused
 
-MOST_COPIES = 100
-"""Objects of one type that a scene may be given."""
+MAX_COPIES = 100
+"""Largest number of objects of one type that a scene may be given."""
 
 
-def _found(engine: Engine, object_id: str) -> Body:
-    body = engine.world.bodies.get(object_id)
+def _found(session: Session, object_id: str) -> Body:
+    body = session.world.bodies.get(object_id)
     if body is None or body.removed:
         raise Refused(f"Cannot find sim object with id '{object_id}'")
     return body
 
 
 @action("GetSpawnCoordinatesAboveReceptacle")
-def spawn_coordinates(engine: Engine, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
-    """Contract, section 4. Points at which PlaceObjectAtPoint puts a small thing on the receptacle: above its surfaces, where
-    nothing stands; unless `anywhere`, those that the agent sees."""
+def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) -> list[dict[str, float]]:
+    """GetSpawnCoordinatesAboveReceptacle (contract, section 4): points at which PlaceObjectAtPoint puts a small object on the
+    receptacle. They lie above its surfaces, where nothing stands; unless `anywhere`, only those that the agent sees."""
     from ovman_engine.world.spawn import points, seen
 
-    body = _found(engine, objectId)
+    body = _found(session, objectId)
     if not body.obj.record["receptacle"]:
         raise Refused(f"{objectId} is not a receptacle!")
     if not body.present:
         return []
-    found = points(engine.world, body)
+    found = points(session.world, body)
     if not anywhere:
-        found = found[seen(engine.world, engine.view(), found)]
+        found = found[seen(session.world, session.view(), found)]
     return [Vector3.of(p).to_json() for p in found]
 
 
 @action("InitialRandomSpawn")
 def initial_random_spawn(
-    engine: Engine,
+    session: Session,
     randomSeed: int = 0,
     forceVisible: bool = False,
     placeStationary: bool = True,
@@ -52,9 +52,9 @@ def initial_random_spawn(
     allowFloor: bool = False,
     allowMoveable: bool = False,
 ) -> None:
-    """Contract, section 4. Objects that find no place stay where they are."""
+    """InitialRandomSpawn (contract, section 4). Objects for which no place is found stay where they are."""
     from ovman_engine.shapes import FORMS, LOOSE
-    from ovman_engine.world.spawn import SETTLED_S, Wishes, spawn
+    from ovman_engine.world.spawn import SETTLED_S, SpawnOptions, spawn
 
     if numPlacementAttempts <= 0:
         raise Refused("numPlacementAttempts must be a positive integer.")
@@ -64,8 +64,8 @@ def initial_random_spawn(
             raise Refused(f"invalid Object Type used in excludedReceptacles array: {kind}")
     for names in (excludedObjectIds, objectIds, receptacleObjectIds):
         for name in names or ():
-            _found(engine, name)
-    wishes = Wishes(
+            _found(session, name)
+    wishes = SpawnOptions(
         seed=randomSeed,
         only_outside=forceVisible,
         stationary=placeStationary,
@@ -77,9 +77,9 @@ def initial_random_spawn(
         counts=dict(_count(wish, types) for wish in numDuplicatesOfType or ()),
         moveable=allowMoveable,
     )
-    spawn(engine.world, wishes)
-    if not placeStationary or not engine.world.at_rest:
-        engine.world.advance(SETTLED_S)
+    spawn(session.world, wishes)
+    if not placeStationary or not session.world.at_rest:
+        session.world.advance(SETTLED_S)
 
 
 def _count(wish: Any, types: set[str]) -> tuple[str, int]:
@@ -89,6 +89,6 @@ def _count(wish: Any, types: set[str]) -> tuple[str, int]:
     kind, count = wish["objectType"], wish["count"]
     if kind not in types:
         raise Thrown("ArgumentException", f"Requested value '{kind}' was not found.")
-    if not 0 <= count <= MOST_COPIES:
-        raise Refused(f"count must be within 0 and {MOST_COPIES}, not {count}.")
+    if not 0 <= count <= MAX_COPIES:
+        raise Refused(f"count must be within 0 and {MAX_COPIES}, not {count}.")
     return kind, count

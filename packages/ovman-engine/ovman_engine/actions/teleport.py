@@ -1,4 +1,4 @@
-"""Actions that put the agent somewhere.
+"""Actions that put the agent at a pose.
 
 Sources: contract, section 4; AI2-THOR's BaseFPSAgentController.teleportFull and the controllers' overloads of Teleport.
 """
@@ -11,21 +11,26 @@ from ovman_engine.actions.movement import full_circle
 from ovman_engine.actions.registry import Thrown, action, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 
 GROUND_M = 0.05
-"""How far from its height above the floor the agent may be put."""
+"""Largest difference between a given height and the agent's height on the floor."""
 EXACT_M = 1e-4
-"""How near a coordinate must be to another to be the same: single precision, which clients may have gone through."""
+"""Tolerance of equal coordinates: clients may have stored them in single precision."""
 UPRIGHT_DEG = 1e-2
-"""Pitch and roll up to which an agent's rotation is a yaw."""
+"""Pitch and roll below which a rotation counts as a yaw."""
 
 
 def _teleport(
-    engine: Engine, position: Vector3 | None, rotation: Vector3 | None, horizon: float | None, standing: bool | None, force: bool
+    session: Session,
+    position: Vector3 | None,
+    rotation: Vector3 | None,
+    horizon: float | None,
+    standing: bool | None,
+    force: bool,
 ) -> None:
-    """What is None stays as it is. On failure nothing changes."""
-    world, agent, settings = engine.world, engine.world.agent, engine.settings
+    """Arguments that are None keep their value. On failure nothing changes."""
+    world, agent, settings = session.world, session.world.agent, session.settings
     if not force and rotation is not None and max(abs(rotation.x), abs(rotation.z)) >= UPRIGHT_DEG:
         raise out_of_range(
             "No agents currently can change in pitch or roll. So, you must set rotation(x=0, y=yaw, z=0)."
@@ -38,7 +43,7 @@ def _teleport(
     if position is not None:
         target = position.array
         if not force:
-            target = _on_ground(engine, position)
+            target = _on_ground(session, position)
     if not force and not np.array_equal(target, agent.position):
         blocker = world.blocker(target[[0, 2]], target[[0, 2]])
         if blocker is not None:
@@ -52,13 +57,13 @@ def _teleport(
         agent.standing = standing
 
 
-def _on_ground(engine: Engine, position: Vector3) -> np.ndarray:
+def _on_ground(session: Session, position: Vector3) -> np.ndarray:
     target = position.array
-    if not engine.in_bounds(target):
+    if not session.in_bounds(target):
         raise out_of_range(f"Teleport position {position.text(6)} out of scene bounds! Ignore this by setting forceAction=true.")
-    if engine.settings.snap_to_grid and np.abs(engine.snapped(target) - target).max() > EXACT_M:
-        raise out_of_range(f"Teleport position {position.text(6)} is not on the grid of size {engine.settings.grid_m:g}.")
-    ground = float(engine.world.plan.start[1])
+    if session.settings.snap_to_grid and np.abs(session.snapped(target) - target).max() > EXACT_M:
+        raise out_of_range(f"Teleport position {position.text(6)} is not on the grid of size {session.settings.grid_m:g}.")
+    ground = float(session.world.plan.start[1])
     if abs(target[1] - ground) > GROUND_M:
         raise Thrown(
             "InvalidOperationException",
@@ -72,19 +77,20 @@ def _on_ground(engine: Engine, position: Vector3) -> np.ndarray:
 
 @action("Teleport", mode=DEFAULT.mode)
 def teleport(
-    engine: Engine,
+    session: Session,
     position: Vector3 | None = None,
     rotation: Vector3 | None = None,
     horizon: float | None = None,
     standing: bool | None = None,
     forceAction: bool = False,
 ) -> None:
-    _teleport(engine, position, rotation, horizon, standing, forceAction)
+    """Teleport of the default agent."""
+    _teleport(session, position, rotation, horizon, standing, forceAction)
 
 
 @action("Teleport", mode=DEFAULT.mode)
 def teleport_by_coordinates(
-    engine: Engine,
+    session: Session,
     x: float,
     y: float,
     z: float,
@@ -93,19 +99,21 @@ def teleport_by_coordinates(
     standing: bool | None = None,
     forceAction: bool = False,
 ) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+    """Teleport with x, y and z in place of a position."""
+    _teleport(session, Vector3(x, y, z), rotation, horizon, standing, forceAction)
 
 
 @action("TeleportFull", mode=DEFAULT.mode)
 def teleport_full(
-    engine: Engine, position: Vector3, rotation: Vector3, horizon: float, standing: bool, forceAction: bool = False
+    session: Session, position: Vector3, rotation: Vector3, horizon: float, standing: bool, forceAction: bool = False
 ) -> None:
-    _teleport(engine, position, rotation, horizon, standing, forceAction)
+    """TeleportFull of the default agent."""
+    _teleport(session, position, rotation, horizon, standing, forceAction)
 
 
 @action("TeleportFull", mode=DEFAULT.mode)
 def teleport_full_by_coordinates(
-    engine: Engine,
+    session: Session,
     x: float,
     y: float,
     z: float,
@@ -114,26 +122,28 @@ def teleport_full_by_coordinates(
     standing: bool,
     forceAction: bool = False,
 ) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, standing, forceAction)
+    """TeleportFull with x, y and z in place of a position."""
+    _teleport(session, Vector3(x, y, z), rotation, horizon, standing, forceAction)
 
 
-# The locobot, which does not crouch
+# Locobot, which does not crouch
 
 
 @action("Teleport", mode=LOCOBOT.mode)
 def locobot_teleport(
-    engine: Engine,
+    session: Session,
     position: Vector3 | None = None,
     rotation: Vector3 | None = None,
     horizon: float | None = None,
     forceAction: bool = False,
 ) -> None:
-    _teleport(engine, position, rotation, horizon, None, forceAction)
+    """Teleport of the locobot."""
+    _teleport(session, position, rotation, horizon, None, forceAction)
 
 
 @action("Teleport", mode=LOCOBOT.mode)
 def locobot_teleport_by_coordinates(
-    engine: Engine,
+    session: Session,
     x: float,
     y: float,
     z: float,
@@ -141,18 +151,21 @@ def locobot_teleport_by_coordinates(
     horizon: float | None = None,
     forceAction: bool = False,
 ) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, None, forceAction)
+    """Teleport of the locobot, with x, y and z in place of a position."""
+    _teleport(session, Vector3(x, y, z), rotation, horizon, None, forceAction)
 
 
 @action("TeleportFull", mode=LOCOBOT.mode)
 def locobot_teleport_full(
-    engine: Engine, position: Vector3, rotation: Vector3, horizon: float, forceAction: bool = False
+    session: Session, position: Vector3, rotation: Vector3, horizon: float, forceAction: bool = False
 ) -> None:
-    _teleport(engine, position, rotation, horizon, None, forceAction)
+    """TeleportFull of the locobot."""
+    _teleport(session, position, rotation, horizon, None, forceAction)
 
 
 @action("TeleportFull", mode=LOCOBOT.mode)
 def locobot_teleport_full_by_coordinates(
-    engine: Engine, x: float, y: float, z: float, rotation: Vector3, horizon: float, forceAction: bool = False
+    session: Session, x: float, y: float, z: float, rotation: Vector3, horizon: float, forceAction: bool = False
 ) -> None:
-    _teleport(engine, Vector3(x, y, z), rotation, horizon, None, forceAction)
+    """TeleportFull of the locobot, with x, y and z in place of a position."""
+    _teleport(session, Vector3(x, y, z), rotation, horizon, None, forceAction)

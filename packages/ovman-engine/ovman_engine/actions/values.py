@@ -1,5 +1,7 @@
-"""Arguments as they arrive in JSON, as the values that an action's signature asks for. Conversions are those of AI2-THOR's
-dispatcher: numbers and texts stand for each other where they can."""
+"""Converts arguments from JSON to the types of an action's signature.
+
+The conversions are those of AI2-THOR's dispatcher: numbers and texts are exchangeable where the text is a number.
+"""
 
 from __future__ import annotations
 
@@ -11,8 +13,8 @@ from typing import Any, get_args, get_origin
 
 import numpy as np
 
-FARTHEST = 1e6
-"""Largest component of a vector, metres or degrees: beyond it, sums of lengths lose the millimetres that worlds are made of."""
+MAX_COMPONENT = 1e6
+"""Largest component of a vector, metres or degrees: beyond it, sums of lengths lose their millimetres."""
 
 
 class Inconvertible(ValueError):
@@ -33,37 +35,40 @@ class Vector3:
 
     @property
     def array(self) -> np.ndarray:
+        """The components as an array (3,)."""
         return np.array([self.x, self.y, self.z])
 
     def text(self, digits: int) -> str:
-        """As Unity writes it, e.g. (1.00, 0.90, -2.00)."""
+        """The vector as Unity writes it, e.g. (1.00, 0.90, -2.00)."""
         return f"({self.x:.{digits}f}, {self.y:.{digits}f}, {self.z:.{digits}f})"
 
     @staticmethod
     def of(array: Any) -> Vector3:
+        """A vector of the components of `array` (3,)."""
         return Vector3(*(float(v) for v in array))
 
     def to_json(self) -> dict[str, float]:
+        """The vector as AI2-THOR's metadata write it."""
         return {"x": self.x, "y": self.y, "z": self.z}
 
 
 @dataclass(frozen=True)
 class PartialVector3:
-    """A vector of which some components are not given."""
+    """A vector with optional components."""
 
     x: float | None = None
     y: float | None = None
     z: float | None = None
 
     def over(self, base: Sequence[float]) -> np.ndarray:
-        """`base` (3,) with the given components in its place."""
+        """`base` (3,) with the given components replaced."""
         given = (self.x, self.y, self.z)
         return np.array([old if new is None else new for old, new in zip(base, given, strict=True)], dtype=float)
 
 
 @dataclass(frozen=True)
 class ObjectPose:
-    """Where SetObjectPoses puts an object."""
+    """One entry of SetObjectPoses: an object's name and pose."""
 
     objectName: str
     position: Vector3
@@ -71,13 +76,13 @@ class ObjectPose:
 
 
 NAMES = {float: "float", int: "int", bool: "Boolean", str: "String", Vector3: "Vector3", PartialVector3: "OptionalVector3"}
-"""Types as messages call them."""
+"""Names of types in messages."""
 CLR_NAMES = {float: "Single", int: "Int32", bool: "Boolean", str: "String", Vector3: "Vector3", PartialVector3: "OptionalVector3"}
-"""Types as signatures in messages call them."""
+"""Names of types in the signatures of messages."""
 
 
 def shown(value: Any) -> str:
-    """A JSON value as messages show it."""
+    """A JSON value as text for messages."""
     if isinstance(value, str):
         return value
     if value is None or isinstance(value, bool):
@@ -86,9 +91,9 @@ def shown(value: Any) -> str:
 
 
 def converted(value: Any, kind: Any) -> Any:
-    """`value` as a `kind`: float, int, bool, str, Vector3, ObjectPose, list[...] or Any. Raises Inconvertible or Malformed.
+    """`value` as a `kind`: float, int, bool, str, Vector3, ObjectPose, list[...] or Any.
 
-    A number must be finite: a world with a NaN in it has no next state.
+    Raises Inconvertible or Malformed. Numbers must be finite: a world that contains NaN has no next state.
     """
     if kind is Any:
         return value
@@ -144,8 +149,8 @@ def _vector(value: Any) -> Vector3:
         vector = Vector3(**{axis: _number(value[axis]) for axis in "xyz" if axis in value})
     except Inconvertible as error:
         raise Malformed(f"Could not convert to a component of a Vector3: {error}.") from None
-    if max(abs(vector.x), abs(vector.y), abs(vector.z)) > FARTHEST:
-        raise Malformed(f"A component of {shown(value)} is beyond {FARTHEST:g}.")
+    if max(abs(vector.x), abs(vector.y), abs(vector.z)) > MAX_COMPONENT:
+        raise Malformed(f"A component of {shown(value)} is beyond {MAX_COMPONENT:g}.")
     return vector
 
 

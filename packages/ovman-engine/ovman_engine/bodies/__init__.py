@@ -1,1 +1,1 @@
-"""What can be moved, stood on, carried or bumped into, and the agent among it."""
+"""Bodies: what moves, supports, carries and blocks; the agent among them."""

@@ -1,7 +1,7 @@
-"""A scene arranged anew: which of its movable objects are there, how often, where, and what they are called then.
+"""SetObjectPoses: shows the listed movable objects at their poses, and hides all others.
 
-What AI2-THOR's SetObjectPoses does (`PhysicsSceneManager`): it hides everything movable, shows what is listed, and names what it
-finds by where it stands.
+Source: AI2-THOR's `PhysicsSceneManager`, which also makes copies of objects that are listed twice, and renames objects by their
+positions.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ def arranged(
 ) -> tuple[list[Body], list[Body], str | None]:
     """Hides all movable `bodies` and shows those of `poses`, [{objectName, position (3,), rotation (3, 3)}, ...].
 
-    An object that is listed again, in place i of the list, is there again as name_copy_i. Returns the bodies listed, the new
-    ones among them with their parts, and the last name that is none of a movable body.
+    An object that is listed again, at index i, appears again as name_copy_i. Returns the listed bodies, the copies with their
+    parts, and the last listed name that no movable body has.
     """
     movable = {b.name: b for b in bodies if b.dynamic}
     hidden = {name: [b, *(p for p in parts_of(b) if p.active)] for name, b in movable.items()}
@@ -51,7 +51,7 @@ def arranged(
 
 
 def _copied(whole: Sequence[Body], suffix: str) -> list[Body]:
-    """Twins of a body and its parts, the body first."""
+    """Copies of a body and its parts, the body first."""
     twins = []
     for body in whole:
         twin = Body.of(body.obj)
@@ -62,14 +62,14 @@ def _copied(whole: Sequence[Body], suffix: str) -> list[Body]:
 
 
 def named(bodies: Iterable[Body]) -> dict[str, Body]:
-    """`bodies` by the objectIds that their positions give them; what is where the floor plan has it keeps the recorded one.
+    """`bodies` by objectId. Ids follow from positions; a body where the floor plan has it keeps its recorded id.
 
-    Carriers are renamed along. A body whose name is taken gets the suffix _copy.
+    References to carriers are updated. A body whose id is taken gets the suffix _copy.
     """
     renamed: dict[str, str] = {}
     out: dict[str, Body] = {}
     bodies = list(bodies)
-    # What is gone must not keep a name from what is there; and a part's name may begin with its whole's.
+    # Removed bodies come last, so that they take no id from present ones; parts follow carriers, whose id theirs may begin with.
     for body in sorted(bodies, key=lambda b: (b.removed, b.carrier is not None)):
         former = body.object_id
         body.object_id = body.obj.object_id if body.untouched else _moved_id(body, renamed)
@@ -91,7 +91,7 @@ def _moved_id(body: Body, renamed: Mapping[str, str]) -> str:
 
 
 def object_id(kind: str, position: np.ndarray) -> str:
-    """objectId of an object of type `kind` whose pivot is at `position` (3,) metres, rounded as single-precision text is."""
+    """objectId of an object of type `kind` with its pivot at `position` (3,) metres, rounded like single-precision text."""
     text = kind
     for value in position:
         number = abs(Decimal(f"{np.float32(value):.7g}")).quantize(Decimal("0.01"), ROUND_HALF_UP)

@@ -1,4 +1,4 @@
-"""What goes with a body: the parts that it is made of, and what it carries."""
+"""What moves with a body: its parts, and the objects that it carries."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from ovman_engine.bodies.body import Body, Pose
 from ovman_engine.plan.floorplan import Box, FloorPlan
 
 INSIDE = 0.5
-"""Share of a part's box that lies inside its carrier's."""
+"""Fraction of a part's box that lies inside its carrier's box."""
 RESTS_M = 0.05
-"""What lies this close to a surface, above or below, rests on it: recorded boxes are not exact."""
+"""Distance above or below a surface at which an object rests on it: recorded boxes are not exact."""
 RISES_M = 0.005
-"""What rests on a body has its underside this far above the body's, or half as far as the body is high: of two thin things beside
-each other, both have their undersides on the table."""
+"""An object on a body has its underside at least this far above the body's underside, or half the body's height if that is less:
+of two thin objects side by side, both undersides are on the table."""
 STANDS_M = 0.01
-"""What is this close to the floor stands on it."""
+"""An object this close to the floor stands on it."""
 PARTS = frozenset(["Cabinet", "Drawer", "Shelf"])
-"""Fixed types that movable furniture is made of."""
+"""Fixed types that are parts of movable furniture."""
 
 Surfaces = Callable[[Body], list[Box]]
 PartsOf = Callable[[str], list[Body]]
 
 
 def carriers(plan: FloorPlan) -> dict[str, str]:
-    """objectId of a fixed part (a drawer) -> objectId of the movable receptacle that it is a part of (its dresser)."""
+    """objectId of a fixed part (a drawer) -> objectId of the movable receptacle it belongs to (its dresser)."""
     movable = [o for o in plan.objects if o.moveable and o.record["receptacle"]]
     out = {}
     for part in plan.objects:
@@ -47,7 +47,7 @@ def _share_inside(inner: Box, outer: Box) -> float:
 
 
 def move(body: Body, parts: Iterable[Body], pose: Pose) -> None:
-    """Put a body and its parts at `pose`, rigidly."""
+    """Moves a body and its parts rigidly, the body to `pose`."""
     turn = pose.rotation @ body.obj.rotation.T
     body.pose = pose
     for part in parts:
@@ -56,7 +56,7 @@ def move(body: Body, parts: Iterable[Body], pose: Pose) -> None:
 
 
 def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> set[str]:
-    """objectIds of those of `others` that rest on one of `surfaces` (boxes around a body's pieces) and not on the floor."""
+    """objectIds of those of `others` that rest on one of `surfaces` (boxes around the pieces of a body) and not on the floor."""
     if not others or not surfaces:
         return set()
     low, high = _bounds([b.box for b in others])
@@ -70,7 +70,7 @@ def resting(surfaces: Sequence[Box], others: Sequence[Body], floor_y: float) -> 
 
 
 def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: float) -> set[str]:
-    """objectIds of those of `others` that lie in `body`, of which `parts` are parts: by the record, and in its box still."""
+    """objectIds of those of `others` that lie in `body` or its `parts`: recorded there, and still in the body's box."""
     names = {body.obj.object_id, *parts}
     recorded = [b for b in others if b.untouched and not names.isdisjoint(b.obj.parents)]
     if not recorded:
@@ -82,9 +82,9 @@ def inside(body: Body, parts: Iterable[str], others: Sequence[Body], floor_y: fl
 
 
 def load_of(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> list[str]:
-    """objectIds of what `body` carries among `bodies`, and of what that carries in turn; of nothing if it is not there.
+    """objectIds of what `body` carries among `bodies`, directly and indirectly; empty if the body is not present.
 
-    `surfaces` tells the boxes around the pieces of a body, `parts` the parts of one by its objectId.
+    `surfaces` returns the boxes around the pieces of a body, `parts` the parts of a body by its objectId.
     """
     found: list[str] = []
     queue = [body] if body.present else []
@@ -97,7 +97,7 @@ def load_of(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: P
 
 
 def _carried(body: Body, bodies: Mapping[str, Body], surfaces: Surfaces, parts: PartsOf, floor_y: float) -> set[str]:
-    """What rests on a body, and what lies in it and rests on nothing else."""
+    """objectIds of what rests on a body, and of what lies in it and rests on nothing else."""
     others = [b for b in bodies.values() if b is not body and b.dynamic and not b.removed and not b.kinematic]
     found = resting(surfaces(body), others, floor_y)
     own = {body.object_id, *(p.object_id for p in parts(body.object_id))}

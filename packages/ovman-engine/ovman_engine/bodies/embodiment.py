@@ -1,6 +1,6 @@
-"""What an agent is made of: the capsule that has to fit, the camera on it, and how exactly it does what it is told.
+"""Kinds of agent: the capsule, the camera and the noise of their motion.
 
-Heights are relative to the agent's position, in metres. Both embodiments of AI2-THOR stand with their feet 0.9 m below it.
+Heights are relative to the agent's position, in metres. The feet of both of AI2-THOR's embodiments are 0.9 m below it.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class ActionNoise:
-    """Normal distributions (mean, standard deviation) of what a motion adds to what it was asked for; metres and degrees.
+    """Normal distributions (mean, standard deviation) of the errors of a motion, metres and degrees.
 
-    A rotation errs by `turn`; a move by `move` along its way, after a rotation by half the spread of `turn`.
+    A rotation has the error `turn`. A move has the error `move` along its way, after a rotation with half the spread of `turn`.
     """
 
     move: tuple[float, float] = (0.001, 0.005)
@@ -20,7 +20,7 @@ class ActionNoise:
 
     @property
     def swerve(self) -> tuple[float, float]:
-        """The rotation that goes with a move."""
+        """Distribution of the rotation before a move."""
         return self.turn[0], self.turn[1] / 2
 
 
@@ -31,25 +31,26 @@ class Embodiment:
     mode: str
     radius_m: float
     height_m: float
-    """Of the whole capsule, its hemispherical ends included."""
+    """Height of the capsule with its hemispherical ends"""
     centre_m: float
-    """Height of the capsule's middle."""
+    """Height of the capsule's centre"""
     standing_camera_m: float
     crouching_camera_m: float | None
-    """Height of the camera when crouching; None for an agent that does not."""
+    """Height of the camera when crouching; None for an agent that cannot crouch"""
     field_of_view_deg: float
-    """Vertical, unless Initialize says otherwise."""
+    """Default vertical field of view"""
     strafes: bool
     noise: ActionNoise | None
-    """How it errs unless Initialize says otherwise; None for an agent that does not."""
+    """Default noise; None for an exact agent"""
 
     @property
     def crouches(self) -> bool:
+        """Whether the agent can crouch."""
         return self.crouching_camera_m is not None
 
     @property
     def foot_m(self) -> float:
-        """Height of the capsule's lower end."""
+        """Height of the lower end of the capsule."""
         return self.centre_m - self.height_m / 2
 
     def camera_m(self, standing: bool) -> float:
@@ -57,7 +58,7 @@ class Embodiment:
         return self.standing_camera_m if standing or self.crouching_camera_m is None else self.crouching_camera_m
 
     def axis(self, foot: float) -> tuple[float, float]:
-        """Heights of the ends of the capsule's axis if its lower end is at the height `foot`."""
+        """Heights of the ends of the capsule's axis if the capsule's lower end is at the height `foot`."""
         return foot + self.radius_m, foot + self.height_m - self.radius_m
 
 
@@ -65,4 +66,4 @@ DEFAULT = Embodiment("default", 0.2, 1.8, 0.0, 0.675, 0.0, 90.0, True, None)
 LOCOBOT = Embodiment("locobot", 0.175, 0.9, -0.45, -0.0312, None, 60.0, False, ActionNoise())
 
 EMBODIMENTS = {e.mode: e for e in (DEFAULT, LOCOBOT)} | {"bot": LOCOBOT}
-"""By agentMode in lower case; "bot" is a former name of the locobot's."""
+"""By agentMode in lower case. "bot" is a former name of the locobot."""

@@ -1,7 +1,7 @@
 """Exact distances between an upright capsule and oriented boxes, at a point and along a straight sweep.
 
-An upright capsule is the set of points within a radius of its axis, a vertical segment; so whether it touches a box is a
-question of the distance from that segment to the box. Plan coordinates are (x, z) in metres, Unity's world frame.
+An upright capsule is the set of points within a radius of a vertical segment, so it touches a box if the distance from the
+segment to the box is below the radius. Plan coordinates are (x, z) in metres, in Unity's world frame.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ import numpy as np
 from ovman_engine.plan.floorplan import Box
 
 SAMPLE_M = 0.05
-"""Spacing of the samples that stand for a sweep against a tilted box; a point obstacle is missed by at most
-SAMPLE_M**2 / (8 r), 1.6 mm for r = 0.2 m. Sweeps against upright boxes are exact."""
+"""Spacing of the samples of a sweep against a tilted box. A point obstacle is missed by at most SAMPLE_M**2 / (8 r), 1.6 mm for r
+= 0.2 m. Sweeps against upright boxes are exact."""
 UPRIGHT = 1 - 1e-6
 """Cosine above which an axis of a box counts as vertical: bodies that physics settled are never exactly upright."""
 
 
 @dataclass(frozen=True)
 class Boxes:
-    """N boxes in columns. An upright box is a rectangle in plan and an interval of heights; a tilted one is neither."""
+    """N boxes in columns. An upright box is a rectangle in plan times an interval of heights; a tilted box is neither."""
 
     centre: np.ndarray
     """(N, 3)"""
@@ -31,7 +31,7 @@ class Boxes:
     rotation: np.ndarray
     """(N, 3, 3) from box to world axes"""
     plan_axis: np.ndarray
-    """(N, 2) unit vector of the first horizontal axis, (x, z); for tilted boxes that of the box around it"""
+    """(N, 2) unit vector (x, z) of the first horizontal axis; for a tilted box, of the box around it"""
     plan_half: np.ndarray
     """(N, 2) half extents along `plan_axis` and across it"""
     low: np.ndarray
@@ -42,11 +42,12 @@ class Boxes:
     """(N,) bool"""
 
     def __len__(self) -> int:
+        """Number of boxes."""
         return len(self.centre)
 
     @staticmethod
     def of(boxes: Sequence[Box]) -> Boxes:
-        """Column form of `boxes`."""
+        """The columns of `boxes`."""
         n = len(boxes)
         centre = np.array([b.centre for b in boxes], dtype=float).reshape(n, 3)
         half = np.array([b.half for b in boxes], dtype=float).reshape(n, 3)
@@ -67,7 +68,7 @@ class Boxes:
         return Boxes(*(column[index] for column in self._columns()))
 
     def join(self, other: Boxes) -> Boxes:
-        """These boxes, then `other`."""
+        """These boxes followed by `other`."""
         return Boxes(*(np.concatenate(pair) for pair in zip(self._columns(), other._columns(), strict=True)))
 
     def _columns(self) -> tuple[np.ndarray, ...]:
@@ -85,9 +86,9 @@ class Boxes:
         return np.maximum(np.maximum(self.low[index] - high, low - self.high[index]), 0.0)
 
     def distances(self, points: np.ndarray, low: float, high: float, within: float) -> np.ndarray:
-        """Distance from the vertical segments [`low`, `high`] at `points` (M, 2) to each box: (M, N), metres.
+        """Distances from the vertical segments [`low`, `high`] at `points` (M, 2) to all boxes: (M, N) metres.
 
-        Exact where it is below `within`; beyond, tilted boxes may answer with a lower bound that is itself above `within`.
+        Distances below `within` are exact. For tilted boxes farther away, the result may be a lower bound that is above `within`.
         """
         local = np.abs(self._in_plan(points[:, None, :], slice(None))) - self.plan_half
         out = np.hypot(np.hypot(*np.moveaxis(np.maximum(local, 0.0), -1, 0)), self._gap(low, high, slice(None)))
@@ -97,7 +98,8 @@ class Boxes:
         return out
 
     def sweeps(self, starts: np.ndarray, ends: np.ndarray, index: np.ndarray, low: float, high: float) -> np.ndarray:
-        """Least distance to box `index[k]` while the vertical segment goes straight from `starts[k]` to `ends[k]`: (K,)."""
+        """Least distance to box `index[k]` while the vertical segment moves straight from `starts[k]` to `ends[k]`: (K,)
+        metres."""
         a, b, half = self._in_plan(starts, index), self._in_plan(ends, index), self.plan_half[index]
         plan = np.minimum(_point_rectangle(a, half), _point_rectangle(b, half))
         along = b - a
@@ -120,10 +122,10 @@ class Boxes:
         return out
 
     def _tilted(self, points: np.ndarray, index: np.ndarray, low: float, high: float) -> np.ndarray:
-        """Distance from vertical segments to boxes of any rotation, pairwise: (K,).
+        """Distances from vertical segments to boxes of any rotation, pairwise: (K,) metres.
 
-        The squared distance along the segment is convex and piecewise quadratic with breaks where the segment crosses the
-        planes of the faces; so its derivative is bracketed between two breaks and linear there.
+        The squared distance along the segment is convex and piecewise quadratic, with breaks where the segment crosses the planes
+        of the faces. So its derivative is bracketed between two breaks, and linear there.
         """
         foot = np.stack([points[:, 0], np.full(len(points), low), points[:, 1]], axis=1)
         rotation, half = self.rotation[index], self.half[index]

@@ -1,4 +1,4 @@
-"""Convex pieces of bodies: the boxes around them, their places in another body's frame, feet for what has none.
+"""Convex pieces of bodies: boxes around them, their transfer to another body's frame, and feet for bodies without any.
 
 A piece is one of `shapes.collision`, in the frame of the oriented box of its body.
 """
@@ -12,16 +12,16 @@ import numpy as np
 from ovman_engine.plan.floorplan import Box
 
 AGENT, BOUNDS = "Agent", "Bounds"
-"""Names of the agent's capsule and of what nothing gets past."""
+"""Names of the agent's capsule and of the boundary that nothing passes."""
 FOOT_M = 0.002
-"""A body whose pieces end farther above the bottom of its box gets feet."""
+"""A body gets feet if its pieces end farther above the bottom of its box than this."""
 FOOT_HALF_M = 0.01
 INSET = 0.85
-"""Where feet are, of the half extents of what they carry."""
+"""Position of feet, as a fraction of the half extents of what they carry."""
 
 
 def within(box: Box, pieces: Iterable[tuple]) -> list[Box]:
-    """World-frame boxes around `pieces` of a body whose box is `box`."""
+    """World-frame boxes around the `pieces` of a body whose box is `box`."""
     out = []
     for piece in pieces:
         centre, half, rotation = extent(piece)
@@ -43,7 +43,7 @@ def extent(piece: tuple) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
-    """`pieces` of `inner`'s frame in `outer`'s."""
+    """`pieces` in the frame of `inner`, transferred to the frame of `outer`."""
     turn, shift = outer.rotation.T @ inner.rotation, outer.rotation.T @ (inner.centre - outer.centre)
     out = []
     for kind, first, *rest in pieces:
@@ -57,8 +57,8 @@ def transferred(pieces: Iterable[tuple], inner: Box, outer: Box) -> tuple:
 
 
 def feet(pieces: Iterable[tuple], half: np.ndarray) -> tuple:
-    """What is drawn thinner than it is collided with (a sofa's legs): posts between the lowest pieces and the bottom of the box
-    of half extents `half`; none if the pieces reach it."""
+    """Posts between the lowest pieces and the bottom of the box of half extents `half`, for legs that are drawn thinner than they
+    collide (a sofa's); none if the pieces reach the bottom."""
     bounds = []
     for piece in pieces:
         centre, reach, rotation = extent(piece)

@@ -1,6 +1,6 @@
-"""The agent's way: what its capsule hits on a straight move, and which lattice positions moves lead to.
+"""What the agent's capsule hits on a straight move, and which lattice positions moves reach.
 
-Both ask the same question of the same boxes, so that a position is reachable exactly if moves get there.
+Both are computed from the same boxes, so a position is reachable exactly if moves reach it.
 """
 
 from __future__ import annotations
@@ -17,50 +17,50 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
 DEEPER_M = 1e-6
-"""How much deeper into a body that it overlaps already a move may take the agent: rounding."""
+"""How much deeper a move may take the agent into a body that it overlaps already: rounding."""
 PORTION = 8192
-"""Positions that are measured at a time."""
+"""Number of positions that are measured at a time."""
 ON_EDGE = 1e-9
-"""A position this far beyond an edge is on it: rounding."""
+"""A position this far beyond an edge counts as on it: rounding."""
 
 
 @dataclass(frozen=True)
 class Obstacles:
-    """What may stand in the way of a capsule whose axis is the vertical segment from `low` to `high` (heights, metres)."""
+    """Possible obstacles of a capsule whose axis is the vertical segment from `low` to `high` (heights, metres)."""
 
     boxes: Boxes
     reach: np.ndarray
-    """(N,) how close the axis may come to each box, metres: the radius of the capsule and what its controller keeps clear of"""
+    """(N,) clearance of the axis from each box, metres: the capsule's radius plus what its controller keeps free"""
     radius: float
-    """of the capsule alone, metres"""
+    """Radius of the capsule alone, metres"""
     low: float
     high: float
 
     def take(self, index: np.ndarray) -> Obstacles:
-        """Those at `index` (integers or a mask)."""
+        """The obstacles at `index` (integers or a mask)."""
         return Obstacles(self.boxes.take(index), self.reach[index], self.radius, self.low, self.high)
 
     def distances(self, points: np.ndarray, within: float) -> np.ndarray:
-        """Distances from the axis at `points` (M, 2) to each box: (M, N), exact below `within`."""
+        """Distances from the axis at `points` (M, 2) to all boxes: (M, N) metres, exact below `within`."""
         return self.boxes.distances(points, self.low, self.high, within)
 
     def overlapping(self, point: np.ndarray) -> np.ndarray:
-        """Whether the capsule at `point` (2,) overlaps each box: (N,) bool."""
+        """(N,) bool: which boxes the capsule at `point` (2,) overlaps."""
         return self.distances(point[None], self.radius)[0] < np.minimum(self.reach, self.radius)
 
 
 def heading(yaw_deg: float) -> np.ndarray:
-    """Unit vector (x, z) along a yaw, exact where it goes along an axis of the world, so that a walk stays on its lattice."""
+    """Unit vector (x, z) of a yaw, exact along the axes of the world, so that a walk stays on its lattice."""
     if yaw_deg % 90 == 0:
         return np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][int(yaw_deg // 90) % 4])
     return np.array([math.sin(math.radians(yaw_deg)), math.cos(math.radians(yaw_deg))])
 
 
 def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int | None:
-    """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if nothing does.
+    """Index of the box that blocks the straight move from `start` to `end`, (2,) each, in plan; None if the way is free.
 
-    A box that the capsule overlaps at the start does not hold it: it blocks only moves that lead deeper into it. If the two
-    points are one, the question is whether the capsule is clear of everything there.
+    A box that the capsule overlaps at the start blocks only moves that lead deeper into it. If start and end are equal, the
+    result is a box that the capsule overlaps there.
     """
     length = float(np.linalg.norm(end - start))
     at_start = obstacles.distances(start[None], float(obstacles.reach.max(initial=0.0)) + length)[0]
@@ -79,10 +79,10 @@ def first_hit(obstacles: Obstacles, start: np.ndarray, end: np.ndarray) -> int |
 def reachable(
     obstacles: Obstacles, here: np.ndarray, low: np.ndarray, high: np.ndarray, step_m: float, axes: np.ndarray
 ) -> np.ndarray:
-    """Positions `here` + step_m * (i, j) @ `axes` in [`low`, `high`] (2,) that unblocked moves along the axes lead to: (N, 2).
+    """Positions `here` + step_m * (i, j) @ `axes` within [`low`, `high`] (2,) that unblocked moves along the axes reach: (N, 2).
 
-    The rows of `axes` (2, 2) are unit vectors in plan. What overlaps the capsule at `here` blocks nothing. `here` comes first,
-    the others in the order of i, then j.
+    The rows of `axes` (2, 2) are unit vectors in plan. Boxes that overlap the capsule at `here` block nothing. `here` comes
+    first, the others in the order of i, then j.
     """
     if ((here < low - step_m) | (here > high + step_m)).any():
         return here[None]
@@ -123,22 +123,22 @@ def _beside(number: np.ndarray, index: int) -> list[int]:
 
 
 def _surroundings(obstacles: Obstacles, points: np.ndarray, step_m: float) -> tuple[np.ndarray, csr_array]:
-    """Whether the capsule is clear of everything at each of the points (M, 2), and which boxes a move of `step_m` from
-    or to there may come too close to: (M,) bool and (M, N) bool. Points go in portions: fine grids have a million of them."""
-    from scipy.sparse import csr_array, vstack  # twenty megabytes, for this one question
+    """Whether the capsule is free at each of the points (M, 2), and which boxes a move of `step_m` from or to the point may hit:
+    (M,) bool and (M, N) bool. Points are processed in portions: fine grids have a million of them."""
+    from scipy.sparse import csr_array, vstack  # imported here: 20 MB that no other action needs
 
     most = float(obstacles.reach.max(initial=0.0)) + step_m
     clear, near = np.ones(len(points), dtype=bool), []
     for start in range(0, len(points), PORTION):
         clearance = obstacles.distances(points[start : start + PORTION], most)
         clear[start : start + PORTION] = (clearance >= obstacles.reach).all(axis=1)
-        # A move comes no closer to a box than half of what the clearances of its ends leave beyond its length.
+        # A move stays farther from a box than half of what the clearances of its ends leave beyond its length.
         near.append(csr_array(clearance < obstacles.reach + step_m / 2))
     return clear, vstack(near, format="csr")
 
 
 def _components(obstacles: Obstacles, points: np.ndarray, number: np.ndarray, near: csr_array, free: np.ndarray) -> np.ndarray:
-    """Label of the component of each point, joined by unblocked moves between free neighbours: (N,) int."""
+    """(N,) int: label of each point's component, joined by unblocked moves between free neighbours."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

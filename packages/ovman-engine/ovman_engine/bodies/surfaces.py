@@ -1,7 +1,7 @@
-"""Where something can be put on a receptacle: its upward faces, with the room above them, on a grid in plan.
+"""Free places on a receptacle: its upward faces, with the free height above them, on a grid in plan.
 
-Everything is measured on the boxes around the pieces that physics collides with; a dome is higher here than it is. So what is
-found is a proposal: physics has the last word. World frame as in `floorplan`; plan coordinates are (x, z), metres.
+All is measured on the boxes around collision pieces, which a dome does not fill. So a place is a proposal, and physics decides.
+World frame as in `floorplan`; plan coordinates are (x, z), metres.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import numpy as np
 
 from ovman_engine.bodies.body import Body
 from ovman_engine.bodies.forms import extent
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 
 FINEST_M, COARSEST_M, CELLS = 0.025, 0.1, 1500
-"""Least and largest spacing of a grid; in between, so that a receptacle has about so many cells."""
+"""Least and largest spacing of a grid, metres; between them, a receptacle has about CELLS cells."""
 LEVEL_M = 0.01
-"""Faces within this height are one surface."""
+"""Faces within this height of each other are one surface."""
 UPRIGHT = 0.999
 """Cosine above which a face counts as level."""
 HIGHEST_M = 2.0
-"""Room above a surface is not measured beyond this."""
+"""Largest free height that is measured."""
 VESSELS = frozenset(
     [
         "Bathtub",
@@ -46,22 +46,22 @@ VESSELS = frozenset(
         "Toaster",
     ]
 )
-"""Types that hold things in them rather than on top."""
+"""Types that hold objects inside rather than on top."""
 BRIM_M, BRIM = 0.05, 0.2
-"""A face this far below the top of a vessel, or this share of its height, is in it."""
+"""A face is inside a vessel if it is this far below its top, or this fraction of its height."""
 SEATS = frozenset(["ArmChair", "Bed", "Chair", "DogBed", "Sofa"])
-"""Types of which the largest face holds things: backs and arms do not."""
+"""Types whose largest face holds objects: backs and arms do not."""
 TIERED = frozenset(["CoffeeTable", "Floor", "Shelf", "ShelvingUnit", "SideTable", "TVStand"])
-"""Types with several faces that hold things; of all others it is the highest."""
+"""Types of which several faces hold objects; of all other types the highest face does."""
 HUTCHED = frozenset(["Desk"])
-"""Types that may have shelves over their tops: what is in their upper half holds things."""
-LEAST_M = (0.02, 0.05)
-"""Half width of, and height above, what a face must have room for to count at all."""
+"""Types that may have shelves over their tops: faces in their upper half hold objects."""
+MIN_M = (0.02, 0.05)
+"""Least half width and free height of a face that counts."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """An upward surface. `room` (X, Z): free height above each cell in metres, 0 where the surface is not."""
+    """An upward surface. `room` (X, Z) is the free height above each cell, metres, 0 beside the surface."""
 
     height: float
     corner: np.ndarray
@@ -70,8 +70,8 @@ class Level:
     room: np.ndarray
 
     def fitting(self, half: Sequence[float], height: float) -> np.ndarray:
-        """Centres (N, 2) of the cells at which a box of plan half extents `half` (2,) and `height` stands whole on the surface
-        and free of all that was there when the level was measured."""
+        """Centres (N, 2) of the cells at which a box of plan half extents `half` (2,) and `height` stands wholly on the surface,
+        free of everything that was there when the level was measured."""
         wanted = self.room >= height
         reach = [int(np.ceil(h / self.spacing - 0.5 + 1e-9)) for h in half]
         sizes = [2 * max(r, 0) + 1 for r in reach]
@@ -96,11 +96,11 @@ class Pieces:
     high: np.ndarray
 
     @staticmethod
-    def of(setting: Setting, bodies: Iterable[Body]) -> Pieces:
-        """Of bodies where they are now; what has no pieces has none here."""
+    def of(static: StaticScene, bodies: Iterable[Body]) -> Pieces:
+        """The pieces of bodies at their current poses. Bodies without pieces have none here."""
         centres, halves, rotations = [], [], []
         for body in bodies:
-            made = setting.pieces[body.obj.object_id]
+            made = static.pieces[body.obj.object_id]
             box = body.box
             for piece in made:
                 centre, half, rotation = extent(piece)
@@ -113,13 +113,15 @@ class Pieces:
         return Pieces(centre, half, rotation, centre - reach, centre + reach)
 
     def take(self, index: np.ndarray) -> Pieces:
+        """The pieces at `index` (integers or a mask)."""
         return Pieces(self.centre[index], self.half[index], self.rotation[index], self.low[index], self.high[index])
 
     def __len__(self) -> int:
+        """Number of pieces."""
         return len(self.centre)
 
     def levels(self) -> list[tuple[float, np.ndarray]]:
-        """(height, indices) of upward faces, those within LEVEL_M of the highest of them together."""
+        """(height, indices) of upward faces; faces within LEVEL_M of the highest of a group belong together."""
         flat = np.flatnonzero(np.abs(self.rotation[:, 1, :]).max(axis=1) > UPRIGHT)
         out: list[tuple[float, list[int]]] = []
         for k in flat[np.argsort(-self.high[flat, 1], kind="stable")].tolist():
@@ -130,7 +132,7 @@ class Pieces:
         return [(height, np.array(found)) for height, found in out]
 
     def covers(self, k: int, points: np.ndarray) -> np.ndarray:
-        """Which plan points (..., 2) piece `k` covers, (...) bool."""
+        """(...) bool: which plan points (..., 2) piece `k` covers."""
         turn, half = self.rotation[k], self.half[k]
         up = int(np.abs(turn[1]).argmax())
         if abs(turn[1, up]) <= UPRIGHT:
@@ -143,8 +145,8 @@ class Pieces:
 
 
 def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Level, ...]:
-    """Those of the `levels` of `receptacle` that hold what is put on a thing of its type, highest first."""
-    half, height = LEAST_M
+    """The `levels` of `receptacle` that hold objects on a receptacle of its type, highest first."""
+    half, height = MIN_M
     kind, found = receptacle.obj.type, levels(world, receptacle, ignoring)
     if kind in VESSELS:
         low, high = (float(corner[1]) for corner in receptacle.box.bounds())
@@ -159,11 +161,11 @@ def holding(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Le
 
 
 def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Level, ...]:
-    """Surfaces of `receptacle` in `world`, highest first, with the room that everything leaves but the bodies `ignoring`."""
-    setting = Setting.of(world.plan)
+    """Surfaces of `receptacle` in `world`, highest first, with the height that all bodies but `ignoring` leave free."""
+    static = StaticScene.of(world.plan)
     floor = receptacle.obj.type == "Floor"
     others = Pieces.of(
-        setting,
+        static,
         (b for b in world.bodies.values() if b.present and b is not receptacle and b.object_id not in ignoring
          and b.obj.type != "Floor"),
     )  # fmt: skip
@@ -174,7 +176,7 @@ def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Lev
         found = [(world.plan.floor_y, np.zeros(0, dtype=int))]
         own = others.take(np.zeros(0, dtype=int))
     else:
-        own = Pieces.of(setting, [receptacle])
+        own = Pieces.of(static, [receptacle])
         if not len(own):
             return ()
         low, high = own.low[:, [0, 2]].min(axis=0), own.high[:, [0, 2]].max(axis=0)
@@ -203,7 +205,7 @@ def levels(world, receptacle: Body, ignoring: Collection[str] = ()) -> tuple[Lev
 
 
 def _cells(block: Pieces, k: int, corner: np.ndarray, spacing: float, counts: np.ndarray) -> tuple[slice, slice]:
-    """The cells that the bounds of piece `k` reach."""
+    """The cells within the bounds of piece `k`."""
     first = np.maximum(np.ceil((block.low[k, [0, 2]] - corner) / spacing).astype(int), 0)
     last = np.minimum(np.floor((block.high[k, [0, 2]] - corner) / spacing).astype(int) + 1, counts)
     return slice(first[0], max(last[0], first[0])), slice(first[1], max(last[1], first[1]))

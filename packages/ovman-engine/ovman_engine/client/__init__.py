@@ -1,1 +1,1 @@
-"""AI2-THOR's side of the engine: its protocol, its metadata, its settings."""
+"""AI2-THOR's interface: the wire protocol, and the settings, metadata and images of a client's session."""

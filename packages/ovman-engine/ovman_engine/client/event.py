@@ -1,4 +1,4 @@
-"""The metadata of an event: all of AI2-THOR's keys. Light: the first event is sent before any scene is loaded."""
+"""The metadata of an event, with all of AI2-THOR's keys. Imports little: the first event is sent before a scene is loaded."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ovman_engine.plan.vector import vector
 
 if TYPE_CHECKING:
     from ovman_engine.client.metadata import SceneMetadata
-    from ovman_engine.engine import Engine
+    from ovman_engine.client.session import Session
 
 NO_BOUNDS = {"center": {"x": 0.0, "y": 0.0, "z": 0.0}, "size": {"x": 0.0, "y": 0.0, "z": 0.0}, "cornerPoints": [[0.0] * 3] * 8}
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of an action: `value` is its actionReturn."""
+    """Result of an action. `value` is its actionReturn, `code` one of AI2-THOR's error codes."""
 
     value: Any = None
     success: bool = True
@@ -28,7 +28,8 @@ class Outcome:
 
 
 def thrown(error: Exception) -> Outcome:
-    """An action in which the engine itself failed, in the form in which Unity reports exceptions; the log has all of it."""
+    """Outcome of an action in which the engine itself failed, in the form of Unity's exceptions. The log has the whole
+    traceback."""
     log.note("".join(traceback.format_exception(error)))
     where = "".join(traceback.format_tb(error.__traceback__)[-1:]).strip()
     return Outcome(success=False, message=f"{type(error).__name__}: {error}. trace: {where}")
@@ -45,7 +46,7 @@ def message(agent: Mapping[str, Any], sequence: Any) -> dict[str, Any]:
 
 
 def patch(request: Mapping[str, Any], outcome: Outcome, time_s: float) -> dict[str, Any]:
-    """Body of a METADATA_PATCH frame: what an event says anew when the world is as in the event before."""
+    """Body of a METADATA_PATCH frame: the keys that differ from the event before if the world is unchanged."""
     return {"agentId": 0, **_result(request, outcome), "currentTime": time_s}
 
 
@@ -61,13 +62,16 @@ def _result(request: Mapping[str, Any], outcome: Outcome) -> dict[str, Any]:
 
 
 def agent(
-    engine: Engine,
+    session: Session,
     request: Mapping[str, Any],
     outcome: Outcome,
     scene: SceneMetadata | None,
     colours: list[dict[str, Any]] | None,
 ) -> dict[str, Any]:
-    """Metadata of the agent and of the world around it. `colours` go with segmentation images; `scene` is None before Reset."""
+    """Metadata of the agent and of the world around it.
+
+    `colours` is the table of colours if the event carries segmentation images; `scene` is None before the first Reset.
+    """
     nowhere = vector(0.0, 0.0, 0.0)
     if scene is None:
         state = {
@@ -85,22 +89,22 @@ def agent(
             "sceneBounds": NO_BOUNDS,
         }
     else:
-        state = scene.state(engine.settings, engine.width / engine.height)
-        if engine.map_view is not None:
-            state["cameraPosition"] = vector(*engine.map_view.position)
+        state = scene.state(session.settings, session.width / session.height)
+        if session.map_view is not None:
+            state["cameraPosition"] = vector(*session.map_view.position)
     return {
         **state,
         **_result(request, outcome),
-        "sceneName": engine.scene_name,
-        "screenWidth": engine.width,
-        "screenHeight": engine.height,
+        "sceneName": session.scene_name,
+        "screenWidth": session.width,
+        "screenHeight": session.height,
         "agentId": 0,
         "colors": colours,
         "colorBounds": None,
         "depthFormat": "Meters",
-        "fov": engine.settings.field_of_view_deg,
-        "cameraOrthSize": -1.0 if engine.map_view is None else engine.map_view.half_m,
-        "thirdPartyCameras": [camera.metadata(number) for number, camera in enumerate(engine.cameras)],
+        "fov": session.settings.field_of_view_deg,
+        "cameraOrthSize": -1.0 if session.map_view is None else session.map_view.half_m,
+        "thirdPartyCameras": [camera.metadata(number) for number, camera in enumerate(session.cameras)],
         "heldObjectPose": {"position": nowhere, "rotation": nowhere, "localPosition": nowhere, "localRotation": nowhere},
         "arm": None,
         "collided": False,
@@ -118,5 +122,5 @@ def agent(
         "actionFloatsReturn": [],
         "actionVector3sReturn": [],
         "visibleRange": None,
-        "currentTime": engine.time_s,
+        "currentTime": session.time_s,
     }

@@ -1,4 +1,4 @@
-"""Frames of the camera as AI2-THOR puts them on the wire: raw, rows from the bottom up; colours that stand for names."""
+"""Images in AI2-THOR's wire format: raw, rows from the bottom up, with colours that identify instances and classes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Fields(NamedTuple):
-    """Where a camera's images go on the wire."""
+    """Frame types of one camera's images."""
 
     colour: Field
     depth: Field
@@ -36,12 +36,12 @@ THIRD_PARTY = Fields(
 )
 OPAQUE = 0xFF000000
 BACKGROUND = np.uint32(OPAQUE)
-"""What belongs to no named thing; no name has this colour."""
+"""Colour of pixels without an instance; no instance has it."""
 
 
 @lru_cache(maxsize=4096)
 def colour(tag: str) -> tuple[int, int, int]:
-    """Colour (r, g, b), 0 to 255, of an instance or a class in segmentation images."""
+    """Colour (r, g, b), 0 to 255, of an instance or a class in segmentation images: a hash of its name."""
     red, green, blue = hashlib.md5(tag.encode("utf8"), usedforsecurity=False).digest()[:3]
     return red, green, blue
 
@@ -54,14 +54,15 @@ def class_of(name: str) -> str:
 
 @lru_cache(maxsize=16)
 def colour_table(names: tuple[str, ...]) -> list[dict[str, Any]]:
-    """The metadata's colors: one entry for each instance in `names`, one for each of their classes. Not to be changed."""
+    """The metadata's `colors`: one entry for each instance in `names` and for each of their classes. The list is cached: do not
+    change it."""
     tags = list(dict.fromkeys([*names, *map(class_of, names)]))
     return [{"name": tag, "color": list(colour(tag))} for tag in tags]
 
 
 @lru_cache(maxsize=16)
 def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
-    """(N + 1,) uint32 little-endian RGBA, the background last, where an index of -1 finds it."""
+    """(N + 1,) uint32 little-endian RGBA. The background comes last, so that index -1 selects it."""
     tags = [class_of(n) if classes else n for n in names]
     packed = [r | g << 8 | b << 16 | OPAQUE for r, g, b in map(colour, tags)]
     return np.array([*packed, BACKGROUND], dtype="<u4")
@@ -70,7 +71,7 @@ def _palette(names: tuple[str, ...], classes: bool) -> np.ndarray:
 def encoded(
     frame: Frame, names: Sequence[str], view: View, wanted: Images, fields: Fields = AGENT
 ) -> list[tuple[Field, memoryview]]:
-    """The images of `frame` that are `wanted`, ready for the wire. `names` are those that its ids index."""
+    """The `wanted` images of `frame` in wire format. `names` are the instances that its ids number."""
     images: list[tuple[Field, np.ndarray]] = []
     if wanted.colour:
         images.append((fields.colour, frame.rgb))

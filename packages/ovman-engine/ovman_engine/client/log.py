@@ -1,4 +1,4 @@
-"""The engine's log: its standard error, which the client appends to a file that nobody shortens."""
+"""The engine's log, on standard error. The client appends it to a file that is never truncated."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import os
 import sys
 
 ENTRY_BYTES = 8 << 10
-"""Longest entry; what is longer loses its middle."""
+"""Longest entry; a longer one loses its middle."""
 LIMIT_BYTES = 256 << 10
-"""How much one process logs: an action that throws in every step of a training run must not fill the disk."""
+"""Limit of one process: an action that fails in every step of a training run must not fill the disk."""
 _ELLIPSIS = b"\n...\n"
 _left = LIMIT_BYTES
 
 
 def note(text: str) -> None:
-    """Logs `text`. Never raises: a log on a full disk, or one that was closed, is no reason to stop serving."""
+    """Logs `text`. Never raises: the engine serves on if its log is closed or on a full disk."""
     global _left
     if _left <= 0:
         return

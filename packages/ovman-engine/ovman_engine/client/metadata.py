@@ -1,7 +1,8 @@
-"""A world as AI2-THOR's metadata. What is untouched is reported in the very numbers of its record."""
+"""A world as AI2-THOR's metadata. Untouched objects are reported with exactly the numbers of their record."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -15,14 +16,14 @@ from ovman_engine.sight.visibility import Eye, Sight, Spheres
 from ovman_engine.world.world import Body, World
 
 ABOVE_M, BELOW_M = 0.05, 0.02
-"""A thing is on or in a receptacle if the middle of its underside lies in the receptacle's box, or this far above or below."""
+"""An object is on or in a receptacle if the middle of its underside is in the receptacle's box, or this far above or below it."""
 
 
 class SceneMetadata:
-    """The metadata of one world, kept up to date: records are remade only for bodies that changed, sight only when somebody
-    or something moved."""
+    """The metadata of one world. Records are rebuilt only for bodies that changed, visibility only after a movement."""
 
     def __init__(self, world: World) -> None:
+        """Describes `world`, now and after later changes."""
         self._world = world
         low, high = world.bounds()
         self._bounds = {**_aligned((low + high) / 2, high - low), "cornerPoints": _corners(low, high)}
@@ -37,8 +38,10 @@ class SceneMetadata:
         self._moving = False
 
     def state(self, settings: Settings, aspect: float) -> dict[str, Any]:
-        """The part of an event's metadata that tells of the world, its agent and its objects. The lists and dicts are reused:
-        to be written out before the world goes on."""
+        """The keys of an event that describe the world, its agent and its objects.
+
+        Lists and dicts are reused: serialise them before the world changes.
+        """
         agent = self._world.agent
         objects = self._objects(settings, aspect)
         if settings.shown is not None:
@@ -67,7 +70,7 @@ class SceneMetadata:
             self._seen_from = None
         view = (settings.field_of_view_deg, settings.visibility_m, settings.visibility_scheme, aspect)
         seen_from = (*agent.position, agent.yaw_deg, agent.horizon_deg, agent.standing, agent.embodiment, *view, settings.shown)
-        # Who is visible from where takes longer than all else that is told; nobody is told of nobody.
+        # Visibility takes longer than all other metadata; it is skipped while no object is listed.
         if self._seen_from != seen_from and settings.shown != frozenset():
             self._look(Eye.of(agent, settings.field_of_view_deg, aspect), settings)
             self._seen_from = seen_from
@@ -75,7 +78,7 @@ class SceneMetadata:
 
     @property
     def sight(self) -> Sight:
-        """The agent's sight of the world as it is now."""
+        """What can be seen in the world as it is now."""
         if self._sight is None or self._sight_of != self._world.version:
             self._sight, self._sight_of = Sight(self._world), self._world.version
         return self._sight
@@ -89,7 +92,7 @@ class SceneMetadata:
                 self._boxes[body.object_id] = body.box
                 self._records[body.object_id] = object_record(body)
                 self._made_of[body.object_id] = made_of
-            # What is let go, but has not been given time to fall, has no speed yet; what falls or rolls is never without.
+            # A released body has no velocity before it falls; a body that falls or rolls always has one.
             self._records[body.object_id]["isMoving"] = bool(body.velocity.any())
         if len(self._records) > len(bodies):
             self._forget(self._records.keys() - {b.object_id for b in bodies})
@@ -118,7 +121,7 @@ class SceneMetadata:
             record["isInteractable"] = record["objectId"] in interactable
 
     def _keep_receptacles(self, bodies: list[Body]) -> None:
-        """Who is on or in what: as recorded between things that are where they were, by their boxes otherwise."""
+        """Updates which object is on or in which receptacle: as recorded between untouched objects, by their boxes otherwise."""
         there = {b.object_id: b for b in bodies if b.active}
         changed = {name for name, b in there.items() if not b.untouched or name != b.obj.object_id}
         if changed or len(there) < len(self._world.plan.objects):
@@ -131,11 +134,11 @@ class SceneMetadata:
         for name in still:
             children[name] = [c for c in there[name].obj.record["receptacleObjectIds"] or () if c in still]
             parents[name] = [p for p in there[name].obj.parents if p in still]
-        active = np.array([b.active for b in bodies])
-        new = np.array([b.object_id in changed for b in bodies])
-        holds = active & np.array([b.obj.record["receptacle"] for b in bodies])
-        floor = np.array([b.obj.type == "Floor" for b in bodies])
-        vessel = np.array([b.obj.type in VESSELS for b in bodies])
+        active = _flags(b.active for b in bodies)
+        new = _flags(b.object_id in changed for b in bodies)
+        holds = active & _flags(b.obj.record["receptacle"] for b in bodies)
+        floor = _flags(b.obj.type == "Floor" for b in bodies)
+        vessel = _flags(b.obj.type in VESSELS for b in bodies)
         boxes = Boxes.of([self._boxes[b.object_id] for b in bodies])
         holder, held = np.nonzero(_resting(boxes, floor, vessel, self._world.plan.floor_y) & holds[:, None] & active)
         for h, o in zip(holder, held, strict=True):
@@ -149,7 +152,7 @@ class SceneMetadata:
 
 
 def object_record(body: Body) -> dict[str, Any]:
-    """The 42 keys of an object, those that depend on the agent as recorded."""
+    """The 42 keys of an object. Those that depend on the agent are as recorded."""
     record = {**body.obj.record, "objectId": body.object_id, "name": body.name}
     if body.untouched:
         return record
@@ -166,20 +169,25 @@ def object_record(body: Body) -> dict[str, Any]:
     return record
 
 
+def _flags(values: Iterable[bool]) -> np.ndarray:
+    """(N,) bool. Without the type, NumPy makes numbers of an empty list, and a scene may have no objects."""
+    return np.array(list(values), dtype=bool)
+
+
 def _aligned(centre: np.ndarray, size: np.ndarray) -> dict[str, Any]:
     return {"center": vector(*centre), "size": vector(*size)}
 
 
 def _corners(low: np.ndarray, high: np.ndarray) -> list[list[float]]:
-    """In AI2-THOR's order."""
+    """The corners (8, 3) of a box, in AI2-THOR's order."""
     return [[float(x), float(y), float(z)] for x in (high[0], low[0]) for y in (high[1], low[1]) for z in (high[2], low[2])]
 
 
 def _resting(boxes: Boxes, floor: np.ndarray, vessel: np.ndarray, floor_y: float) -> np.ndarray:
-    """(N, N) bool: whether the object of the row would hold that of the column, as a receptacle. `floor`, `vessel` (N,): which
-    rows are floors, and which are things with others in them.
+    """(N, N) bool: whether the object of the row holds that of the column, as a receptacle. `floor` and `vessel` (N,) say which
+    rows are floors, and which contain objects.
 
-    What stands on the floor is held by the floor, though it may stand within the box of a table; but not if it lies in a bin.
+    The floor holds what stands on it, even within the box of a table, but not what lies in a bin.
     """
     reach = np.einsum("nij,nj->ni", np.abs(boxes.rotation), boxes.half)
     foot = boxes.centre - reach * [0.0, 1.0, 0.0]

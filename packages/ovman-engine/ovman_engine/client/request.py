@@ -1,4 +1,4 @@
-"""What a client asks for, from the bytes of an action frame."""
+"""Reads the requests of a client from action frames."""
 
 from __future__ import annotations
 
@@ -6,22 +6,22 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-LONGEST_SEQUENCE_ID = 1000
-"""Characters of a sequence number that is a text."""
+MAX_SEQUENCE_ID = 1000
+"""Longest sequence id that is a text, characters."""
 
 
 class Unintelligible(ValueError):
-    """The bytes are no JSON object."""
+    """The bytes are not a JSON object."""
 
 
 def decoded(body: bytes) -> dict[str, Any]:
-    """The action in `body` (UTF-8 JSON, one object). Unintelligible if there is none, however it is malformed.
+    """The action in `body` (UTF-8 JSON, one object). Raises Unintelligible for anything else.
 
-    NaN and Infinity are let through, as Unity's reader does; arguments that must be finite are checked where they are converted.
+    NaN and Infinity are accepted, as by Unity's reader; arguments are checked where they are converted.
     """
     try:
         request = json.loads(body)
-        if b"\\u" in body:  # halves of surrogate pairs, which no message can carry back
+        if b"\\u" in body:  # unpaired surrogates cannot be sent back
             request = json.loads(json.dumps(request, ensure_ascii=False).encode("utf-8", "replace"))
     except RecursionError:
         raise Unintelligible("An action is a JSON object: this one is nested too deeply.") from None
@@ -33,10 +33,10 @@ def decoded(body: bytes) -> dict[str, Any]:
 
 
 def sequence_id(request: Mapping[str, Any]) -> int | float | str | None:
-    """The number that the reply must bear, as it was given; 0 for what is no number or text, or none that a message can bear."""
+    """The sequence id of the reply: as given if it is a number or a text that a message can carry, else 0."""
     value = request.get("sequenceId", 0)
     if isinstance(value, int):
         return value if -(2**63) <= value < 2**64 else 0
     if isinstance(value, str):
-        return value[:LONGEST_SEQUENCE_ID]
+        return value[:MAX_SEQUENCE_ID]
     return value if isinstance(value, float) or value is None else 0

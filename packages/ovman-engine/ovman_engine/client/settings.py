@@ -1,4 +1,4 @@
-"""What Initialize sets, and every later action goes by until the next Reset."""
+"""Settings of Initialize, which hold until the next Reset."""
 
 from __future__ import annotations
 
@@ -10,43 +10,43 @@ from ovman_engine.paint.decor import Decor
 
 @dataclass(frozen=True)
 class Settings:
-    """Defaults are AI2-THOR's."""
+    """All settings; the defaults are AI2-THOR's."""
 
     grid_m: float = 0.25
-    """Length of a move that names none, and spacing of the grid that positions snap to."""
+    """Default length of a move, and spacing of the grid to which positions snap."""
     snap_to_grid: bool = True
     turn_deg: float = 90.0
-    """Angle of a rotation that names none."""
+    """Default angle of a rotation."""
     field_of_view_deg: float = 90.0
-    """Vertical."""
+    """Vertical field of view."""
     visibility_m: float = 1.5
-    """How near an object must be to count as visible."""
+    """Largest distance of a visible object."""
     visibility_scheme: str = "Collider"
-    """How nearness is judged: "Collider" or "Distance"."""
+    """How that distance is measured: "Collider" or "Distance"."""
     near_m: float = 0.1
     far_m: float = 20.0
     look_up_deg: float = 30.0
     look_down_deg: float = 60.0
-    """Largest pitch of the camera above and below the horizon."""
+    """Largest pitch of the camera above (look_up_deg) and below the horizon."""
     noise: ActionNoise | None = None
-    """How the agent's motions err."""
+    """Noise of the agent's motion; None for none."""
     agent_visible: bool = True
-    """Whether cameras besides the agent's own see it."""
+    """Whether cameras other than the agent's own show the agent."""
     depth: bool = False
     instances: bool = False
     classes: bool = False
     normals: bool = False
     fast_emit: bool = True
-    """An event in which nothing changed but the action's outcome may be sent as a patch of the one before."""
+    """Whether an event may be sent as a patch of the one before if only the action's outcome differs."""
     shown: frozenset[str] | None = None
-    """Ids of the objects that the metadata list; None for all."""
+    """objectIds that metadata list; None for all."""
     decor: Decor = Decor()
-    """How the scene is painted and lit."""
+    """Materials, colours and lights in place of the scene's own."""
 
 
 @dataclass(frozen=True)
 class Images:
-    """The kinds of image that an event carries."""
+    """Which kinds of image an event carries."""
 
     colour: bool = False
     depth: bool = False
@@ -56,4 +56,5 @@ class Images:
 
     @property
     def any(self) -> bool:
+        """Whether the event carries any image."""
         return self.colour or self.depth or self.instances or self.classes or self.normals

@@ -1,8 +1,8 @@
-"""AI2-THOR's FIFO protocol, the engine's end of it.
+"""The engine's end of AI2-THOR's FIFO protocol.
 
-A message is a sequence of frames and an end mark; a frame is a type (u8), a length (u32, big-endian) and that many bytes. The
-engine writes metadata (MessagePack) and images to the server pipe, the client writes actions (UTF-8 JSON) to the client pipe.
-Only the standard library is imported here: the client waits without a time limit for the server pipe to be opened.
+A message is a sequence of frames and an end mark. A frame is a type (u8), a length (u32, big-endian) and that many bytes. The
+engine writes metadata (MessagePack) and images to the server pipe; the client writes actions (UTF-8 JSON) to the client pipe.
+This module imports the standard library only: the client waits without a time limit until the server pipe is opened.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from enum import IntEnum
 
 HEADER = struct.Struct("!BI")
 PIPE_BYTES = 1 << 20
-"""Wanted size of the kernel's buffer of a pipe: the largest that Linux gives to anyone. The client joins what it reads piece by
-piece, at a cost quadratic in the number of pieces, which the usual 64 KiB make many."""
+"""Requested size of a pipe's buffer, the largest that Linux grants to any user. The client concatenates what it reads, at a cost
+quadratic in the number of pieces, and the usual 64 KiB make many pieces."""
 ACTION_BYTES = 64 << 20
-"""Longest frame that is accepted from the client."""
+"""Longest frame accepted from the client."""
 PATIENCE_S = 1.0
-"""How often an idle engine looks whether its parent still lives."""
+"""Interval at which an idle engine checks that its parent is alive."""
 OPENING_S = 0.002
-"""How often the engine looks whether the client has opened its end of the server pipe."""
+"""Interval at which the engine checks whether the client has opened its end of the server pipe."""
 OPENING_LIMIT_S = 60.0
-"""How long the engine waits for that. The client opens it as soon as it has started the engine, so it must have died since; if it
-was quick about it, the engine never saw it alive."""
+"""Limit of that wait. The client opens its end as soon as it has started the engine. If the client died before the engine looked,
+its death is never seen."""
 
 
 class Field(IntEnum):
@@ -61,10 +61,10 @@ class ClientGone(Exception):
 
 
 class Wire:
-    """The two pipes of one client. Not reentrant."""
+    """The two pipes of one client. Not thread-safe."""
 
     def __init__(self, server_pipe: str, client_pipe: str) -> None:
-        """Opens the server pipe at once, waiting for the client to open its end. ClientGone if it ends before it does."""
+        """Opens the server pipe, and waits for the client to open its end. Raises ClientGone if the client ends first."""
         self._client_pipe = client_pipe
         self._parent = os.getppid()
         self._from_client: int | None = None
@@ -90,7 +90,7 @@ class Wire:
                 return pipe
 
     def send(self, frames: Iterable[tuple[Field, bytes | memoryview]]) -> None:
-        """Writes one message. ClientGone if nobody reads."""
+        """Writes one message. Raises ClientGone if the pipe is closed."""
         pieces: list[memoryview] = []
         for field, body in frames:
             view = memoryview(body).cast("B")
@@ -107,7 +107,7 @@ class Wire:
             raise ClientGone("the client closed the server pipe") from None
 
     def receive(self) -> bytes:
-        """Body of the next action; frames of other types are passed over. ClientGone at the end of the client pipe."""
+        """Body of the next action. Frames of other types are skipped. Raises ClientGone at the end of the client pipe."""
         if self._from_client is None:
             self._from_client = self._open_client_pipe()
         action = b""
@@ -122,12 +122,13 @@ class Wire:
                 action = body
 
     def close(self) -> None:
+        """Closes both pipes."""
         os.close(self._to_client)
         if self._from_client is not None:
             os.close(self._from_client)
 
     def _open_client_pipe(self) -> int:
-        """Without blocking, so that a client that dies before it ever writes is noticed."""
+        """Opens the client pipe without blocking, so that the death of a client that never writes is noticed."""
         try:
             pipe = os.open(self._client_pipe, os.O_RDONLY | os.O_NONBLOCK)
         except FileNotFoundError:
@@ -148,8 +149,7 @@ class Wire:
         return parts[0] if len(parts) == 1 else b"".join(parts)
 
     def _wait(self) -> None:
-        """Until there is something to read. A parent that ended counts as a client that is gone, even if a process that it left
-        behind still holds the pipe."""
+        """Waits for input. A parent that ended counts as a gone client, even if a process that it left behind holds the pipe."""
         poll = select.poll()
         poll.register(self._from_client, select.POLLIN)
         poll.register(self._to_client, select.POLLERR)
@@ -167,5 +167,5 @@ class Wire:
 
 
 def _enlarge(pipe: int) -> None:
-    with contextlib.suppress(OSError, AttributeError):  # more than this user may have: the pipe works all the same
+    with contextlib.suppress(OSError, AttributeError):  # not permitted for this user; the default size works too
         fcntl.fcntl(pipe, fcntl.F_SETPIPE_SZ, PIPE_BYTES)

@@ -1,1 +1,1 @@
-"""MuJoCo: what is touched falls, rolls, strikes and comes to rest; everything else stays fixed."""
+"""Rigid bodies on MuJoCo: touched bodies fall, roll, collide and come to rest; all others are fixed."""

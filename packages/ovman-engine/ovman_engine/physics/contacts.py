@@ -1,4 +1,4 @@
-"""What touches what in MuJoCo's compiled scene: overlaps of a body, and blows that one body deals another."""
+"""Contacts in MuJoCo's compiled scene: overlaps of a body, and impacts between bodies."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 
 SIDEWAYS_M_S, UPWARD_M_S, DOWNWARD_M_S = 0.05, 0.05, 0.5
-"""A body that a blow would set moving faster than this wakes. What presses it down, its support presses back."""
+"""An impact wakes a body that it would move faster than this. Downwards, the support of the body resists."""
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """`other` reaches `depth` metres into a body, which leaves it soonest in a direction whose vertical component is `up`."""
+    """`other` reaches `depth` metres into a body. `up` is the vertical component of the direction that separates them soonest."""
 
     other: str
     depth: float
@@ -22,7 +22,7 @@ class Overlap:
 
 
 def overlaps(model: mujoco.MjModel, data: mujoco.MjData, names: list[str], body: int) -> list[Overlap]:
-    """Overlaps of the body number `body`, one a body, deepest first. `names` are those of MuJoCo's bodies by number."""
+    """Overlaps of body number `body`, one for each other body, deepest first. `names` are MuJoCo's bodies by number."""
     deepest: dict[str, Overlap] = {}
     for contact, other, out in _of(model, data, body):
         found = Overlap(names[other], -float(data.contact.dist[contact]), float(out[2]))
@@ -34,9 +34,9 @@ def overlaps(model: mujoco.MjModel, data: mujoco.MjData, names: list[str], body:
 def struck(
     model: mujoco.MjModel, data: mujoco.MjData, qpos: np.ndarray, qvel: np.ndarray, body: int, light: Collection[int]
 ) -> set[int]:
-    """Numbers of those of the fixed bodies `light` that the free body `body` deals a blow that would move them.
+    """Numbers of the fixed bodies `light` that the impact of the free body `body` would move.
 
-    `qpos`, `qvel` are the state before the contacts: a body that has struck something fixed has lost its speed. The blow is
+    `qpos` and `qvel` are the state before the contacts: a body that has hit something fixed has lost its speed. The impact is
     taken to be inelastic, along the contact's normal.
     """
     joint = model.body_jntadr[body]
@@ -57,12 +57,12 @@ def struck(
 
 
 def touching_pairs(model: mujoco.MjModel, data: mujoco.MjData) -> set[tuple[int, int]]:
-    """Numbers of the bodies that touch, pairwise, the smaller first."""
+    """Pairs of numbers of touching bodies, the smaller number first."""
     return {tuple(pair) for pair in np.sort(model.geom_bodyid[data.contact.geom], axis=1).tolist()}
 
 
 def _of(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Iterator[tuple[int, int, np.ndarray]]:
-    """(number of the contact, number of the other body, unit normal out of that) of a body's contacts; MuJoCo's frame."""
+    """Yields (contact, other body, unit normal out of it) of a body's contacts, in MuJoCo's frame."""
     bodies = model.geom_bodyid[data.contact.geom]
     frames = data.contact.frame
     for k in np.flatnonzero((bodies == body).any(axis=1)).tolist():

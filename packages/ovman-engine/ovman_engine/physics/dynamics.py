@@ -1,4 +1,4 @@
-"""Which bodies are awake, and what happens to them: the bodies of a world on one side, MuJoCo's compiled scene on the other."""
+"""Which bodies are awake, and how they move: mediates between the bodies of a world and MuJoCo's compiled scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ovman_engine.bodies.body import Agent, Body, Pose
 from ovman_engine.bodies.carrying import RESTS_M
 from ovman_engine.bodies.forms import AGENT, BOUNDS, feet, transferred, within
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.waking import OVERLAP_M, lift, supported
 from ovman_engine.plan.floorplan import Box
 
@@ -19,28 +19,29 @@ if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
 
 MARGIN_M = 0.3
-"""Nothing that moves gets farther than this beyond what is recorded."""
+"""Nothing moves farther than this beyond the recorded bounds."""
 TIRED_S = 20.0
-"""What has moved for this long sleeps: light things may tremble for ever where they lie."""
+"""A body that has moved for this long is put to sleep: light bodies may tremble for ever."""
 STAYED_M, STAYED_RAD = 0.002, 0.01
-"""A body that has moved no farther than this since it woke has not moved."""
+"""A body that has moved less than this since it woke has not moved."""
 
 Load = Callable[[str], Collection[str]]
 """objectId of a body -> objectIds of what it carries."""
 
 
 class Dynamics:
-    """The awake bodies of a world. Compiles nothing before something is asked of it."""
+    """The awake bodies of a world. The scene is compiled only when it is needed."""
 
-    def __init__(self, setting: Setting, bodies: Mapping[str, Body], agent: Agent) -> None:
-        self._setting, self._bodies, self._agent = setting, bodies, agent
+    def __init__(self, static: StaticScene, bodies: Mapping[str, Body], agent: Agent) -> None:
+        """`bodies` and `agent` are the world's own and may change between calls."""
+        self._static, self._bodies, self._agent = static, bodies, agent
         self.awake: set[str] = set()
         self._fresh: set[str] = set()
         self._strangers: set[tuple[str, str]] = set()
         self._held: set[str] = set()
-        """Bodies that nothing known carries, but that the floor plan has where they are."""
+        """Bodies without known support that stay at their recorded pose"""
         self._woken: dict[str, tuple[Pose, Pose]] = {}
-        """Awake bodies: their poses when they woke, and when they had been lifted out of what they had sunk into."""
+        """Awake bodies: their poses when they woke, and after they were lifted out of their support"""
         self._awake_s: dict[str, float] = {}
         self._model: Model | None = None
         self._embodiment = agent.embodiment
@@ -53,13 +54,13 @@ class Dynamics:
         return [b for b in self._bodies.values() if b.carrier == object_id]
 
     def surfaces(self, body: Body) -> list[Box]:
-        """Boxes around the pieces of a body, and of its parts, where they are now."""
+        """Boxes around the pieces of a body and of its parts, at their current poses."""
         pieces = self._pieces.get(body.object_id)
-        return within(body.box, self._setting.pieces[body.obj.object_id] if pieces is None else pieces)
+        return within(body.box, self._static.pieces[body.obj.object_id] if pieces is None else pieces)
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
-        made = self._setting.pieces
+        made = self._static.pieces
         out = {}
         for name, body in self._bodies.items():
             if body.carrier is None and body.obj.type != "Floor":
@@ -72,20 +73,20 @@ class Dynamics:
         return out
 
     def bodies_changed(self) -> None:
-        """Call when bodies got other names or other parts, or when new ones came."""
+        """To be called after bodies were renamed, added or removed, or got other parts."""
         self.__dict__.pop("_pieces", None)
         self._model = None
         self._held &= self._bodies.keys()
-        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._setting.room.solids)}
+        known = {AGENT, BOUNDS, *self._bodies, *(w.name for w in self._static.room.solids)}
         self._strangers = {pair for pair in self._strangers if known.issuperset(pair)}
 
     def speed(self, name: str) -> float:
-        """v**2 + w**2 of a body, m/s and rad/s; 0 if it sleeps."""
+        """v**2 + w**2 of a body, m/s and rad/s; 0 if it is asleep."""
         velocity = self._bodies[name].velocity if name in self.awake else np.zeros(6)
         return float(velocity @ velocity)
 
     def wake(self, names: Iterable[str]) -> None:
-        """Let bodies fall. What they overlap now does not touch them until they sleep."""
+        """Wakes bodies, so that they fall. A body does not collide with what it overlaps now until it sleeps again."""
         for name in names:
             if not self._bodies[name].present or not self._reaches(self._bodies[name].box.centre):
                 continue
@@ -96,22 +97,22 @@ class Dynamics:
             self._strangers = {pair for pair in self._strangers if name not in pair}
 
     def _reaches(self, point: np.ndarray) -> bool:
-        """Whether there is gravity at a point (3,): far outside nothing would ever come to rest."""
+        """Whether bodies at a point (3,) are simulated: far outside, nothing would ever come to rest."""
         low, high = self._bounds
         return bool(((point >= low) & (point <= high)).all())
 
     @cached_property
     def _bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        low, high = self._setting.bounds
-        low = np.array([low[0], self._setting.plan.floor_y, low[2]])
+        low, high = self._static.bounds
+        low = np.array([low[0], self._static.plan.floor_y, low[2]])
         return low - [MARGIN_M, 0.0, MARGIN_M], high + MARGIN_M
 
     def make_room(self) -> None:
-        """Call when a body has come: what is awake does not touch what it overlaps now."""
+        """To be called after a body appeared: awake bodies do not collide with what they overlap now."""
         self._fresh |= self.awake
 
     def still(self, name: str) -> None:
-        """Make a body fixed again."""
+        """Puts a body to sleep."""
         self.awake.discard(name)
         self._fresh.discard(name)
         self._woken.pop(name, None)
@@ -120,21 +121,22 @@ class Dynamics:
         self._bodies[name].velocity = np.zeros(6)
 
     def probe(self, name: str, also: Collection[str] = ()) -> Model:
-        """The scene as it is now with `name` (and what is awake, and `also`) free, to ask questions of."""
+        """The compiled scene with `name`, `also` and all awake bodies free, for queries."""
         free = frozenset({name, *also, *self.awake})
         return self._synchronised(free, {pair for pair in self._strangers if name not in pair})
 
     def forget(self, name: str) -> None:
-        """The probed scene has `name` elsewhere than its body is."""
+        """To be called after a query that moved `name` in the compiled scene."""
         self._written.pop(name, None)
 
     def advance(self, seconds: float, load: Load, until_asleep: str | None = None) -> set[str]:
-        """Run for `seconds`, or until nothing (or the body `until_asleep`) is awake. objectIds of the bodies that may have moved.
+        """Runs for `seconds`, or until all bodies (or the body `until_asleep`) sleep. Returns the objectIds of bodies that may
+        have moved.
 
-        A body that is struck wakes, and so does its load.
+        A body that is hit wakes, and its load with it.
         """
         from ovman_engine.physics.physics import (
-            TICK_S,  # MuJoCo is loaded when something is to move: most scenes are only looked at
+            TICK_S,  # imported here: most scenes are only looked at
         )
 
         moved = set(self.awake)
@@ -172,13 +174,13 @@ class Dynamics:
         return moved
 
     def _can_wake(self, body: Body) -> bool:
-        """Whether a body that is struck would be awake, or known to be held, then: a blow is struck once."""
+        """Whether an impact can wake a body. A body that is awake, or known to be held, is not hit twice."""
         if not body.dynamic or not body.present or body.kinematic:
             return False
         return body.object_id not in self.awake | self._held and self._reaches(body.box.centre)
 
     def _fall_asleep(self, name: str) -> None:
-        """Fixed where it is, or where it was if it has but settled into the same place."""
+        """Puts a body to sleep where it is, or at its former pose if it has only settled there again."""
         body = self._bodies[name]
         before, lifted = self._woken[name]
         turned = np.trace(lifted.rotation.T @ body.pose.rotation)
@@ -187,7 +189,7 @@ class Dynamics:
         self.still(name)
 
     def _read(self, model: Model) -> None:
-        """Bodies are where the compiled scene has them."""
+        """Copies the poses of the compiled scene to the bodies."""
         for name in model.free:
             if name in self.awake:
                 body = self._bodies[name]
@@ -195,8 +197,8 @@ class Dynamics:
                 body.pose = self._written[name] = body.pose_for(box)
 
     def _current(self) -> Model:
-        """The compiled scene with what is awake free: what has just woken is lifted out of what it had sunk into, does not touch
-        what it still overlaps, and stays where it is if the floor plan does not know what holds it there."""
+        """The compiled scene with the awake bodies free. A body that has just woken is lifted out of its support, does not
+        collide with what it still overlaps, and stays where it is if its recorded support is unknown."""
         model = self._synchronised(frozenset(self.awake), self._strangers)
         trodden = self._trodden(model)
         if not self._fresh and not trodden:
@@ -217,7 +219,7 @@ class Dynamics:
         return self._synchronised(frozenset(self.awake), self._strangers)
 
     def _trodden(self, model: Model) -> set[tuple[str, str]]:
-        """The agent and what it has stepped into since it was last looked at, as strangers."""
+        """Pairs of the agent and the bodies that it has stepped into since the last call; they do not collide."""
         if self._agent_at is not None and np.array_equal(self._agent_at, self._agent.position):
             return set()
         self._agent_at = self._agent.position.copy()
@@ -225,16 +227,16 @@ class Dynamics:
         return {pair for pair in deep if pair[0] == AGENT and pair not in self._strangers}
 
     def _is_kept(self, body: Body) -> bool:
-        """Whether a body is where the floor plan has it, and so is what it is in or on by the floor plan."""
+        """Whether a body, and its recorded support, are at their recorded poses."""
         if not body.stays:
             return False
         keepers = [self._bodies.get(name) for name in body.obj.parents if not name.startswith("Floor|")]
         if not keepers:
-            return body.obj.box.bounds()[0][1] > self._setting.plan.floor_y + RESTS_M
+            return body.obj.box.bounds()[0][1] > self._static.plan.floor_y + RESTS_M
         return all(k is not None and k.present and k.stays for k in keepers)
 
     def _synchronised(self, free: frozenset[str], strangers: Collection[tuple[str, str]]) -> Model:
-        """The compiled scene as the bodies are now."""
+        """The compiled scene with all bodies at their current poses."""
         from ovman_engine.physics.layout import Layout, Solid
         from ovman_engine.physics.physics import Model
 
@@ -246,9 +248,9 @@ class Dynamics:
                 for name, pieces in self._pieces.items()
             ]
             boxes = {name: self._bodies[name].box for name in self._pieces}
-            walls = {w.name: w.box for w in self._setting.room.solids}
+            walls = {w.name: w.box for w in self._static.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
-            floor_y = self._setting.plan.floor_y
+            floor_y = self._static.plan.floor_y
             self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
             self._written, self._embodiment = {}, embodiment
         model = self._model

@@ -1,4 +1,4 @@
-"""MuJoCo's words for what the engine knows: its frame, its quaternions, one geom for a convex piece.
+"""Conversion to MuJoCo: frames, quaternions, and one geom for each convex piece.
 
 MuJoCo's frame is right-handed with z up: its (x, y, z) are Unity's (x, z, y).
 """
@@ -12,17 +12,17 @@ Piece = tuple
 """One convex piece of a body in the frame of its oriented box; see `shapes.collision`."""
 
 FRICTION = (0.7, 0.005, 0.002)
-"""Sliding, torsional and rolling."""
-LEAST_M = 0.0005
-"""Least half extent of a piece: thinner ones fall through what they lie on."""
+"""Sliding, torsional and rolling friction."""
+MIN_M = 0.0005
+"""Least half extent of a piece: thinner ones fall through their support."""
 
 SWAP = np.array([0, 2, 1])
-"""Index that exchanges the two frames, either way."""
+"""Index that converts a vector from either frame to the other."""
 _SWAP_ROWS = SWAP[:, None]
 
 
 def matrix(rotation: np.ndarray) -> np.ndarray:
-    """A rotation (3, 3) of one frame in the other."""
+    """A rotation (3, 3) of either frame, in the other."""
     return rotation[_SWAP_ROWS, SWAP]
 
 
@@ -34,7 +34,7 @@ def quaternion(rotation: np.ndarray) -> np.ndarray:
 
 
 def add(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, piece: Piece, contype: int, conaffinity: int) -> None:
-    """One piece as a geom of `body`. ValueError if its kind is unknown."""
+    """Adds a piece to `body` as a geom. Raises ValueError for an unknown kind of piece."""
     kinds = mujoco.mjtGeom
     common = {
         "contype": contype,
@@ -50,25 +50,25 @@ def add(spec: mujoco.MjSpec, body: mujoco.MjsBody, name: str, piece: Piece, cont
         return
     centre = np.asarray(rest[0])[SWAP]
     if kind == "sphere":
-        body.add_geom(type=kinds.mjGEOM_SPHERE, pos=centre, size=[max(rest[1], LEAST_M), 0, 0], **common)
+        body.add_geom(type=kinds.mjGEOM_SPHERE, pos=centre, size=[max(rest[1], MIN_M), 0, 0], **common)
     elif kind in ("cylinder", "capsule"):
         shape = kinds.mjGEOM_CYLINDER if kind == "cylinder" else kinds.mjGEOM_CAPSULE
-        size = [max(rest[1], LEAST_M), max(rest[2], LEAST_M), 0]
+        size = [max(rest[1], MIN_M), max(rest[2], MIN_M), 0]
         body.add_geom(type=shape, pos=centre, size=size, quat=quaternion(rest[3]), **common)
     elif kind in ("box", "ellipsoid"):
         shape = kinds.mjGEOM_BOX if kind == "box" else kinds.mjGEOM_ELLIPSOID
-        size = np.maximum(np.asarray(rest[1])[SWAP], LEAST_M)
+        size = np.maximum(np.asarray(rest[1])[SWAP], MIN_M)
         body.add_geom(type=shape, pos=centre, size=size, quat=quaternion(rest[2]), **common)
     else:
         raise ValueError(f"unknown kind of piece {kind!r}")
 
 
 def _add_hull(spec: mujoco.MjSpec, body: mujoco.MjsBody, vertices: np.ndarray, common: dict) -> None:
-    """Flat hulls have no inside: they become boxes."""
+    """Adds a convex hull. A flat hull has no volume and is added as a box."""
     spread = np.linalg.svd(vertices - vertices.mean(axis=0), compute_uv=False)
-    if spread[-1] < LEAST_M * np.sqrt(len(vertices)):
+    if spread[-1] < MIN_M * np.sqrt(len(vertices)):
         low, high = vertices.min(axis=0), vertices.max(axis=0)
-        half = np.maximum((high - low) / 2, LEAST_M)
+        half = np.maximum((high - low) / 2, MIN_M)
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=(low + high) / 2, size=half, **common)
         return
     spec.add_mesh(

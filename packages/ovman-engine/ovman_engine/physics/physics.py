@@ -1,7 +1,7 @@
-"""Rigid bodies under gravity: MuJoCo steps what is free, against everything else fixed.
+"""Rigid bodies under gravity: MuJoCo moves the free bodies against all others, which are fixed.
 
-Floor plans come with bodies that overlap (chairs in desks, things in drawers): let loose, half of them would jump apart. So a
-body is fixed until something wakes it, and what it overlaps in that moment does not touch it until it sleeps again.
+Bodies of floor plans overlap (chairs in desks, objects in drawers): if all were free, half of them would jump apart. So a body is
+fixed until something wakes it, and does not collide with what it overlaps at that moment until it sleeps again.
 """
 
 from __future__ import annotations
@@ -19,21 +19,22 @@ from ovman_engine.plan.floorplan import Box
 
 TICK_STEPS = 4
 TICK_S = STEP_S * TICK_STEPS
-"""AI2-THOR's fixed time step: speeds are looked at, and capped, once a tick."""
+"""AI2-THOR's fixed time step: speeds are read, and limited, once a tick."""
 STILL_M, STILL_RAD, SLEEP_S = 0.002, 0.02, 0.2
-"""A body that stays within both of one pose for this long sleeps. Speeds would not do: light things tremble where they lie."""
+"""A body sleeps if it stays within both distances of one pose for this long. Speeds are no criterion: light bodies tremble."""
 CAP_M_S, CAP_RAD_S = 4.0, 20.0
 DRAG_1_S = 0.05
-"""Share of its speed that a body loses to the air in a second."""
-LEAST_KG = 0.01
+"""Fraction of its speed that a body loses to the air in a second."""
+MIN_MASS_KG = 0.01
 
 _ABSENT_GROUP = 4
 
 
 class Model:
-    """A compiled scene in which some bodies are free."""
+    """A compiled scene with free bodies."""
 
     def __init__(self, layout: Layout) -> None:
+        """Wraps a compiled `model`; `solids` are its bodies."""
         self.free, self.strangers = tuple(sorted(layout.free)), layout.strangers
         solids, boxes = layout.solids, layout.boxes
         self.model = layout.model()
@@ -52,15 +53,15 @@ class Model:
         self.forward()
 
     def _weigh(self, solids: Sequence[Solid]) -> None:
-        """Give bodies their recorded masses; how they are spread follows the pieces."""
+        """Sets the recorded masses of bodies. Their distribution follows the pieces."""
         model = self.model
         for solid in solids:
             i = self._ids[solid.name]
-            scale = max(solid.mass, LEAST_KG) / max(model.body_mass[i], 1e-9)
+            scale = max(solid.mass, MIN_MASS_KG) / max(model.body_mass[i], 1e-9)
             model.body_mass[i] *= scale
             if solid.name not in self._loose:
                 continue
-            # A needle's inertia about its own axis is too small for the time step.
+            # The inertia of a needle about its own axis is too small for the time step.
             inertia = model.body_inertia[i] * scale
             model.body_inertia[i] = np.maximum(inertia, max(0.05 * inertia.max(), 1e-6))
             first = model.body_dofadr[i]
@@ -71,7 +72,7 @@ class Model:
     # State
 
     def set_box(self, name: str, box: Box, velocity: np.ndarray | None = None) -> None:
-        """Put a moving body somewhere; `velocity` (6,) linear, angular, m/s and rad/s. Follow with `forward`."""
+        """Moves a body; `velocity` (6,) is linear, then angular, m/s and rad/s. Call `forward` afterwards."""
         i = self._ids[name]
         if name in self._loose:
             q, v = self.model.jnt_qposadr[self.model.body_jntadr[i]], self.model.body_dofadr[i]
@@ -91,7 +92,7 @@ class Model:
         mujoco.mju_quat2Mat(frame, self.data.qpos[q + 3 : q + 7])
         frame = frame.reshape(3, 3)
         linear, spin = self.data.qvel[v : v + 3], frame @ self.data.qvel[v + 3 : v + 6]
-        # Unity is left-handed: what turns one way there turns the other way here.
+        # Unity is left-handed, so angular velocities change their sign.
         velocity = np.concatenate([linear[SWAP], -spin[SWAP]])
         return Box(self.data.qpos[q : q + 3][SWAP], half, matrix(frame)), velocity
 
@@ -100,7 +101,7 @@ class Model:
         return np.concatenate([velocity[:3][SWAP], matrix(rotation).T @ -velocity[3:][SWAP]])
 
     def set_present(self, name: str, present: bool) -> None:
-        """Whether a body is there at all."""
+        """Sets whether a body takes part in collisions."""
         if self._present[name] == present:
             return
         self._present[name] = present
@@ -111,19 +112,19 @@ class Model:
         self.model.geom_group[geoms] = group[geoms] if present else _ABSENT_GROUP
 
     def set_agent(self, position: np.ndarray) -> None:
-        """Put the agent's capsule with its middle at `position` (3,) metres."""
+        """Puts the centre of the agent's capsule at `position` (3,) metres."""
         self.data.mocap_pos[self._agent] = position[SWAP]
 
     def forward(self) -> None:
-        """Bring everything that follows from the state up to date."""
+        """Recomputes everything that follows from the state."""
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
         mujoco.mj_collision(self.model, self.data)
 
-    # Questions
+    # Queries
 
     def below(self, point: np.ndarray, length_m: float, but: str) -> tuple[float, str] | None:
-        """Height and name of the first surface within `length_m` below `point`, through the agent and the body `but`."""
+        """Height and name of the first surface within `length_m` below `point`, ignoring the agent and the body `but`."""
         groups = np.ones(6, dtype=np.uint8)
         groups[[_ABSENT_GROUP, AGENT_GROUP]] = 0
         geom = np.full(1, -1, dtype=np.int32)
@@ -134,7 +135,7 @@ class Model:
         return float(point[1] - distance), self._name[self.model.geom_bodyid[geom[0]]]
 
     def overlaps(self, name: str) -> list[Overlap]:
-        """What a free body overlaps, one a body, deepest first."""
+        """Overlaps of a free body, one for each other body, deepest first."""
         return overlaps(self.model, self.data, self._name, self._ids[name])
 
     def touching(self, name: str) -> list[tuple[str, float]]:
@@ -142,13 +143,13 @@ class Model:
         return [(o.other, o.depth) for o in self.overlaps(name)]
 
     def struck(self, light: Collection[str]) -> set[str]:
-        """Which of the fixed bodies `light` were dealt a blow in the last tick that would move them."""
+        """Which of the fixed bodies `light` an impact of the last tick would move."""
         numbers = {self._ids[name] for name in light}
         hit = (struck(self.model, self.data, *self._before, self._ids[name], numbers) for name in self.free)
         return {self._name[i] for found in hit for i in found}
 
     def heaps(self) -> list[set[str]]:
-        """The free bodies, in sets of those that touch each other."""
+        """Sets of free bodies that touch each other."""
         out = [{name} for name in self.free]
         for first, second in sorted(touching_pairs(self.model, self.data)):
             pair = {self._name[first], self._name[second]}
@@ -160,7 +161,7 @@ class Model:
     # Motion
 
     def tick(self) -> None:
-        """One tick of simulated time. Follow with `watch`, or take it back with `undo`."""
+        """Simulates one tick. Call `watch` to accept it, or `undo`."""
         self._before = (self.data.qpos.copy(), self.data.qvel.copy())
         mujoco.mj_step(self.model, self.data, TICK_STEPS)
         for name in self.free:
@@ -171,11 +172,11 @@ class Model:
                     self.data.qvel[part] *= cap / speed
 
     def undo(self) -> None:
-        """The state before the last tick."""
+        """Restores the state before the last tick."""
         self.data.qpos[:], self.data.qvel[:] = self._before
 
     def watch(self) -> None:
-        """See who has moved in the last tick."""
+        """Updates how long each free body has been still."""
         for name in self.free:
             box, _ = self.box(name, np.zeros(3))
             since, turned = self._rested[name], np.trace(self._rested[name].rotation.T @ box.rotation)
@@ -185,14 +186,14 @@ class Model:
                 self.still_s[name], self._rested[name] = 0.0, box
 
     def rouse(self, name: str) -> None:
-        """A free body has to be still anew before it sleeps."""
+        """Restarts the time for which a free body has been still."""
         self.still_s[name], self._rested[name] = 0.0, self.box(name, np.zeros(3))[0]
 
     def sleeps(self, name: str) -> bool:
-        """Whether a free body has been still for long enough."""
+        """Whether a free body has been still for long enough to sleep."""
         return self.still_s[name] >= SLEEP_S - 1e-9
 
     @property
     def asleep(self) -> bool:
-        """Whether every free body has been still for long enough."""
+        """Whether all free bodies have been still for long enough to sleep."""
         return all(self.sleeps(name) for name in self.free)

@@ -1,4 +1,4 @@
-"""What becomes of a body at the moment when it is let loose among bodies that it overlaps."""
+"""Wakes a body that overlaps others: lifts it out of its support, and checks whether it is supported."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
 
 OVERLAP_M = 0.005
-"""What a waking body overlaps deeper than this is no contact."""
+"""A deeper overlap of a waking body is not treated as a contact."""
 LIFT_M, LIFT_STEP_M, LIFT_EXACT_M = 0.05, 0.005, 0.0005
-"""A waking body that has sunk up to this deep into what carries it is lifted out of it, in steps, then by halves."""
+"""A waking body that has sunk at most this deep into its support is lifted out of it, in steps, then by halves."""
 PROBE_M = 0.01
-"""What is this close below a body carries it."""
+"""A body this close below another supports it."""
 UPRIGHT = 0.5
-"""Least vertical component of a contact with what carries a body."""
+"""Least vertical component of a contact with a support."""
 
 
 def lift(model: Model, name: str, body: Body, awake: Collection[str]) -> tuple[Pose, frozenset[str]]:
-    """The pose, at most LIFT_M higher, at which a free body overlaps the fewest bodies, and those; the world's is put there.
+    """The pose, at most LIFT_M higher, at which a free body overlaps the fewest bodies, and those bodies. The body is moved
+    there.
 
-    Pushed out by force it would jump. Bodies of `awake` may be overlapped, but are not stepped out of. It is always lifted out
-    of the floor.
+    Contact forces would make it jump. Bodies of `awake` may be overlapped, and the body is not lifted out of them. It is always
+    lifted out of the floor.
     """
     floor = next((o.depth for o in _at(model, name, body, body.pose) if o.other == "Floor" and o.depth > OVERLAP_M), 0.0)
     base = body.pose if floor == 0.0 else _raised(body.pose, floor)
@@ -61,7 +62,7 @@ def lift(model: Model, name: str, body: Body, awake: Collection[str]) -> tuple[P
 
 
 def supported(model: Model, name: str, body: Body, strangers: Collection[str]) -> bool:
-    """Whether anything but `strangers` is right below a free body, or the floor is."""
+    """Whether the floor, or a body that is not among `strangers`, is right below a free body."""
     found = _at(model, name, body, _raised(body.pose, -PROBE_M))
     _at(model, name, body, body.pose)
     return any(o.other not in strangers and (abs(o.up) > UPRIGHT or o.other == "Floor") for o in found)

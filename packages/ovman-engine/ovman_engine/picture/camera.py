@@ -14,7 +14,7 @@ import numpy as np
 
 from ovman_engine.paint.decor import Decor
 from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine
-from ovman_engine.picture.painter import Looks, Painter
+from ovman_engine.picture.painter import Appearance, Painter
 from ovman_engine.picture.stage import Stage
 from ovman_engine.plan.floorplan import rotation_matrix
 
@@ -85,8 +85,8 @@ class _Plan:
     def __init__(self, world) -> None:
         self.meshes = scene_mesh.of_plan(world.plan, world.room)
         self.room = world.room
-        self.looks = Looks.of(self.meshes.materials)
-        self._painted: tuple[tuple[str, str], Looks] | None = None
+        self.looks = Appearance.of(self.meshes.materials)
+        self._painted: tuple[tuple[str, str], Appearance] | None = None
         self._scenes: OrderedDict[frozenset[str], object] = OrderedDict()
         vertices = self.meshes.untouched.vertices
         self.low, self.high = vertices.min(axis=0).astype(float), vertices.max(axis=0).astype(float)
@@ -95,7 +95,7 @@ class _Plan:
     def stage(self) -> Stage:
         return Stage(self.meshes, self.room)
 
-    def painted(self, decor: Decor) -> Looks:
+    def painted(self, decor: Decor) -> Appearance:
         """Materials under `decor`; the last one asked for is kept."""
         key = (decor.finishes, decor.colours)
         if not any(key):
@@ -175,7 +175,7 @@ class Renderer:
             self._lit = self.world.version, self.decor
         return self._rig
 
-    def _staged(self, view: View, looks: Looks) -> tuple[scene_mesh.SceneMesh, Looks, rays.Caster]:
+    def _staged(self, view: View, looks: Appearance) -> tuple[scene_mesh.SceneMesh, Appearance, rays.Caster]:
         """Mesh, looks and caster for the eye of an onlooker. What the shell shows depends on the view, so it is displaced."""
         stage, untouched = self._shared.stage, self._shared.meshes.untouched
         extra = scene_mesh.joined(stage.set_for(view, self.world.agent), self._moved)

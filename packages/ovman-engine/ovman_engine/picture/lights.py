@@ -18,10 +18,14 @@ PHASES = 9
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
 CEILING_AREA_M2 = 18.0
 """One ceiling lamp for about so much floor."""
-MOST_CEILING, MOST_WINDOWS, MOST_LAMPS, MOST_ROOMS = 2, 2, 2, 7
+MAX_CEILING_LAMPS, MAX_WINDOWS, MAX_LAMPS, MAX_ROOMS = 2, 2, 2, 7
 BELOW_CEILING_M = 0.12
-WIDEST_M = 0.28
+MAX_LIGHT_M = 0.28
 """Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
+BELOW_LIGHT_M = 1.0
+DARK = 1e-5
+"""If the middle of the scene gets less than this share of the light one metre below the lights, brightness is measured there
+instead: one object far outside the rooms of a house puts the middle of the scene outside as well."""
 MIDDLE_BRIGHTNESS = 1.1
 """Linear light that a white card facing up in the middle of the room sends back."""
 BOUNCE = (0.30, 0.32, 0.54)
@@ -83,9 +87,9 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
     centres = _ceiling(low, size) if plan.house is None else _rooms(plan.house)
     for centre in centres:
         power = 6.0 / np.sqrt(len(centres) if plan.house is None else 1)
-        lights.append(Light(centre, bulb * power, down, 1.2, np.array([WIDEST_M, 0.0, WIDEST_M]), 0.05))
+        lights.append(Light(centre, bulb * power, down, 1.2, np.array([MAX_LIGHT_M, 0.0, MAX_LIGHT_M]), 0.05))
     lamps = sorted((o for o in plan.objects if o.type in LAMPS and o.object_id in boxes and _on(o)), key=lambda o: o.object_id)
-    for obj in lamps[:MOST_LAMPS]:
+    for obj in lamps[:MAX_LAMPS]:
         box = boxes[obj.object_id]
         half = float(np.abs(box.rotation[1]) @ box.half)
         centre = box.centre + [0.0, 0.62 * half, 0.0]
@@ -93,7 +97,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
     windows = sorted(
         (o for o in plan.objects if o.type == "Window" and o.object_id in boxes), key=lambda o: -np.prod(np.sort(o.box.half)[1:])
     )
-    for obj in windows[:MOST_WINDOWS]:
+    for obj in windows[:MAX_WINDOWS]:
         reach = np.abs(obj.box.rotation) @ obj.box.half
         thin = 0 if reach[0] < reach[2] else 2
         inward = np.zeros(3)
@@ -106,7 +110,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
 
 def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
     """Where the lamps of a room hang, side by side along its longer side."""
-    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MOST_CEILING))
+    count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MAX_CEILING_LAMPS))
     long = 0 if size[0] >= size[2] else 2
     centres = []
     for k in range(count):
@@ -124,7 +128,7 @@ def _rooms(house) -> list[np.ndarray]:
         a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
         middles.append(((b - a) * (d - c), (a + b) / 2, (c + d) / 2))
     middles.sort(key=lambda m: -m[0])
-    return [np.array([x, house.height - BELOW_CEILING_M, z]) for _, x, z in middles[:MOST_ROOMS]]
+    return [np.array([x, house.height - BELOW_CEILING_M, z]) for _, x, z in middles[:MAX_ROOMS]]
 
 
 def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:
@@ -148,6 +152,9 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     grid = np.stack(np.meshgrid(np.linspace(0.2, 0.8, 4), [0.3], np.linspace(0.2, 0.8, 4), indexing="ij"), axis=-1).reshape(-1, 3)
     points = low + grid * (high - low)
     upward = np.array([0.0, 1.0, 0.0])
+    below = table[:, :3] - BELOW_LIGHT_M * upward
+    if irradiance(table, points, upward).mean() < DARK * irradiance(table, below, upward).mean():
+        points = below
     shadowed = [light for light in lights if light.spread is not None]
     power = np.array([irradiance(table[k : k + 1], points, upward).sum() for k in range(len(shadowed))])
     share = np.maximum(1, np.floor(power / max(power.sum(), 1e-9) * PHASES)).astype(int)

@@ -21,7 +21,7 @@ SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
 
 
 @dataclass(frozen=True)
-class Looks:
+class Appearance:
     """Materials as arrays, M of them: linear RGB (M, 3), texture kinds, scales (metres), seeds, glosses, emissions (M,)."""
 
     colours: np.ndarray
@@ -34,9 +34,9 @@ class Looks:
     """(M,) bool: seen through"""
 
     @staticmethod
-    def of(materials: Iterable[Material]) -> Looks:
+    def of(materials: Iterable[Material]) -> Appearance:
         materials = tuple(materials)
-        return Looks(
+        return Appearance(
             np.array([m.colour for m in materials], dtype=np.float32).reshape(-1, 3),
             np.array([textures.KINDS.index(m.texture) for m in materials], dtype=np.int32),
             np.array([m.scale_m for m in materials], dtype=np.float32),
@@ -75,7 +75,7 @@ class Surface:
 class Painter:
     """Casts and colours the rays of one view of a mesh."""
 
-    def __init__(self, view, mesh: SceneMesh, looks: Looks, caster: Caster) -> None:
+    def __init__(self, view, mesh: SceneMesh, looks: Appearance, caster: Caster) -> None:
         """`view`: camera.View."""
         self._view, self._mesh, self._looks, self._caster = view, mesh, looks, caster
         self._flat = view.orthographic_size is not None

@@ -14,13 +14,13 @@ import numpy as np
 from ovman_engine.paint.decor import Decor, Lighting
 from ovman_engine.paint.materials import Material, palette
 from ovman_engine.picture.lights import Rig
-from ovman_engine.picture.painter import Looks
+from ovman_engine.picture.painter import Appearance
 from ovman_engine.picture.scene_mesh import PlanMeshes, structures
 from ovman_engine.plan.floorplan import FloorPlan
 from ovman_engine.room.room import Room
 from ovman_engine.shapes.style import Style
 
-LEAST_COLOUR = 0.02
+MIN_COLOUR = 0.02
 """Least linear component of a colour that was drawn: what is black in all light would be a hole."""
 
 
@@ -35,17 +35,17 @@ def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Ma
 def recoloured(material: Material, key: str) -> Material:
     """The material in a colour drawn from `key`; its texture and gloss stay. What glows keeps how much it does."""
     style = Style(key)
-    return replace(material, colour=np.array([style.uniform(channel, LEAST_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
+    return replace(material, colour=np.array([style.uniform(channel, MIN_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
 
 
-def looks(meshes: PlanMeshes, room: Room, decor: Decor) -> Looks:
+def looks(meshes: PlanMeshes, room: Room, decor: Decor) -> Appearance:
     """Materials of all instances under `decor`, in the order of `meshes.materials`."""
     materials = meshes.materials
     if decor.finishes:
         materials = meshes.repainted(finishes(meshes.plan, room, decor.finishes))
     if decor.colours:
         materials = tuple(recoloured(m, f"{decor.colours}|{k}") for k, m in enumerate(materials))
-    return Looks.of(materials)
+    return Appearance.of(materials)
 
 
 def _rgb(hue: float, saturation: float) -> np.ndarray:

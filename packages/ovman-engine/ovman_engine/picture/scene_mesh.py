@@ -247,7 +247,7 @@ _plans: OrderedDict[int, tuple[FloorPlan, PlanMeshes]] = OrderedDict()
 
 
 def of_plan(plan: FloorPlan, room) -> PlanMeshes:
-    """`PlanMeshes` of a floor plan, remembered for the last few plans. The room must be the plan's own (`Room.of(plan)`)."""
+    """`PlanMeshes` of a floor plan, remembered for the last few plans. The room must be the plan's own (`room_of(plan)`)."""
     found = _plans.get(id(plan))
     if found is None or found[0] is not plan:
         found = (plan, PlanMeshes(plan, room))

@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman_engine.bodies.embodiment import DEFAULT
 from ovman_engine.picture import agent_body
-from ovman_engine.picture.painter import Looks
+from ovman_engine.picture.painter import Appearance
 from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh, figure, joined, subset
 from ovman_engine.plan.floorplan import Box, rotation_matrix
 
@@ -46,7 +46,7 @@ class Stage:
         self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
         self._last_body: tuple[tuple, SceneMesh] | None = None
         slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
-        self._paint = Looks.of(agent_body.PALETTE[slot] for slot in slots)
+        self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
     def set_for(self, view, agent) -> SceneMesh:
         """What the shell shows to a camera.View, and the body of a body.Agent, which has no number: its instance is -1.
@@ -62,10 +62,10 @@ class Stage:
             return shell
         return joined(shell, self._body(agent))
 
-    def looks(self, plan: Looks) -> Looks:
+    def looks(self, plan: Appearance) -> Appearance:
         """The looks of the plan, followed by those of the body."""
-        pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Looks))
-        return Looks(*(np.concatenate(pair) for pair in pairs))
+        pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Appearance))
+        return Appearance(*(np.concatenate(pair) for pair in pairs))
 
     def _body(self, agent) -> SceneMesh:
         key = (agent.embodiment, agent.standing, *np.round(agent.position, 6).tolist(), agent.yaw_deg)

@@ -1,1 +1,1 @@
-"""What a scene is before anything happens in it: the recorded floor plans, and houses given as JSON."""
+"""Scenes before anything happens in them: recorded floor plans, and houses given as JSON."""

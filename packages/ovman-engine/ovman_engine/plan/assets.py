@@ -1,6 +1,6 @@
-"""The assets that houses are furnished with: sizes and properties, by assetId.
+"""Sizes and properties of the assets of houses, by assetId.
 
-Source: the asset database of the pip package ``procthor``. Sizes are those of the box around an asset that is not turned, metres.
+Source: the asset database of the pip package ``procthor``. Sizes are those of the box around the unrotated asset, metres.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 
 MASS_KG = {"CanPickup": 0.5, "Moveable": 10.0}
-"""The database has no masses. AI2-THOR's things weigh about so much."""
+"""Masses by primary property. The database has none; AI2-THOR's objects weigh about this much."""
 
 
 @dataclass(frozen=True)
 class Asset:
-    """What is known of an asset."""
+    """One asset of the database."""
 
     asset_id: str
     type: str
@@ -34,6 +34,7 @@ class Asset:
 
     @property
     def mass(self) -> float:
+        """Mass in kg; 0 for an asset that does not move."""
         return MASS_KG["CanPickup"] if self.pickupable else MASS_KG["Moveable"] if self.moveable else 0.0
 
 
@@ -49,7 +50,7 @@ def _database() -> Mapping[str, Mapping[str, Any]]:
 
 @cache
 def asset(asset_id: str) -> Asset:
-    """The asset called `asset_id`. KeyError if there is none."""
+    """The asset `asset_id`, cached. Raises KeyError if the database has none."""
     entry = _database()[asset_id]
     primary = entry.get("primaryProperty")
     return Asset(

@@ -1,9 +1,8 @@
-"""Which parts of a counter's bounding box are counter, and where the stoves between them stand.
+"""The true outline of counters within their bounding boxes, and the stoves between them.
 
-The recorded counters are thin slabs with one axis-aligned box each, also where they run around a corner. That box touches the
-counter on all four sides, so an L- or U-shaped counter is a strip along one side with legs across to the opposite side. Of all
-such layouts the one is taken that covers what stands under and on the counter, leaves the agent's start free and covers little
-else.
+Recorded counters are thin slabs with one axis-aligned box each, even if they run around a corner. The box touches the counter on
+all four sides, so an L- or U-shaped counter is a strip along one side with legs across to the opposite side. Of all such layouts,
+the one is chosen that covers what stands under and on the counter, leaves the agent's start free, and covers little else.
 """
 
 from __future__ import annotations
@@ -18,21 +17,21 @@ import numpy as np
 from ovman_engine.plan.floorplan import FloorPlan, SimObject
 
 CELL_M = 0.05
-"""Resolution at which evidence is counted; also the step of strip depths and leg positions."""
+"""Resolution of the evidence, and step of strip depths and leg positions."""
 WHOLE_M = 0.95
-"""A counter narrower than this is one rectangle: two runs of usual depth do not fit into it."""
+"""A narrower counter is one rectangle: two runs of usual depth do not fit."""
 ISLAND_M = 1.3
 """A counter without base units is one rectangle up to this width: an island or a bar."""
 DEPTHS_M = np.round(np.arange(0.45, 0.91, CELL_M), 3)
-"""Depths that a run may have."""
+"""Possible depths of a run."""
 BODY_M = 0.2
-"""Radius of the agent, which stood free at its start."""
+"""Radius of the agent, whose start was free."""
 UNDER_M = 0.5
-"""A base unit ends at most this far below the slab."""
+"""A base unit is at most this far below the slab."""
 UNSUPPORTED = 0.3
-"""Cost of a covered cell without evidence, in cells with evidence."""
+"""Cost of covering a cell without evidence, relative to a cell with evidence."""
 AGAINST = 2.0
-"""Cost of covering a cell that something tall stands in."""
+"""Cost of covering a cell in which a tall object stands."""
 BASES = frozenset({"Cabinet", "Drawer"})
 CARRIERS = BASES | {"Sink", "SinkBasin", "Faucet"}
 TALL = frozenset({"Fridge", "GarbageCan", "Chair", "Stool", "Toilet", "Bathtub", "ShelvingUnit", "DiningTable"})
@@ -48,7 +47,7 @@ class Rect(NamedTuple):
     z1: float
 
     def overlap(self, other: Rect) -> Rect | None:
-        """What both have in common, None if that has no area."""
+        """The common rectangle, None if it has no area."""
         common = Rect(max(self.x0, other.x0), max(self.z0, other.z0), min(self.x1, other.x1), min(self.z1, other.z1))
         return common if common.x1 > common.x0 and common.z1 > common.z0 else None
 
@@ -58,7 +57,7 @@ class Rect(NamedTuple):
 
 @dataclass(frozen=True)
 class Stove:
-    """A stove that the recorded burners stand on. The floor plans have its burners and knobs, not its body."""
+    """A stove under recorded burners. Floor plans record burners and knobs, not the stove."""
 
     rect: Rect
     top: float
@@ -66,7 +65,7 @@ class Stove:
     quarter: int
     """Quarter turns about y from +z to its front."""
     burner: SimObject
-    """The first of its burners, whose name and finish it takes."""
+    """The first burner, which gives the stove its name and finish."""
 
 
 _RUNS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Rect, ...]]] = WeakKeyDictionary()
@@ -78,7 +77,7 @@ def footprint(obj: SimObject) -> Rect:
 
 
 def runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
-    """The rectangles of `counter`'s bounding box that are counter: at most three that do not overlap, metres, world frame."""
+    """The rectangles that `counter` covers within its bounding box: at most three that do not overlap, metres, world frame."""
     found = _RUNS.setdefault(plan, {})
     if counter.object_id not in found:
         found[counter.object_id] = _runs(plan, counter)
@@ -86,7 +85,7 @@ def runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
 
 
 def carriers(plan: FloorPlan, counter: SimObject) -> list[SimObject]:
-    """Base units under the slab or set into it."""
+    """Base units under the slab, or set into it."""
     low, high = counter.box.bounds()
     box = footprint(counter)
     found = []
@@ -116,7 +115,7 @@ def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
     within_x = (x0 - BODY_M < plan.start[0]) & (plan.start[0] < x1 + BODY_M)
     free = ~(within_x & (z0 - BODY_M < plan.start[2]) & (plan.start[2] < z1 + BODY_M)).any(axis=1)
     scores = np.where(free, _scores(total, box, layouts), -np.inf)
-    # the first of those that are equally good; only those that beat all before them can be it
+    # the first of equally good layouts; only a layout that beats all earlier ones can be it
     ahead = np.maximum.accumulate(np.concatenate([[-np.inf], scores[:-1]]))
     best, score = None, -np.inf
     for i in np.flatnonzero(scores > ahead):
@@ -128,7 +127,8 @@ def _runs(plan: FloorPlan, counter: SimObject) -> tuple[Rect, ...]:
 
 
 def _scores(total: np.ndarray, box: Rect, layouts: np.ndarray) -> np.ndarray:
-    """(L,) sums over the cells of layouts (L, 3, 4), from the running sums `total` (one row and column of zeros first)."""
+    """(L,) sums over the cells of layouts (L, 3, 4), from the running sums `total`, which begin with a row and a column of
+    zeros."""
     there = ~np.isnan(layouts[..., 0])
     edges = np.where(there[..., None], layouts, 0.0)
     first, last = [], []
@@ -144,7 +144,7 @@ def _scores(total: np.ndarray, box: Rect, layouts: np.ndarray) -> np.ndarray:
 
 
 def _evidence(plan: FloorPlan, counter: SimObject, box: Rect) -> tuple[np.ndarray, np.ndarray]:
-    """Two grids over `box`: what speaks for a counter in each cell, and what speaks against it."""
+    """Two grids over `box`: the evidence for and against a counter in each cell."""
     shape = tuple(max(1, int(np.ceil((high - low) / CELL_M))) for low, high in ((box.x0, box.x1), (box.z0, box.z1)))
     support, against = np.zeros(shape), np.zeros(shape)
     for other in carriers(plan, counter):
@@ -171,7 +171,7 @@ def _cells(box: Rect, rect: Rect, shape: tuple[int, ...]) -> tuple[slice, slice]
 
 
 def _legs(long: float) -> np.ndarray:
-    """(K, 4): intervals (a, b, c, d) along a strip of this length from which legs go, NaN for c, d where there is one leg."""
+    """(K, 4): intervals (a, b, c, d) of legs along a strip of this length; NaN for c and d with one leg."""
     legs = []
     for wide in DEPTHS_M[long - 0.2 > DEPTHS_M]:
         starts = np.append(np.arange(0.0, long - wide, 2 * CELL_M), long - wide)
@@ -182,8 +182,8 @@ def _legs(long: float) -> np.ndarray:
 
 
 def _layouts(box: Rect) -> np.ndarray:
-    """The whole box, and every strip along a side with one leg anywhere or two legs at its ends: (L, 3, 4) rectangles, as many
-    as the layout has, then NaN."""
+    """(L, 3, 4) rectangles: the whole box, and every strip along a side with one leg anywhere or two legs at its ends; missing
+    rectangles are NaN."""
     found = [np.array([[box, *np.full((2, 4), np.nan)]])]
     for side in range(4):  # low z, low x, high z, high x
         wide, deep = (box.x1 - box.x0, box.z1 - box.z0)[:: 1 if side % 2 == 0 else -1]
@@ -205,7 +205,7 @@ def _layouts(box: Rect) -> np.ndarray:
 
 
 def without(rect: Rect, holes: tuple[Rect, ...]) -> tuple[Rect, ...]:
-    """`rect` less `holes`, as rectangles that do not overlap."""
+    """`rect` without `holes`, as rectangles that do not overlap."""
     pieces = [rect]
     for hole in holes:
         rest = []
@@ -225,7 +225,7 @@ def without(rect: Rect, holes: tuple[Rect, ...]) -> tuple[Rect, ...]:
 
 
 def stoves(plan: FloorPlan) -> tuple[Stove, ...]:
-    """The stoves under burners that do not lie on a counter: burners less than 0.5 m apart share one."""
+    """Stoves under burners that are not on a counter. Burners less than 0.5 m apart share one."""
     tops = [o for o in plan.objects if o.type == "CounterTop"]
     slabs = [r for o in tops for r in runs(plan, o)]
     burners = sorted((o for o in plan.objects if o.type == "StoveBurner"), key=lambda o: o.object_id)
@@ -248,7 +248,7 @@ def stoves(plan: FloorPlan) -> tuple[Stove, ...]:
 
 
 def _stove(plan: FloorPlan, group: list[SimObject], rect: Rect, slabs: list[Rect]) -> Stove:
-    """A body around the burners that keeps clear of the counters beside it and faces the agent's start."""
+    """A stove around the burners that keeps clear of the counters beside it and faces the agent's start."""
     sides = [rect.x0 - STOVE_MARGIN_M, rect.z0 - STOVE_MARGIN_M, rect.x1 + STOVE_MARGIN_M, rect.z1 + STOVE_MARGIN_M]
     middle = ((rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2)
     beside_x = beside_z = 0

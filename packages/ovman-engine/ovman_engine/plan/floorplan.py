@@ -1,7 +1,7 @@
-"""The 120 iTHOR floor plans, as AI2-THOR itself reported them.
+"""The 120 iTHOR floor plans, from AI2-THOR's own metadata.
 
-Source: the metadata that the pip package ``procthor`` ships (one record an object, the 42 keys of AI2-THOR's own metadata).
-World frame: Unity's, left-handed, y up, metres, degrees; yaw 0 looks along +z and 90 along +x.
+Source: the metadata in the pip package ``procthor``: one record for each object, with AI2-THOR's 42 keys. World frame: Unity's,
+left-handed, y up, metres, degrees; yaw 0 is along +z, and 90 along +x.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ KINDS = {
     "bedrooms": ("bedroom", 301),
     "bathrooms": ("bathroom", 401),
 }
-"""Group in the metadata -> kind of room and number of its first floor plan; each group has 30."""
+"""Group in the metadata -> kind of room, and number of its first floor plan. Each group has 30 floor plans."""
 LATTICE_M = 0.25
-"""Spacing of the lattice that the recorded start positions lie on."""
+"""Spacing of the lattice of recorded start positions."""
 HEIGHT_DECIMALS = 9
-"""Of the start's height in metres: the last bits of what LAPACK finds hang on how its arrays happen to lie in memory."""
+"""Decimals of the start's height in metres: the last bits of LAPACK's solution depend on the alignment of its arrays."""
 
 
 def rotation_matrix(euler_deg: np.ndarray) -> np.ndarray:
-    """Unity's Euler angles (x, y, z), applied in the order z, x, y, as a 3x3 matrix acting on columns: R = Ry Rx Rz."""
+    """Rotation (3, 3) of Unity's Euler angles (x, y, z), applied in the order z, x, y; it acts on columns: R = Ry Rx Rz."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(np.radians(euler_deg)), np.cos(np.radians(euler_deg))
     about_y = np.array([[cy, 0, sy], [0, 1, 0], [-sy, 0, cy]])
     about_x = np.array([[1, 0, 0], [0, cx, -sx], [0, sx, cx]])
@@ -70,7 +70,7 @@ class Box:
         return self.centre + (signs * self.half) @ self.rotation.T
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner of the axis-aligned box around it, world frame, metres."""
+        """Lower and upper corner (3,) of the axis-aligned box around it, world frame, metres."""
         reach = np.abs(self.rotation) @ self.half
         return self.centre - reach, self.centre + reach
 
@@ -84,47 +84,51 @@ class SimObject:
     type: str
     asset_id: str
     position: np.ndarray
-    """(3,) metres; the pivot, not the centre of the box."""
+    """(3,) metres; the pivot, not the centre of the box"""
     rotation: np.ndarray
-    """(3, 3) from object to world axes."""
+    """(3, 3) from object to world axes"""
     box: Box
-    """Oriented box. Objects that cannot move have only an axis-aligned one; its axes are those of the nearest quarter turn,
-    so that -z of the box is the back of the object in either case."""
+    """Oriented box. Fixed objects are recorded with an axis-aligned box only; its axes are then those of the nearest quarter
+    turn, so that -z of the box is the back of the object in either case."""
     moveable: bool
     pickupable: bool
     mass: float
     parents: tuple[str, ...]
     record: Mapping[str, Any]
-    """The record as AI2-THOR reported it."""
+    """AI2-THOR's record of the object"""
 
     @property
     def dynamic(self) -> bool:
+        """Whether the object can move: moveable or pickupable."""
         return self.moveable or self.pickupable
 
 
 @dataclass(frozen=True, eq=False)
 class FloorPlan:
-    """One scene before anything is touched."""
+    """One untouched scene."""
 
     name: str
     kind: str
-    """kitchen, living_room, bedroom or bathroom; house"""
+    """kitchen, living_room, bedroom, bathroom or house"""
     objects: tuple[SimObject, ...]
     start: np.ndarray
-    """(3,) metres: where the agent stood when the metadata were taken; on the 0.25 m lattice, and free."""
+    """(3,) metres: where the agent stood when the metadata were recorded; free, and on the 0.25 m lattice"""
     floor_y: float
-    """Height of the floor's surface, metres."""
+    """Height of the floor, metres"""
     house: Any = None
-    """house.House, if the plan is that of a house and tells its own walls"""
+    """house.House for the plan of a house, which describes its own walls"""
 
     @property
     def floor(self) -> SimObject:
+        """The first object of type Floor."""
         return next(o for o in self.objects if o.type == "Floor")
 
     def __getitem__(self, object_id: str) -> SimObject:
+        """The object of an objectId. Raises KeyError if the plan has none."""
         return self._by_id[object_id]
 
     def __contains__(self, object_id: str) -> bool:
+        """Whether the plan has an object of this objectId."""
         return object_id in self._by_id
 
     @property
@@ -171,10 +175,10 @@ def _sim_object(record: Mapping[str, Any]) -> SimObject:
 
 
 def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
-    """The one point whose distances to all objects are those in the records, snapped to the lattice in x and z.
+    """The agent's start: the point whose distances to all objects are the recorded ones, rounded to the lattice in x and z.
 
-    Squared distances differ by a linear function of the point between any two objects: a linear least-squares problem, whose
-    solution Gauss-Newton steps on the distances themselves then make exact.
+    Differences of squared distances are linear in the point, so linear least squares solve for it. Gauss-Newton steps on the
+    distances themselves make the solution exact.
     """
     points = np.array([o.position for o in objects])
     distances = np.array([o.record["distance"] for o in objects])
@@ -190,7 +194,7 @@ def _start(objects: tuple[SimObject, ...]) -> np.ndarray:
 
 
 WINDOW = 1 << 20
-"""Bytes of the database of scenes that are searched at once."""
+"""Bytes of the database that are searched at once."""
 
 
 @cache
@@ -204,7 +208,8 @@ def _database() -> mmap.mmap:
 
 
 def _find(what: bytes, start: int) -> int:
-    """Where `what` comes next in the file; ValueError if it does not. An mmap's own find compares byte by byte."""
+    """Offset of the next `what` in the file. Raises ValueError if the file has no more. The search of mmap itself compares byte
+    by byte."""
     data = _database()
     while start < len(data):
         found = data[start : start + WINDOW].find(what)
@@ -216,19 +221,22 @@ def _find(what: bytes, start: int) -> int:
 
 @cache
 def _place(group: str, index: int) -> int:
-    """Where in the file a scene of a group begins."""
+    """Offset of a scene of a group in the file."""
     if index < 0:
         return _find(b'\n    "%s": [' % group.encode(), 0)
     return _find(b"\n        [", _place(group, index - 1) + 1)
 
 
 def _records(group: str, index: int) -> list[dict[str, Any]]:
-    """The records of one scene. All of the file's 43 MB take longer to parse than a scene takes to build, so only the scene's
-    part is cut out: by the indentation of its brackets, which is that of a list of lists of objects four blanks a level."""
+    """The records of one scene.
+
+    Parsing the whole file of 43 MB takes longer than building a scene, so the text of one scene is cut out by the indentation of
+    its brackets: lists of lists of objects, four blanks a level.
+    """
     data, begin, close = _database(), _place(group, index), b"\n        ]"
     records = json.loads(data[begin : _find(close, begin) + len(close)])
     if hasattr(mmap, "MADV_DONTNEED"):
-        data.madvise(mmap.MADV_DONTNEED)  # what was read through counts as this process's memory until it is let go
+        data.madvise(mmap.MADV_DONTNEED)  # pages that were read count as this process's memory until they are released
     return records
 
 
@@ -240,12 +248,12 @@ def names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> FloorPlan:
-    """The floor plan called `name` ("FloorPlan201"), remembered. KeyError if there is none."""
+    """The floor plan `name` ("FloorPlan201"), cached for ever. Raises KeyError if no such scene exists."""
     return read(name)
 
 
 def read(name: str) -> FloorPlan:
-    """`load`, for those who remember as many plans as they see fit: a plan takes a megabyte."""
+    """`load` without the cache. A floor plan takes a megabyte."""
     for group, (kind, first) in KINDS.items():
         if name in {f"FloorPlan{first + i}" for i in range(30)}:
             objects = tuple(_sim_object(r) for r in _records(group, int(name.removeprefix("FloorPlan")) - first))

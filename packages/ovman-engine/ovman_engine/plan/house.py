@@ -12,16 +12,16 @@ import numpy as np
 
 from ovman_engine.plan.assets import Asset
 
-LEAST_SIDE_M = 1e-3
+MIN_SIDE_M = 1e-3
 STEP_M = 0.1
-"""Width of the steps that stand for a slanting side of a floor."""
+"""Width of the steps that approximate slanting sides of a floor."""
 BESIDE_M = 0.05
-"""What is this far from a wall's line is in the room beside it."""
+"""A point this far from the line of a wall is in the room beside it."""
 
 
 @dataclass(frozen=True)
-class Storey:
-    """A room. `polygon` (N, 2): its floor, in either sense."""
+class HouseRoom:
+    """A room. `polygon` (N, 2) is its floor, in either orientation."""
 
     name: str
     kind: str
@@ -29,7 +29,7 @@ class Storey:
     floor_material: str
 
     def contains(self, points: np.ndarray) -> np.ndarray:
-        """Which plan points (..., 2) lie in the room: (...) bool."""
+        """(...) bool: which plan points (..., 2) are in the room, by the even-odd rule."""
         inside = np.zeros(points.shape[:-1], dtype=bool)
         for (x_0, z_0), (x_1, z_1) in zip(self.polygon, np.roll(self.polygon, -1, axis=0), strict=True):
             if z_0 != z_1:
@@ -39,8 +39,8 @@ class Storey:
 
 
 @dataclass(frozen=True)
-class Sheet:
-    """A side of a wall: it runs from `start` to `end` (2,), from height `bottom` to `top`."""
+class WallSide:
+    """One side of a wall, from `start` to `end` (2,), and from height `bottom` to `top`, metres."""
 
     name: str
     room: str
@@ -49,25 +49,26 @@ class Sheet:
     bottom: float
     top: float
     paint: str
-    """Names its material or colour"""
+    """Name of its material"""
     colour: tuple[float, float, float] | None
-    """sRGB, 0 to 1, if the house gives it"""
+    """sRGB, 0 to 1; None if the house gives no colour"""
     empty: bool
-    """Whether nothing is there: rooms that are open to each other"""
+    """Whether the wall is only a border between rooms that are open to each other"""
 
     @property
     def length(self) -> float:
+        """Length in plan, metres."""
         return float(np.linalg.norm(self.end - self.start))
 
     @property
     def along(self) -> np.ndarray:
-        """(2,) unit."""
+        """Unit vector (2,) from start to end."""
         return (self.end - self.start) / self.length
 
 
 @dataclass(frozen=True)
 class Opening:
-    """A door or a window: `low` and `high` are (2,) distance along its first wall and height."""
+    """A door or a window. `low` and `high` (2,) are distances along its first wall and heights, metres."""
 
     name: str
     asset_id: str
@@ -81,13 +82,13 @@ class Opening:
 
     @property
     def passable(self) -> bool:
-        """Whether an agent can go through: no window, no way out of the house, and not shut."""
+        """Whether an agent can pass: a door inside the house that is not shut."""
         return not self.window and len(set(self.rooms)) > 1 and (self.openness > 0 or not self.openable)
 
 
 @dataclass(frozen=True)
 class Furnishing:
-    """An object: the middle of its box, Euler angles in degrees, and whose box it is in or on."""
+    """An object of the house: centre (3,) of its box, Euler angles (3,) in degrees, and the id of the object that holds it."""
 
     name: str
     asset: Asset
@@ -100,23 +101,23 @@ class Furnishing:
 
 @dataclass(frozen=True)
 class House:
-    """All of a house. `agent`: position (3,), yaw and horizon in degrees, standing, where the house says so."""
+    """A house. `agent` is its start, if given: position (3,), yaw and horizon in degrees, standing."""
 
     name: str
-    rooms: tuple[Storey, ...]
-    walls: tuple[Sheet, ...]
+    rooms: tuple[HouseRoom, ...]
+    walls: tuple[WallSide, ...]
     openings: tuple[Opening, ...]
     objects: tuple[Furnishing, ...]
     agent: tuple[np.ndarray, float, float, bool] | None
 
     @cached_property
     def height(self) -> float:
-        """Of the highest wall's top, metres."""
+        """Height of the highest wall, metres."""
         return max((w.top for w in self.walls), default=3.0)
 
 
-def side(sheet: Sheet, house: House) -> float:
-    """1 if the sheet is seen from the left of its line, else -1: a room's from the room, an outer one from outside."""
+def side(sheet: WallSide, house: House) -> float:
+    """1 if the side is seen from the left of its line, else -1: from its room, or from outside for an exterior wall."""
     middle = (sheet.start + sheet.end) / 2
     left = middle + np.array([-sheet.along[1], sheet.along[0]]) * BESIDE_M
     inside = [r for r in house.rooms if bool(r.contains(left))]
@@ -127,27 +128,31 @@ def side(sheet: Sheet, house: House) -> float:
     )
 
 
-def rectangles(room: Storey) -> list[tuple[float, float, float, float]]:
-    """The room's floor as rectangles (x from, x to, z from, z to); slanting sides become steps."""
+def rectangles(room: HouseRoom) -> list[tuple[float, float, float, float]]:
+    """The room's floor as rectangles (x from, x to, z from, z to), each with an area; slanting sides become steps.
+
+    A part of the polygon that another part covers again is outside (even-odd rule), as in `HouseRoom.contains`.
+    """
     xs = np.unique(np.round(room.polygon[:, 0], 4))
     if not _straight(room):
         xs = np.unique(np.concatenate([xs, np.arange(xs[0], xs[-1], 0.1)]))
     out = []
     for a, b in zip(xs[:-1], xs[1:], strict=True):
+        if b - a <= MIN_SIDE_M:
+            continue
         ends = _crossings(room.polygon, (a + b) / 2)
-        out += [
-            (float(a), float(b), float(c), float(d)) for c, d in zip(ends[::2], ends[1::2], strict=False) if b - a > LEAST_SIDE_M
-        ]
+        spans = zip(ends[::2], ends[1::2], strict=False)
+        out += [(float(a), float(b), float(c), float(d)) for c, d in spans if d > c]
     return out
 
 
-def _straight(room: Storey) -> bool:
+def _straight(room: HouseRoom) -> bool:
     edges = np.roll(room.polygon, -1, axis=0) - room.polygon
-    return bool((np.abs(edges).min(axis=1) < LEAST_SIDE_M).all())
+    return bool((np.abs(edges).min(axis=1) < MIN_SIDE_M).all())
 
 
 def _crossings(polygon: np.ndarray, x: float) -> list[float]:
-    """Where the line of constant `x` crosses the polygon's sides, in order."""
+    """Sorted z at which the line of constant `x` crosses the sides of the polygon."""
     out = []
     for (x_0, z_0), (x_1, z_1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
         if (x_0 > x) != (x_1 > x):
@@ -156,6 +161,6 @@ def _crossings(polygon: np.ndarray, x: float) -> list[float]:
 
 
 def empty(half_m: float = 5.0) -> House:
-    """A floor without walls: the scene that a house is put into."""
+    """A floor without walls: the scene that CreateHouse replaces."""
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=float) * half_m
-    return House("Procedural", (Storey("Floor|+00.00|+00.00|+00.00", "", square, ""),), (), (), (), None)
+    return House("Procedural", (HouseRoom("Floor|+00.00|+00.00|+00.00", "", square, ""),), (), (), (), None)

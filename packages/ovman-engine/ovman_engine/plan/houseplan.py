@@ -1,6 +1,6 @@
-"""A house as a floor plan: its objects, floors, doors and windows as AI2-THOR would report them, and a place for the agent.
+"""Converts a house to a floor plan: objects, floors, doors and windows as AI2-THOR would report them, and the agent's start.
 
-What the assets bring along in AI2-THOR (the drawers of a dresser) is not there: the asset database does not have it.
+Parts of assets in AI2-THOR (the drawers of a dresser) are missing: the asset database does not list them.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject, euler_degrees, rotation_matrix
-from ovman_engine.plan.house import Furnishing, House, Opening, Sheet, Storey, side
+from ovman_engine.plan.house import Furnishing, House, HouseRoom, Opening, WallSide, side
 from ovman_engine.plan.vector import vector
 
 FLOOR_M = 0.1
@@ -33,12 +33,12 @@ PROPERTIES = {
     "sliceable": "CanBeSliced",
     "openable": "CanOpen",
 }
-"""Keys of an object's metadata, and the asset properties that they tell of."""
+"""Key of an object's metadata -> asset property."""
 STATES = ("isToggled", "isBroken", "isFilledWithLiquid", "isDirty", "isUsedUp", "isCooked", "isSliced", "isOpen", "isPickedUp")
 
 
 def plan_of(house: House) -> FloorPlan:
-    """The floor plan of `house`, which it carries along for its walls."""
+    """The floor plan of `house`. It keeps the house for its walls."""
     objects = [_floor(room) for room in house.rooms]
     walls = {w.name: w for w in house.walls}
     objects += [_opening(o, walls[o.walls[0]], house) for o in house.openings]
@@ -46,15 +46,15 @@ def plan_of(house: House) -> FloorPlan:
     return FloorPlan(house.name, "house", tuple(objects), _start(house, objects), 0.0, house)
 
 
-def hole(opening: Opening, wall: Sheet) -> tuple[np.ndarray, np.ndarray]:
-    """Opposite corners (3,) of an opening in its first wall, in the world."""
+def hole(opening: Opening, wall: WallSide) -> tuple[np.ndarray, np.ndarray]:
+    """Opposite corners (3,) of an opening in its first wall, world frame, metres."""
     ends = (wall.start + wall.along * at for at in (opening.low[0], opening.high[0]))
     low, high = ((x, wall.bottom + y, z) for (x, z), y in zip(ends, (opening.low[1], opening.high[1]), strict=True))
     return np.array(low), np.array(high)
 
 
 def _object(name: str, kind: str, asset_id: str, box: Box, properties: frozenset[str] = frozenset(), **own: Any) -> SimObject:
-    """An object of the house with AI2-THOR's record of it."""
+    """An object of the house, with its record in AI2-THOR's form."""
     low, high = box.bounds()
     pickupable, moveable = own.pop("pickupable", False), own.pop("moveable", False)
     openness, mass, parents = own.pop("openness", 0.0), own.pop("mass", 0.0), own.pop("parents", ())
@@ -93,15 +93,15 @@ def _object(name: str, kind: str, asset_id: str, box: Box, properties: frozenset
     )  # fmt: skip
 
 
-def _floor(room: Storey) -> SimObject:
+def _floor(room: HouseRoom) -> SimObject:
     low, high = room.polygon.min(axis=0), room.polygon.max(axis=0)
     centre, half = (low + high) / 2, (high - low) / 2
     box = Box(np.array([centre[0], -FLOOR_M / 2, centre[1]]), np.array([half[0], FLOOR_M / 2, half[1]]), np.eye(3))
     return _object(room.name, "Floor", room.floor_material, box, frozenset(["Receptacle"]))
 
 
-def _opening(opening: Opening, wall: Sheet, house: House) -> SimObject:
-    """It faces the room of its first wall."""
+def _opening(opening: Opening, wall: WallSide, house: House) -> SimObject:
+    """A door or a window that faces the room of its first wall."""
     low, high = hole(opening, wall)
     x, z = wall.along * side(wall, house)
     turn = np.array([[x, 0.0, -z], [0.0, 1.0, 0.0], [z, 0.0, x]])
@@ -151,7 +151,7 @@ def _parents(thing: Furnishing, house: House) -> tuple[str, ...]:
 
 
 def _start(house: House, objects: list[SimObject]) -> np.ndarray:
-    """Where the house says that the agent is; else the point of the lattice that is farthest from walls and objects."""
+    """The agent's start (3,): as the house gives it, else the lattice point that is farthest from walls and objects."""
     if house.agent is not None:
         return np.array([house.agent[0][0], STANDING_M, house.agent[0][2]])
     polygons = np.concatenate([room.polygon for room in house.rooms])

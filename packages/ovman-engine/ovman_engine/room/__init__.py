@@ -1,1 +1,1 @@
-"""What stands around the objects: walls, doors, windows, ceilings, of floor plans and of houses."""
+"""Rooms: walls, doors, windows and ceilings of floor plans and of houses."""

@@ -1,6 +1,6 @@
-"""What bounds a house: walls with holes for its doors and windows, and ceilings, as the house itself tells.
+"""The room of a house: walls with holes for doors and windows, and ceilings, as the house describes them.
 
-A wall of a house is two sheets back to back, one for the room on each side, which see each its own.
+A wall of a house has two sides back to back, one for the room on each side; each is seen from its own room.
 """
 
 from __future__ import annotations
@@ -13,24 +13,24 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.plan.house import House, Opening, Sheet, rectangles, side
+from ovman_engine.plan.house import House, Opening, WallSide, rectangles, side
 from ovman_engine.plan.houseplan import hole
-from ovman_engine.room.masonry import WALLS, Structure
-from ovman_engine.room.room import Room, Wall
+from ovman_engine.room.masonry import WALLS
+from ovman_engine.room.room import Room, Structure, Wall
 from ovman_engine.shapes.part import Part, span
 from ovman_engine.shapes.style import Style
 
 SHEET_M = 0.002
-"""Thickness of a sheet as it is drawn: pictures hang 5 mm before it."""
+"""Thickness of a wall side as it is drawn: pictures hang 5 mm in front of it."""
 SOLID_M = 0.05
-"""Thickness of a wall as it is bumped into."""
+"""Thickness of a wall as it collides."""
 CEILING_M = 0.05
 ON_M = 0.05
-"""What is this close to a sheet's line is in that wall."""
-LEAST_M = 1e-3
+"""An opening this close to the line of a wall side is in that wall."""
+MIN_M = 1e-3
 
 Span = tuple[float, float, float, float]
-"""(low, high, bottom, top): along a sheet from its start, and heights, metres"""
+"""(low, high, bottom, top): distances along a wall side from its start, and heights, metres"""
 
 
 @dataclass(frozen=True)
@@ -39,16 +39,18 @@ class Dwelling(Room):
 
     @staticmethod
     def of(plan: FloorPlan) -> Dwelling:
-        """What bounds `plan`, which carries a house."""
+        """The room of `plan`, which carries a house."""
         house = plan.house
         corners = np.concatenate([room.polygon for room in house.rooms])
         low, high = corners.min(axis=0), corners.max(axis=0)
         outline = (float(low[0]), float(low[1]), float(high[0]), float(high[1]))
-        solid = tuple(wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house))
+        taken = {o.object_id for o in plan.objects}
+        walls = [wall for sheet in house.walls if not sheet.empty for wall in _solids(sheet, house)]
+        solid = tuple(replace(wall, name=_unique(wall.name, taken)) for wall in walls)
         return Dwelling(plan, outline, outline, (), solid, solid, house.height)
 
     def parts(self) -> tuple[Structure, ...]:
-        """(name, parts in the world frame, palette by slot) of walls and ceilings. Names are unique."""
+        """Walls and ceilings."""
         house, taken = self.plan.house, {o.object_id for o in self.plan.objects}
         out: list[Structure] = []
         for sheet in house.walls:
@@ -64,8 +66,8 @@ class Dwelling(Room):
         return tuple(out)
 
 
-def _holes(sheet: Sheet, house: House) -> list[tuple[Opening, Span]]:
-    """Openings that lie in a sheet, whichever side of the wall it is."""
+def _holes(sheet: WallSide, house: House) -> list[tuple[Opening, Span]]:
+    """Openings in a wall side, whichever side of the wall names them."""
     walls = {w.name: w for w in house.walls}
     out = []
     for opening in house.openings:
@@ -73,30 +75,30 @@ def _holes(sheet: Sheet, house: House) -> list[tuple[Opening, Span]]:
         ends = np.array([low, high])[:, [0, 2]] - sheet.start
         off = np.abs(ends @ [-sheet.along[1], sheet.along[0]])
         first, last = np.sort(ends @ sheet.along)
-        if off.max() < ON_M and last > LEAST_M and first < sheet.length - LEAST_M:
+        if off.max() < ON_M and last > MIN_M and first < sheet.length - MIN_M:
             out.append((opening, (float(first), float(last), float(low[1]), float(high[1]))))
     return out
 
 
-def _without(sheet: Sheet, holes: Sequence[Span]) -> list[Span]:
-    """What is left of a sheet: upright strips between the sides of the holes, each cut at the holes that it meets."""
+def _without(sheet: WallSide, holes: Sequence[Span]) -> list[Span]:
+    """The wall side without holes: upright strips between the sides of the holes, each cut at its holes."""
     edges = sorted({0.0, sheet.length, *(float(np.clip(e, 0.0, sheet.length)) for h in holes for e in h[:2])})
     out = []
     for low, high in zip(edges[:-1], edges[1:], strict=True):
-        if high - low < LEAST_M:
+        if high - low < MIN_M:
             continue
         height = sheet.bottom
         for _, _, sill, lintel in sorted((h for h in holes if h[0] < high - 1e-6 and h[1] > low + 1e-6), key=lambda h: h[2]):
-            if sill - height > LEAST_M:
+            if sill - height > MIN_M:
                 out.append((low, high, height, min(sill, sheet.top)))
             height = max(height, lintel)
-        if sheet.top - height > LEAST_M:
+        if sheet.top - height > MIN_M:
             out.append((low, high, height, sheet.top))
     return out
 
 
-def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
-    """Part of a sheet, `middle` metres to the left of its line (which sees +z on its left when it runs along +x)."""
+def _box(sheet: WallSide, piece: Span, middle: float, thick: float) -> Box:
+    """A piece of a wall side, shifted `middle` metres to the left of its line (to +z for a line along +x)."""
     low, high, bottom, top = piece
     x, z = sheet.along
     left = np.array([-z, x])
@@ -106,13 +108,13 @@ def _box(sheet: Sheet, piece: Span, middle: float, thick: float) -> Box:
     return Box(np.array([centre[0], (bottom + top) / 2, centre[1]]), half, turn)
 
 
-def _solids(sheet: Sheet, house: House) -> list[Wall]:
-    """What bodies bump into: the sheet without its open doors. The names of its pieces differ."""
+def _solids(sheet: WallSide, house: House) -> list[Wall]:
+    """The colliding pieces of a wall side, without open doors. Their names differ."""
     pieces = _without(sheet, [at for opening, at in _holes(sheet, house) if opening.passable])
     return [Wall(f"{sheet.name}|{k}" if k else sheet.name, _box(sheet, piece, 0.0, SOLID_M)) for k, piece in enumerate(pieces)]
 
 
-def _drawn(sheet: Sheet, house: House) -> tuple[Part, ...]:
+def _drawn(sheet: WallSide, house: House) -> tuple[Part, ...]:
     boxes = [
         _box(sheet, piece, side(sheet, house) * SHEET_M / 2, SHEET_M)
         for piece in _without(sheet, [at for _, at in _holes(sheet, house)])
@@ -127,8 +129,8 @@ def _unique(name: str, taken: set[str]) -> str:
     return name
 
 
-def _paint(plan: FloorPlan, sheet: Sheet) -> Mapping[str, Material]:
-    """Sheets of one material are alike in a house."""
+def _paint(plan: FloorPlan, sheet: WallSide) -> Mapping[str, Material]:
+    """The palette of a wall side. Sides of one material look alike in a house."""
     style = Style(f"{plan.name}|{sheet.paint}|{sheet.colour}")
     made = finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03)(style)
     if sheet.colour is not None and "~" not in plan.name:

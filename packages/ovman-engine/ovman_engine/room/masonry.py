@@ -1,4 +1,4 @@
-"""Walls, doors and ceiling as parts to draw, in the world frame."""
+"""Walls, doors and ceiling of an inferred room as parts in the world frame."""
 
 from __future__ import annotations
 
@@ -10,43 +10,42 @@ import numpy as np
 from ovman_engine.paint import finishes
 from ovman_engine.paint.finishes import Material
 from ovman_engine.paint.tones import Tone
-from ovman_engine.room.room import Room, structure_name
+from ovman_engine.room.room import Room, Structure, structure_name
 from ovman_engine.shapes.part import Part
 from ovman_engine.shapes.style import Style
 
 THICK_M = 0.1
-THINNEST_M = 0.02
-"""A block that stands out less than this is not drawn: what hangs there hangs on the wall behind."""
+MIN_THICKNESS_M = 0.02
+"""A block that stands out less than this is not drawn; its items hang on the wall behind."""
 SKIRTING_M, SKIRTING_DEPTH_M = 0.09, 0.015
 SUNK_M, PROUD_M = 0.4, 0.1
-"""A window this far behind a wall's face, or before it, is in that wall."""
+"""A window this far behind the face of a wall, or in front of it, is in that wall."""
 DOOR_M = (0.86, 2.04)
-"""Width and height of a door's leaf."""
+"""Width and height of a door."""
 DOOR_FRAME_M = 0.07
 DOOR_FROM_SWITCH_M = 0.22
 DOOR_CLEAR_M = 0.3
-"""Nothing stands this close before a door."""
+"""No object stands this close in front of a door."""
 
 Opening = tuple[float, float, float, float]
-"""(low, high, bottom, top) along a face and in height, metres"""
-Structure = tuple[str, tuple[Part, ...], Mapping[str, Material]]
+"""(low, high, bottom, top): along a face, and heights, metres"""
 
 
 @dataclass(frozen=True)
 class Face:
-    """A vertical wall face that is seen."""
+    """A visible vertical face of a wall."""
 
     axis: int
-    """0: the plane x = `plane`, running along z; 1: the plane z = `plane`, running along x"""
+    """0: the plane is x = `plane`, and the face runs along z; 1: the plane is z = `plane`, and it runs along x"""
     outwards: int
-    """Direction along the axis in which the wall's body lies"""
+    """Direction along the axis in which the body of the wall lies"""
     plane: float
     low: float
     high: float
     thick: float
 
     def box(self, low: float, high: float, bottom: float, top: float, first: float, last: float, slot: str) -> Part:
-        """Part from depth `first` to depth `last` into the wall (negative: before it)."""
+        """A part from depth `first` to depth `last` in the wall; negative depths are in front of it."""
         a, b = sorted((self.plane + self.outwards * first, self.plane + self.outwards * last))
         x, z = ((a, b), (low, high)) if self.axis == 0 else ((low, high), (a, b))
         least, most = np.array([x[0], bottom, z[0]]), np.array([x[1], top, z[1]])
@@ -54,7 +53,7 @@ class Face:
 
 
 def structures(room: Room) -> tuple[Structure, ...]:
-    """(name, parts, palette) of every wall, door and the ceiling of `room`. Names are unique."""
+    """All walls, the door and the ceiling of `room`."""
     style = Style(f"{room.plan.name}|room")
     faces = _faces(room)
     out: list[Structure] = []
@@ -83,7 +82,7 @@ def _unique(kind: str, parts: Sequence[Part], others: Iterable[Structure]) -> st
 
 
 def _faces(room: Room) -> list[Face]:
-    """The four sides of the outline, then front and sides of each block that stands out from them."""
+    """The four sides of the outline, then the front and the sides of each block that stands out from them."""
     x_0, z_0, x_1, z_1 = room.outline
     faces = [
         Face(0, -1, x_0, z_0 - THICK_M, z_1 + THICK_M, THICK_M),
@@ -98,7 +97,7 @@ def _faces(room: Room) -> list[Face]:
         low = max(block.low, room.outline[1 - block.axis])
         high = min(block.high, room.outline[3 - block.axis])
         key = (block.axis, block.outwards, round(block.plane, 2), round(low, 2), round(high, 2))
-        if depth < THINNEST_M or high - low < THINNEST_M or key in drawn:
+        if depth < MIN_THICKNESS_M or high - low < MIN_THICKNESS_M or key in drawn:
             continue
         drawn.add(key)
         thick = min(THICK_M, depth)
@@ -109,7 +108,7 @@ def _faces(room: Room) -> list[Face]:
         ends = sorted((block.plane + block.outwards * thick, block.plane + block.outwards * depth))
         width = min(THICK_M, (high - low) / 2)
         for outwards, at in ((1, low), (-1, high)):
-            if ends[1] - ends[0] > THINNEST_M and room.outline[1 - block.axis] < at < room.outline[3 - block.axis]:
+            if ends[1] - ends[0] > MIN_THICKNESS_M and room.outline[1 - block.axis] < at < room.outline[3 - block.axis]:
                 faces.append(Face(1 - block.axis, outwards, at, ends[0], ends[1], width))
     return faces
 
@@ -130,7 +129,7 @@ def _openings(room: Room, face: Face) -> list[Opening]:
 
 
 def _wall_parts(room: Room, face: Face, openings: Sequence[Opening]) -> tuple[Part, ...]:
-    """Upright strips between the openings' sides, each cut at the openings that it meets; skirting boards."""
+    """Upright strips between the sides of the openings, each cut at its openings; and skirting boards."""
     bottom, top = room.floor_y - 0.05, room.ceiling_y
     edges = sorted({face.low, face.high, *(min(max(e, face.low), face.high) for o in openings for e in o[:2])})
     parts = []
@@ -150,7 +149,7 @@ def _wall_parts(room: Room, face: Face, openings: Sequence[Opening]) -> tuple[Pa
 
 
 def _doors(room: Room, faces: Sequence[Face], style: Style, others: Sequence[Structure]) -> list[Structure]:
-    """A closed door beside the light switch, if there is room for one: that is where switches are."""
+    """A closed door beside the light switch, which is where switches are, if it fits."""
     bounds = [(o.type, *o.box.bounds()) for o in room.plan.objects if o.type not in ("Floor", "LightSwitch")]
     width = DOOR_M[0] + 2 * DOOR_FRAME_M
     for switch in (o for o in room.plan.objects if o.type == "LightSwitch"):
@@ -177,7 +176,7 @@ def _doors(room: Room, faces: Sequence[Face], style: Style, others: Sequence[Str
 
 
 def _crosses(other: Face, face: Face, begin: float, end: float) -> bool:
-    """Whether another face stands before `face` between `begin` and `end`."""
+    """Whether another face is in front of `face` between `begin` and `end`."""
     if other.axis == face.axis:
         before = face.outwards * (face.plane - other.plane)
         return other.outwards == face.outwards and before > 1e-6 and other.low < end and other.high > begin
@@ -228,12 +227,12 @@ FEATURES: tuple[Tone, ...] = (
     (0.49, 0.26, 0.42),
     (0.98, 0.24, 0.42),
 )
-"""What one wall may be painted to differ from the others: navy, forest, terracotta, charcoal, ochre, teal, plum."""
+"""Tones of an accent wall: navy, forest, terracotta, charcoal, ochre, teal, plum."""
 TILED = frozenset({"kitchen", "bathroom"})
 
 
 def _paint(style: Style, what: str, kind: str) -> Mapping[str, Material]:
-    """Finishes of a room's structures, by the scene's name. `kind`: of room."""
+    """The palette of a structure, drawn from the name of the scene. `kind`: of room."""
     draw = {
         "wall": finishes.of(*WALLS, gloss=(0.03, 0.08), slack=0.03),
         "accent": finishes.of(*FEATURES, gloss=(0.03, 0.08), slack=0.05),

@@ -12,7 +12,7 @@ LEAF_M = 0.04
 """Thickness of a door's leaf."""
 SADDLE_M = 0.004
 KNOB_M, KNOB_HEIGHT_M = 0.025, 1.0
-WIDEST_LEAF_M = 1.3
+MAX_LEAF_M = 1.3
 """A wider doorway has two leaves."""
 TYPES = frozenset(["Doorway", "Doorframe"])
 
@@ -32,7 +32,7 @@ def doorway(obj: SimObject) -> tuple[Part, ...]:
     if obj.type == "Doorframe":
         return tuple(parts)
     inner, half = x - jamb, LEAF_M / 2
-    double = 2 * x > WIDEST_LEAF_M
+    double = 2 * x > MAX_LEAF_M
     width = inner if double else 2 * inner
     shut = not obj.record["isOpen"]
     for side in (-1, 1) if double else (-1,):

@@ -1,1 +1,1 @@
-"""What an agent sees, from where, and how it gets there."""
+"""What an agent sees: visibility of objects, poses that show an object, and paths to it."""

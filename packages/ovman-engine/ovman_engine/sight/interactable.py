@@ -1,7 +1,7 @@
-"""Poses of the agent from which an object is visible and can be reached (AI2-THOR's GetInteractablePoses).
+"""Poses of the agent from which it can interact with an object (AI2-THOR's GetInteractablePoses).
 
-What can be seen of an object from a place does not depend on the agent's rotation: looks are cast once for each place of the
-camera, and rotations and horizons only choose those of them that lead into the picture.
+The visible points of an object do not depend on the agent's rotation. So rays are cast once for each position of the camera, and
+rotations and horizons only select the rays within the image.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ from ovman_engine.sight.visibility import COLLIDER, Sight, axes, directions, in_
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 ROUNDING_M = 1e-6
 FEW = 32
-"""Looks of each place that are tried for a view before all are."""
+"""Number of rays of each position that are tested for a view before all are."""
 CONE_MARGIN = 1e-3
-"""Directions this far outside the cone around an object, as a cosine, are looked along too: rounding."""
+"""Margin of the cone around an object, as a cosine: rounding."""
 HEMISPHERE = 0.1
-"""Cosine of half the opening of the widest cone that a narrower one is told from the whole sphere."""
+"""Cosine of half the opening angle of the widest cone that is cut out of the sphere of directions."""
 
 
 def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) -> np.ndarray:
-    """Unit vectors (K, 3) of all looks from a camera at `camera` (3,) that may meet an instance no farther than `distance_m` in
+    """Unit vectors (K, 3) of all rays from a camera at `camera` (3,) that may hit an instance no farther than `distance_m` in
     plan: those of `Sight.visible`."""
     low, high = sight.lines.bounds(instance)
     reach = np.array([distance_m, np.inf, distance_m]) + ROUNDING_M
@@ -44,8 +44,8 @@ def ways_to(sight: Sight, instance: int, camera: np.ndarray, distance_m: float) 
 
 
 def reaching(sight: Sight, name: str, agent: Agent, distance_m: float) -> np.ndarray:
-    """Unit vectors (K, 3) along which `agent` could reach an instance if it looked that way: looks that meet it first, not
-    farther than `distance_m` in plan, while a part of it is so near by both visibility schemes."""
+    """Unit vectors (K, 3) along which `agent` could interact with an instance: rays that hit it first, no farther than
+    `distance_m` in plan, while a part of it is that near by both visibility schemes."""
     nowhere = np.zeros((0, 3), dtype=np.float32)
     instance = sight.lines.index.get(name)
     if instance is None or not np.isfinite(sight.lines.points[instance, 0, 0]):
@@ -70,10 +70,11 @@ def poses(
     field_of_view_deg: float,
     aspect: float,
 ) -> Iterator[dict[str, Any]]:
-    """Poses as arguments of TeleportFull, in AI2-THOR's order: horizons, rotations, standings, positions, the last fastest.
+    """Yields poses as arguments of TeleportFull, in AI2-THOR's order: horizons, rotations, standings, positions, the last
+    fastest.
 
-    `positions` (3,) metres of the agent; `standings` hold None for an agent that neither stands nor crouches, whose poses do not
-    tell. The agent stays where it is.
+    `positions` (3,) metres are the agent's. `standings` holds None for an agent that cannot crouch, whose poses then have no
+    `standing`. The agent does not move.
     """
     cameras = [(p, s) for s in standings for p in positions]
     seen = [

@@ -1,7 +1,7 @@
-"""The shortest way of the agent over the floor, past what never moves: AI2-THOR's navigation mesh.
+"""Shortest paths of the agent on the floor: AI2-THOR's navigation mesh.
 
-A navigation mesh is made before anything moves in a scene, and without what can be moved; so paths go through chairs that stand
-in the way. Plan coordinates are (x, z) in metres, Unity's world frame.
+A navigation mesh is made before anything moves, and without movable objects, so paths lead through chairs. Plan coordinates are
+(x, z) in metres, in Unity's world frame.
 """
 
 from __future__ import annotations
@@ -13,21 +13,21 @@ import numpy as np
 from ovman_engine.bodies.passage import Obstacles
 
 STEPS_M = (0.125, 0.0625)
-"""Spacings of the lattices on which a way is looked for, the finer one if there is none on the coarser."""
+"""Spacings of the search lattices; the finer one is used if the coarser has no path."""
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))
-"""Steps between points of the lattice; their opposites are steps, too."""
+"""Steps between lattice points; the opposite steps are used as well."""
 TIGHT_M = 0.02
-"""Spacing of the points between which a found way is drawn tight."""
+"""Spacing of the points between which a path is straightened."""
 TIGHTENED = 3
-"""How often."""
+"""How often a path is straightened."""
 SNAP_M = 0.2
-"""How far beside the mesh a point may be to be taken for the nearest point on it; AI2-THOR's."""
+"""How far beside the mesh a point may be; AI2-THOR's value."""
 ROUNDING_M = 1e-6
 
 
 @dataclass(frozen=True)
 class Floor:
-    """Where the middle of the agent may be: inside a rectangle, clear of obstacles."""
+    """Where the agent's centre may be: inside a rectangle, clear of obstacles."""
 
     obstacles: Obstacles
     low: np.ndarray
@@ -35,19 +35,19 @@ class Floor:
     high: np.ndarray
 
     def free(self, points: np.ndarray) -> np.ndarray:
-        """Which of the points (M, 2) are on the floor: (M,) bool."""
+        """(M,) bool: which of the points (M, 2) are on the floor."""
         inside = ((points >= self.low - ROUNDING_M) & (points <= self.high + ROUNDING_M)).all(axis=1)
         reach = self.obstacles.reach
         clear = self.obstacles.distances(points, float(reach.max(initial=0.0)) + ROUNDING_M) >= reach - ROUNDING_M
         return inside & clear.all(axis=1)
 
     def joined(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
-        """Between which of the points (M, 2) and (M, 2), all on the floor, one may go straight: (M,) bool."""
+        """(M,) bool: between which of the points (M, 2) and (M, 2), all on the floor, the straight way is free."""
         if not len(starts):
             return np.zeros(0, dtype=bool)
         reach, length = self.obstacles.reach, np.linalg.norm(ends - starts, axis=1)
         within = float(reach.max(initial=0.0)) + float(length.max()) + ROUNDING_M
-        # A box that comes within reach of a segment is no farther from its middle than half of its length more.
+        # A box within reach of a segment is near its middle by half of its length more.
         near = self.obstacles.distances((starts + ends) / 2, within) < reach + length[:, None] / 2
         pair, box = np.nonzero(near)
         gap = self.obstacles.boxes.sweeps(starts[pair], ends[pair], box, self.obstacles.low, self.obstacles.high)
@@ -56,7 +56,7 @@ class Floor:
         return found
 
     def nearest(self, point: np.ndarray, within_m: float) -> np.ndarray | None:
-        """The point of the floor nearest to `point` (2,), to the centimetre; None if there is none within the distance."""
+        """The point of the floor nearest to `point` (2,), to the centimetre; None if none is within the distance."""
         if self.free(point[None])[0]:
             return point
         count = int(np.ceil(within_m / 0.01))
@@ -69,9 +69,9 @@ class Floor:
 
 
 def shortest(floor: Floor, start: np.ndarray, target: np.ndarray) -> np.ndarray | None:
-    """Corners (C, 2) of a taut path over the floor from `start` to `target` (2,), both on it; None if there is no path.
+    """Corners (C, 2) of a taut path on the floor from `start` to `target` (2,), both on it; None if no path exists.
 
-    No corner is nearer to `start` than it has to be by more than a few centimetres: lattice paths are drawn tight.
+    The path is found on a lattice and straightened, so its length exceeds the shortest by a few centimetres at most.
     """
     if np.linalg.norm(target - start) < ROUNDING_M:
         return start[None]
@@ -87,12 +87,12 @@ def shortest(floor: Floor, start: np.ndarray, target: np.ndarray) -> np.ndarray 
 
 
 def length(corners: np.ndarray) -> float:
-    """Of a path (C, 2) or (C, 3), metres."""
+    """Length of a path (C, 2) or (C, 3), metres."""
     return float(np.linalg.norm(np.diff(corners, axis=0), axis=1).sum())
 
 
 def _on_lattice(floor: Floor, start: np.ndarray, target: np.ndarray, step: float) -> np.ndarray | None:
-    """The shortest path over the points of a lattice through `start`, then to `target`: corners (C, 2)."""
+    """The shortest path on a lattice through `start`, then to `target`: corners (C, 2), or None."""
     first, last = np.ceil((floor.low - start) / step).astype(int), np.floor((floor.high - start) / step).astype(int)
     first, last = np.minimum(first, 0), np.maximum(last, 0)
     shape = last - first + 1
@@ -128,7 +128,7 @@ def _on_lattice(floor: Floor, start: np.ndarray, target: np.ndarray, step: float
 
 
 def _dense(corners: np.ndarray) -> np.ndarray:
-    """The same path with corners no farther than `TIGHT_M` apart."""
+    """The same path with corners at most `TIGHT_M` apart."""
     pieces = []
     for a, b in zip(corners[:-1], corners[1:], strict=True):
         count = max(int(np.ceil(np.linalg.norm(b - a) / TIGHT_M)), 1)
@@ -137,7 +137,7 @@ def _dense(corners: np.ndarray) -> np.ndarray:
 
 
 def _pulled(floor: Floor, corners: np.ndarray) -> np.ndarray:
-    """From each corner on straight to the last that can be reached."""
+    """The path from each corner straight to the last corner that can be reached."""
     kept, here = [corners[0]], 0
     while here < len(corners) - 1:
         on = np.flatnonzero(

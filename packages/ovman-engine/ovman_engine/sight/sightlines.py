@@ -1,7 +1,7 @@
-"""Lines of sight through a world: what a straight look from a point meets first, on the very triangles that pictures show.
+"""Lines of sight: the first instance on a ray, on the triangles that images show.
 
-What lies where the floor plan has it is one Embree scene per floor plan, never made anew: looks go on through what is not there
-any more. What was displaced is a second, small one. World frame as in `floorplan`.
+Untouched objects are one Embree scene for each floor plan, built once: rays continue through objects that are no longer there.
+Displaced objects are a second, small scene. World frame as in `floorplan`.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ from ovman_engine.picture import rays, scene_mesh
 from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh
 
 NOTHING, GONE = -1, -2
-"""Owners of the void, and of triangles that are not there any more."""
+"""Owners of rays that hit nothing, and of triangles that are no longer there."""
 ONWARDS_M = np.float32(1e-4)
-"""A look that passes something goes on this far behind it."""
+"""A ray that passes an instance continues this far behind it."""
 TRANSPARENT = frozenset(["Window", "ShowerDoor", "ShowerGlass"])
-"""Types that are seen through, though nothing behind them can be reached."""
+"""Types that are seen through. Objects behind them are visible and not interactable."""
 POINTS = 32
-"""Points on the surface of each object that are looked at."""
+"""Number of points on the surface of each object to which rays are cast."""
 _STEPS = np.arange(POINTS) + 0.5
 _ROOT = np.sqrt(_STEPS * 0.7548776662466927 % 1.0)
 _WEIGHTS = np.stack([1 - _ROOT, _ROOT * (1 - _STEPS * 0.5698402909980532 % 1.0), _ROOT * (_STEPS * 0.5698402909980532 % 1.0)], 1)
@@ -30,14 +30,14 @@ _WEIGHTS = np.stack([1 - _ROOT, _ROOT * (1 - _STEPS * 0.5698402909980532 % 1.0),
 
 @dataclass(frozen=True)
 class Surface:
-    """What sight has to know of a mesh: N instances, P parts."""
+    """The data of a mesh that visibility needs: N instances, P parts."""
 
     owner: np.ndarray
     """(T,) int32 instance of each triangle"""
     points: np.ndarray
-    """(N, POINTS, 3) float32 points spread evenly over each instance's surface; NaN for what has none"""
+    """(N, POINTS, 3) float32 points spread evenly over each instance's surface; NaN for an instance without one"""
     frames: np.ndarray
-    """(P, 3, 4) world point -> point in the frame of a part"""
+    """(P, 3, 4) from world points to the frames of the parts"""
     halves: np.ndarray
     """(P, 3) half extents of the parts"""
     part_owner: np.ndarray
@@ -45,14 +45,14 @@ class Surface:
 
     @staticmethod
     def of(mesh: SceneMesh) -> Surface:
-        """`mesh` as sight needs it."""
+        """The surface of `mesh`."""
         part_owner = np.full(len(mesh.frames), NOTHING)
         part_owner[mesh.part] = mesh.instance
         return Surface(mesh.instance, _spread(mesh), mesh.frames, mesh.extents, part_owner)
 
     def gaps(self, x: float, z: float, low: float, high: float, chosen: slice | np.ndarray = slice(None)) -> np.ndarray:
-        """Distance from the vertical segment at (x, z) between heights `low` and `high` to the boxes of the parts `chosen`: (P,)
-        metres."""
+        """(P,) metres: distance from the vertical segment at (x, z) between heights `low` and `high` to the boxes of the parts
+        `chosen`."""
         turn, shift, halves = self.frames[chosen, :, :3], self.frames[chosen, :, 3], self.halves[chosen]
         middle = -np.einsum("pi,pi->p", turn[:, :, 1], shift)
         reach = np.einsum("pi,pi->p", np.abs(turn[:, :, 1]), halves)
@@ -65,8 +65,7 @@ class Surface:
 
 
 def _spread(mesh: SceneMesh) -> np.ndarray:
-    """Points of the instances' surfaces, (N, POINTS, 3): so many to the square metre as `POINTS` allow, over the triangles in
-    their order."""
+    """Points (N, POINTS, 3) on the surfaces of the instances, evenly spread over the triangles in their order."""
     points = np.full((len(mesh.names), POINTS, 3), np.nan, dtype=np.float32)
     if len(mesh.triangles) == 0:
         return points
@@ -84,9 +83,10 @@ def _spread(mesh: SceneMesh) -> np.ndarray:
 
 
 class Sightlines:
-    """Looks through a world as it is at one moment."""
+    """Casts rays through the current state of a world."""
 
     def __init__(self, world) -> None:
+        """Follows no later change of `world`."""
         plan_meshes = scene_mesh.of_plan(world.plan, world.room)
         now = scene_mesh.changes(world)
         moved = plan_meshes.posed(now.placements)
@@ -117,19 +117,19 @@ class Sightlines:
         )
 
     def distances(self, x: float, z: float, low: float, high: float) -> np.ndarray:
-        """Distance from a vertical segment to each instance (N,) metres: to the boxes around its parts."""
+        """(N,) metres: distance from a vertical segment to each instance, by the boxes around its parts."""
         known = self._parts.part_owner >= 0
         nearest = np.full(len(self.names), np.inf)
         np.minimum.at(nearest, self._parts.part_owner[known], self._parts.gaps(x, z, low, high)[known])
         return nearest
 
     def distance(self, instance: int, x: float, z: float, low: float, high: float) -> float:
-        """One of the `distances`."""
+        """The entry of `distances` for one instance."""
         own = np.flatnonzero(self._parts.part_owner == instance)
         return float(self._parts.gaps(x, z, low, high, own).min(initial=np.inf))
 
     def bounds(self, instance: int) -> tuple[np.ndarray, np.ndarray]:
-        """Lower and upper corner of an instance that has points, (3,) metres."""
+        """Lower and upper corner (3,) of an instance that has points, metres."""
         own = np.flatnonzero(self._parts.part_owner == instance)
         turn, shift = self._parts.frames[own, :, :3], self._parts.frames[own, :, 3]
         middle = -np.einsum("pji,pj->pi", turn, shift)
@@ -137,8 +137,11 @@ class Sightlines:
         return (middle - reach).min(axis=0), (middle + reach).max(axis=0)
 
     def first(self, origins: np.ndarray, ways: np.ndarray, passed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The instance that each look (K, 3), along unit vectors `ways` (K, 3), meets first: (K,) int, NOTHING for the void; and
-        how far away, (K,) metres. Looks pass the instances that are `passed` (N,) bool."""
+        """The first instance on each ray (K, 3) along unit vectors `ways` (K, 3): (K,) int, NOTHING without a hit; and its
+        distance (K,) metres.
+
+        Rays pass through the instances that are `passed` (N,) bool.
+        """
         origins, ways = np.ascontiguousarray(origins, np.float32), np.ascontiguousarray(ways, np.float32)
         triangle, distance = self._caster.closest(origins, ways)[:2]
         owner = self._owner[triangle]
@@ -156,7 +159,7 @@ _surfaces: WeakKeyDictionary[PlanMeshes, Surface] = WeakKeyDictionary()
 
 
 def _standing(meshes: PlanMeshes) -> Surface:
-    """Surface of the untouched scene, made once."""
+    """Surface of the untouched scene, cached."""
     if meshes not in _surfaces:
         _surfaces[meshes] = Surface.of(meshes.untouched)
     return _surfaces[meshes]

@@ -1,1 +1,1 @@
-"""A floor plan and everything that has changed in it since Reset."""
+"""A world: a floor plan and everything that has changed in it since Reset."""

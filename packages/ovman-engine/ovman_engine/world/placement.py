@@ -1,7 +1,7 @@
-"""What is put where: the receptacles on which things of each type are found.
+"""Which types of objects are placed on which types of receptacles.
 
-Facts, not opinions: on what the things of the 120 recorded scenes lie, and what the pip package ``procthor`` counts on the
-furniture of its houses. Receptacles that are shut, and holders in which a thing hangs, are left out: nothing is put there.
+The table records facts: what objects lie on in the 120 recorded scenes, and what the pip package ``procthor`` counts on the
+furniture of its houses. Closed receptacles, and holders in which an object hangs, are left out: nothing is placed there.
 """
 
 from __future__ import annotations
@@ -78,4 +78,4 @@ _FOUND = {
     "WineBottle": "CounterTop DiningTable",
 }
 RECEPTACLES: Mapping[str, frozenset[str]] = {kind: frozenset(found.split()) for kind, found in _FOUND.items()}
-"""Type of a thing -> types of the receptacles that it is put on"""
+"""Type of an object -> types of its receptacles."""

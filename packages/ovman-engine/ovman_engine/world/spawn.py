@@ -1,4 +1,4 @@
-"""Puts movable objects on receptacles at random. Room is looked for on boxes; physics is asked once a place looks free.
+"""Places movable objects on receptacles at random. Candidates come from boxes; physics then checks each one.
 
 Source: contract, section 4 (InitialRandomSpawn, GetSpawnCoordinatesAboveReceptacle). World frame as in `floorplan`.
 """
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ovman_engine.bodies.body import Body, Pose
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.bodies.surfaces import Level, Pieces, holding
 from ovman_engine.plan.floorplan import rotation_matrix
 from ovman_engine.world.placement import RECEPTACLES
@@ -22,23 +22,23 @@ if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
 
 ABOVE_M = 0.05
-"""Points for spawning are this far above their surface."""
+"""Height of spawn points above their surface."""
 APART_M = 0.05
-"""And at least this far apart"""
+"""Least distance between spawn points."""
 ROOMS = ((0.08, 0.12), (0.06, 0.12), (0.04, 0.1), (0.02, 0.06), (0.0, 0.05))
-"""Half width and height of the room around a point for spawning: as much of it as the receptacle has anywhere."""
+"""Half width and height that must be free around a spawn point: the largest that the receptacle offers anywhere."""
 GAP_M = 0.002
-"""What is put somewhere at random hangs this far above its surface."""
+"""Height of a randomly placed object above its surface."""
 SUNK_M, PROUD_M = 0.08, 0.015
-"""How far below and above the face of its box the true surface may be."""
+"""How far the true surface may be below and above the face of its box."""
 OVERLAP_M = 0.001
-"""Deepest overlap with anything that a place may have."""
+"""Deepest overlap of a placed object with any other."""
 STRAIGHT = 0.94
-"""Cosine of the angle to the vertical beyond which nothing about an object's pose is upright: it leans."""
+"""An object leans if no axis of it is nearer to the vertical than this cosine."""
 SLENDER = 5.0
-"""What is so many times as high as it is thin would not stand: it is laid down."""
+"""An object that is so many times higher than thin is laid down: it would not stand."""
 SETTLED_S = 2.0
-"""How long things that are not stationary are watched coming to rest."""
+"""Simulated time that physics gets if objects are not stationary."""
 OUTSIDE = frozenset(
     [
         "ArmChair",
@@ -65,11 +65,11 @@ OUTSIDE = frozenset(
         "Toilet",
     ]
 )
-"""Types on which things can be seen."""
+"""Types on which objects are visible."""
 
 
 def points(world: World, receptacle: Body) -> np.ndarray:
-    """Points (N, 3) above the surfaces of `receptacle`, none of them taken, on a grid that leaves APART_M between them."""
+    """Free points (N, 3) above the surfaces of `receptacle`, on a grid with spacing APART_M or more."""
     surfaces = holding(world, receptacle)
     for half, height in ROOMS:
         found = [_thinned(level, level.fitting((half, half), height)) for level in surfaces]
@@ -90,12 +90,12 @@ def _thinned(level: Level, found: np.ndarray) -> np.ndarray:
 
 
 def seen(world: World, view, targets: np.ndarray) -> np.ndarray:
-    """(N,) bool: which of the points `targets` (N, 3) a view shows, with nothing before them. `view`: camera.View."""
+    """(N,) bool: which of the points `targets` (N, 3) a view shows unoccluded. `view`: camera.View."""
     away = (targets - view.position) @ view.axes().T
     reach = away[:, 2] * np.tan(np.radians(view.fov_deg) / 2)
     inside = (away[:, 2] > 0) & (np.abs(away[:, 1]) <= reach) & (np.abs(away[:, 0]) <= reach * view.width / view.height)
     bodies = (b for b in world.bodies.values() if b.present and b.obj.type != "Floor")
-    boxes = Pieces.of(Setting.of(world.plan), bodies)
+    boxes = Pieces.of(StaticScene.of(world.plan), bodies)
     start = np.einsum("nij,ni->nj", boxes.rotation, view.position - boxes.centre)
     for k in np.flatnonzero(inside):
         along = np.einsum("nij,ni->nj", boxes.rotation, targets[k] - boxes.centre) - start
@@ -107,8 +107,8 @@ def seen(world: World, view, targets: np.ndarray) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class Wishes:
-    """What a random arrangement is to be like. Ids and types as AI2-THOR's action takes them; None: all."""
+class SpawnOptions:
+    """Arguments of InitialRandomSpawn. Ids and types are AI2-THOR's; None means all."""
 
     seed: int = 0
     only_outside: bool = False
@@ -119,14 +119,16 @@ class Wishes:
     objects: frozenset[str] | None = None
     receptacles: frozenset[str] | None = None
     counts: Mapping[str, int] = field(default_factory=dict)
-    """Type -> how many of it there are to be"""
+    """Type -> number of objects of it"""
     moveable: bool = False
-    """Whether things that can be pushed but not picked up are put elsewhere, too"""
+    """Whether objects that can be pushed but not picked up are moved as well"""
 
 
-def spawn(world: World, wishes: Wishes) -> int:
-    """Put every object that is asked for on a random receptacle for its type, and return how many found a place. The others stay
-    where they are; copies that find none are not made. A function of the world and the wishes."""
+def spawn(world: World, wishes: SpawnOptions) -> int:
+    """Places every selected object on a random receptacle for its type. Returns the number of placed objects.
+
+    The others stay where they are; copies without a place are discarded. The result is a function of the world and the wishes.
+    """
     rng = np.random.default_rng([wishes.seed & 0xFFFFFFFF, wishes.seed < 0])
     asked = _limited([b for b in world.bodies.values() if _asked(b, wishes)], wishes.counts)
     copies = _copies(world, asked, wishes.counts, rng)
@@ -143,7 +145,7 @@ def spawn(world: World, wishes: Wishes) -> int:
     return len(poses)
 
 
-def _asked(body: Body, wishes: Wishes) -> bool:
+def _asked(body: Body, wishes: SpawnOptions) -> bool:
     movable = body.obj.pickupable or (wishes.moveable and body.obj.moveable)
     wanted = wishes.objects is None or body.object_id in wishes.objects
     known = body.obj.type in RECEPTACLES or not body.obj.pickupable
@@ -151,7 +153,7 @@ def _asked(body: Body, wishes: Wishes) -> bool:
 
 
 def _limited(bodies: Sequence[Body], counts: Mapping[str, int]) -> list[Body]:
-    """The first of each type, as many as wished."""
+    """The first objects of each type, up to the wished number."""
     taken: dict[str, int] = {}
     out = []
     for body in bodies:
@@ -163,7 +165,7 @@ def _limited(bodies: Sequence[Body], counts: Mapping[str, int]) -> list[Body]:
 
 
 def _copies(world: World, asked: Sequence[Body], counts: Mapping[str, int], rng: np.random.Generator) -> list[Body]:
-    """Copies of the objects asked for, until there are as many of a type as wished."""
+    """Copies of the selected objects, up to the wished number of each type."""
     out = []
     for kind, count in counts.items():
         originals = [b for b in asked if b.obj.type == kind]
@@ -172,8 +174,8 @@ def _copies(world: World, asked: Sequence[Body], counts: Mapping[str, int], rng:
     return out
 
 
-def _receptacles(world: World, wishes: Wishes, moving: Collection[str], rng: np.random.Generator) -> list[Body]:
-    """Receptacles in the order in which they are tried: a random order of types, one of each at a time."""
+def _receptacles(world: World, wishes: SpawnOptions, moving: Collection[str], rng: np.random.Generator) -> list[Body]:
+    """Receptacles in the order in which they are tried: random, one of each type at a time."""
     by_type: dict[str, list[Body]] = {}
     for body in world.bodies.values():
         record = body.obj.record
@@ -188,7 +190,7 @@ def _receptacles(world: World, wishes: Wishes, moving: Collection[str], rng: np.
 
 
 class _Search:
-    """One arrangement in the making. What has found a place counts at once for what is put after it."""
+    """One random arrangement. A placed object is an obstacle for the next one."""
 
     def __init__(
         self,
@@ -196,7 +198,7 @@ class _Search:
         model: Model,
         subjects: Sequence[Body],
         copies: Sequence[Body],
-        wishes: Wishes,
+        wishes: SpawnOptions,
         rng: np.random.Generator,
     ) -> None:
         self._world, self._model, self._wishes, self._rng = world, model, wishes, rng
@@ -212,13 +214,13 @@ class _Search:
                 self._low[k], self._high[k] = self._subjects[name].box.bounds()
 
     def places(self, homes: Sequence[Body]) -> dict[str, Pose]:
-        """Pose of everything that finds a place on one of `homes`."""
+        """objectId -> pose of every object for which one of `homes` has a place."""
         found = {}
         for name, body in self._subjects.items():
             kinds = RECEPTACLES.get(body.obj.type, frozenset(["Floor"]))
             order = [h for h in homes if h.obj.type in kinds]
             if len(order) > 1:
-                # Everything would crowd on the first receptacles of one order.
+                # a new order for each object, so that they do not crowd on the first receptacles
                 first = int(self._rng.integers(len(order)))
                 order = order[first:] + order[:first]
             for home in order:
@@ -260,7 +262,7 @@ class _Search:
         return np.arange(len(self._row)) != self._row[body.object_id]
 
     def _checked(self, body: Body, home: Body, pose: Pose, centre: np.ndarray) -> Pose | None:
-        """The pose on the true surface, if that is the home's and nothing is in the way."""
+        """The pose lowered onto the true surface, if that belongs to `home` and nothing is in the way."""
         name, foot = body.object_id, float(body.box_at(pose).bounds()[0][1])
         surface = self._model.below(np.array([centre[0], foot + PROUD_M, centre[2]]), PROUD_M + SUNK_M, but=name)
         own = {home.object_id, home.carrier, home.obj.type if home.obj.type == "Floor" else None}
@@ -283,9 +285,9 @@ class _Search:
 
 
 def _upright(body: Body, quarter: int) -> np.ndarray:
-    """Rotation (3, 3) of a body that is put somewhere: as it is now, after so many quarter turns about the vertical.
+    """Rotation (3, 3) of a placed body: its current one, after `quarter` quarter turns about the vertical.
 
-    What leans is put as AI2-THOR's assets stand, and what would not stand is laid on its broad side.
+    A leaning body is placed upright, as AI2-THOR's assets stand; a slender one is laid on its broad side.
     """
     turn = rotation_matrix(np.array([0.0, 90.0 * quarter, 0.0]))
     up, thin = int(np.abs(body.box.rotation[1]).argmax()), int(body.box.half.argmin())

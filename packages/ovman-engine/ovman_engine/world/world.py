@@ -1,6 +1,6 @@
-"""A floor plan and everything that has changed in it since Reset.
+"""A world: a floor plan and everything that has changed in it since Reset.
 
-World frame as in `floorplan`. What the changes do, and the messages when they are refused, are AI2-THOR's (5.0.0).
+World frame as in `floorplan`. The effects of changes, and the messages of refusals, are those of AI2-THOR 5.0.0.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from ovman_engine.bodies.arrangement import arranged, named
 from ovman_engine.bodies.body import Agent, Body, Pose
 from ovman_engine.bodies.carrying import load_of, move, resting
 from ovman_engine.bodies.passage import Obstacles
-from ovman_engine.bodies.setting import Setting
+from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.dynamics import Dynamics
 from ovman_engine.plan.floorplan import Box, FloorPlan
-from ovman_engine.world.way import Way
+from ovman_engine.world.locomotion import Locomotion
 
 if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
 __all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
 DROP_M = 10.0
-"""How far below a point a surface is looked for."""
+"""How far below a point a surface is searched."""
 GAP_M = 0.005
-"""An object is put this far above its surface."""
+"""Height of a placed object above its surface."""
 CLEAR_M = 0.001
-"""Deepest overlap with anything at which an object still counts as clear of it."""
+"""Deepest overlap that does not count as a collision."""
 SETTLE_S = 1.0
-"""How long a placed object is watched coming to rest."""
+"""Simulated time in which a placed object must come to rest."""
 
 
 RESTLESS = 0.01
@@ -40,58 +40,59 @@ RESTLESS = 0.01
 
 
 class Refused(Exception):
-    """An action did not succeed; the message is AI2-THOR's."""
+    """An action failed. The message is AI2-THOR's."""
 
 
 class Unsettled(Refused):
-    """A placed object is in its place but has not come to rest there."""
+    """A placed object did not come to rest."""
 
 
 class World:
-    """The state of one scene. `version` grows whenever a body moves, comes or goes."""
+    """The state of one scene. `version` increases whenever a body moves, appears or disappears."""
 
     def __init__(self, plan: FloorPlan, seed: int = 0) -> None:
+        """The untouched scene of `plan`."""
         self.plan, self.seed = plan, seed
-        self._setting = Setting.of(plan)
-        self.room = self._setting.room
+        self._static = StaticScene.of(plan)
+        self.room = self._static.room
         self.agent = Agent(plan.start.copy())
         self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
         self.version = 0
-        for part, carrier in self._setting.carriers.items():
+        for part, carrier in self._static.carriers.items():
             self.bodies[part].carrier = carrier
         self._loose: set[str] = set()
-        """Disabled objects that nothing holds where they are."""
-        self._dynamics = Dynamics(self._setting, self.bodies, self.agent)
-        self._way = Way(self._setting, self.bodies, self.agent)
+        """Disabled objects that have lost their support"""
+        self._dynamics = Dynamics(self._static, self.bodies, self.agent)
+        self._locomotion = Locomotion(self._static, self.bodies, self.agent)
 
-    # What is where
+    # Queries
 
     def box(self, object_id: str) -> Box:
-        """Current oriented box of an object. KeyError if there is none."""
+        """Current oriented box of an object. Raises KeyError for an unknown objectId."""
         return self.bodies[object_id].box
 
     @property
     def at_rest(self) -> bool:
-        """Whether nothing is falling, rolling or about to."""
+        """Whether no body is falling, rolling or about to."""
         return not self._dynamics.awake
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the untouched scene, metres."""
-        return self._setting.bounds
+        return self._static.bounds
 
-    # The agent's way
+    # The agent
 
     def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
-        """Name of what blocks the agent's straight way between two points (2,) of the floor plane; see `Way.blocker`."""
-        return self._way.blocker(self.version, start_xz, end_xz, ignore)
+        """Name of the obstacle on the agent's straight way between two points (2,); see `Locomotion.blocker`."""
+        return self._locomotion.blocker(self.version, start_xz, end_xz, ignore)
 
     def reachable(self, step_m: float = 0.25, yaw_deg: float = 0.0) -> list[tuple[float, float, float]]:
-        """Positions (x, y, z) that moves of `step_m` take the agent to; see `Way.reachable`."""
-        return self._way.reachable(self.version, step_m, yaw_deg)
+        """Positions (x, y, z) that moves of `step_m` reach; see `Locomotion.reachable`."""
+        return self._locomotion.reachable(self.version, step_m, yaw_deg)
 
     def obstacles(self) -> tuple[Obstacles, list[str]]:
-        """What may stand in the agent's way, and the names of that; see `Way.obstacles`."""
-        return self._way.obstacles(self.version)
+        """Possible obstacles of the agent and their names; see `Locomotion.obstacles`."""
+        return self._locomotion.obstacles(self.version)
 
     # Changes
 
@@ -103,11 +104,11 @@ class World:
         kinematic: bool = False,
         settle: bool = True,
     ) -> np.ndarray:
-        """PlaceObjectAtPoint: on the first surface below `position` (3,), turned by `rotation` (3, 3) or as it is.
+        """PlaceObjectAtPoint: puts an object on the first surface below `position` (3,), with `rotation` (3, 3) or its own.
 
-        It settles for up to a second unless `kinematic` or not to `settle`. Returns the position of its pivot then, (3,) metres.
-        Refused, with everything as it was, if it would overlap anything; refused as well, where it has got to, if it has not
-        come to rest or has left the scene.
+        The object settles for up to a second, unless `kinematic` or not `settle`. Returns the final position (3,) of its pivot,
+        metres. Refused without effect if it would overlap anything. Raises Unsettled, with the object where it has got to, if it
+        has not come to rest or has left the scene.
         """
         body = self._known(object_id)
         point = np.array(position, dtype=float)
@@ -139,7 +140,10 @@ class World:
         force: bool = False,
         kinematic: bool = False,
     ) -> None:
-        """TeleportObject: pivot exactly at `position` (3,), turned by `rotation` (3, 3) or as it is."""
+        """TeleportObject: puts an object's pivot exactly at `position` (3,), with `rotation` (3, 3) or its own.
+
+        Refused without effect if it would overlap anything, unless `force`.
+        """
         body = self._known(object_id)
         pose = Pose(np.array(position, dtype=float), body.pose.rotation if rotation is None else rotation)
         load = self._load(body)
@@ -150,9 +154,9 @@ class World:
     def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
         """SetObjectPoses: [{objectName, position (3,), rotation (3, 3)}, ...].
 
-        Every other movable object leaves the scene for good; an object listed again in place i is there again, as name_copy_i;
-        objectIds follow the positions. Nothing is checked for overlaps. Refused, after the others are placed, if a name is none
-        of a movable object that is in the scene.
+        All other movable objects leave the scene for good. An object that is listed again, at index i, is copied as name_copy_i.
+        objectIds follow the positions. Overlaps are not checked. Refused, after the others are placed, if no movable object of
+        the scene has a listed name.
         """
         self._collect()
         here = [b for b in self.bodies.values() if not b.removed]
@@ -168,9 +172,9 @@ class World:
             raise Refused(f"No Pickupable or Moveable object of name {unknown} found in scene.")
 
     def set_active(self, object_id: str, active: bool) -> None:
-        """EnableObject, DisableObject: a disabled object keeps its pose. Refused (no message) if there is no such object.
+        """EnableObject and DisableObject: a disabled object keeps its pose. Refused, without a message, if the object is unknown.
 
-        What has lost its support meanwhile, or was put somewhere, falls as soon as it is there again.
+        An enabled object falls if it was moved, or lost its support, while it was disabled.
         """
         body = self.bodies.get(object_id)
         if body is None or body.removed:
@@ -179,8 +183,8 @@ class World:
             self._come_or_go([body], active=active)
 
     def remove(self, *object_ids: str) -> None:
-        """RemoveFromScene: gone until Reset, and with it all that is disabled. Refused before anything is gone if there is no
-        such object."""
+        """RemoveFromScene: removes objects until Reset, and all disabled objects with them. Refused without effect if an object
+        is unknown."""
         found = [self.bodies.get(object_id) for object_id in object_ids]
         bodies = [b for b in found if b is not None and not b.removed]
         if len(bodies) < len(found):
@@ -192,14 +196,15 @@ class World:
 
     @contextmanager
     def trial(self, object_ids: Sequence[str]) -> Iterator[Model]:
-        """The scene as physics has it, to put bodies anywhere in and ask what they touch. Leaves the world as it is."""
+        """The compiled scene, in which a caller may move bodies and query overlaps. The world stays as it is."""
         try:
             yield self._dynamics.probe(object_ids[0], object_ids)
         finally:
             self._dynamics.bodies_changed()
 
     def rearrange(self, poses: Mapping[str, Pose], stationary: bool) -> None:
-        """Put bodies at `poses`, by objectId, all at once and unchecked. What they alone carried and is not among them falls."""
+        """Puts bodies at `poses`, by objectId, all at once and unchecked. What only they carried falls, unless it is among
+        them."""
         loads = {name for object_id in poses for name in self._load(self.bodies[object_id])} - poses.keys()
         standing = [b for b in self.bodies.values() if b.present and b.object_id not in loads and b.object_id not in poses]
         carried = [self.bodies[name] for name in sorted(loads)]
@@ -215,7 +220,7 @@ class World:
         self.version += 1
 
     def duplicate(self, body: Body, number: int) -> Body:
-        """Another object like `body`, where that is: to be rearranged or discarded at once. Named as AI2-THOR's random copies."""
+        """A copy of `body` at the same pose, with AI2-THOR's names for random copies. Rearrange or discard it at once."""
         twin = Body.of(body.obj)
         twin.object_id, twin.name, twin.pose = f"{body.object_id}_copy_{number}", f"{body.name}_random_copy_{number}", body.pose
         while twin.object_id in self.bodies:
@@ -225,16 +230,16 @@ class World:
         return twin
 
     def discard(self, bodies: Iterable[Body]) -> None:
-        """Forget duplicates that found no place."""
+        """Removes duplicates that found no place."""
         for body in bodies:
             del self.bodies[body.object_id]
             self._dynamics.bodies_changed()
 
     def advance(self, seconds: float) -> None:
-        """Let physics run. Costs nothing while everything is at rest."""
+        """Runs physics. Costs nothing while the world is at rest."""
         self._advance(seconds)
 
-    # How changes come about
+    # Implementation
 
     def _known(self, object_id: str) -> Body:
         body = self.bodies.get(object_id)
@@ -245,11 +250,12 @@ class World:
         return body
 
     def _load(self, body: Body) -> list[str]:
-        """objectIds of what a body carries, and of what that carries in turn."""
+        """objectIds of what a body carries, directly and indirectly."""
         return load_of(body, self.bodies, self._dynamics.surfaces, self._dynamics.parts, self.plan.floor_y)
 
     def _overlap(self, body: Body, pose: Pose, load: Collection[str]) -> str | None:
-        """Name of what `body` would overlap at `pose`; what it carries will fall, and the floor is stood on."""
+        """Name of what `body` would overlap at `pose`. Its load is ignored, because it will fall; so is the floor, on which it
+        stands."""
         model = self._dynamics.probe(body.object_id, load)
         model.set_box(body.object_id, body.box_at(pose))
         model.forward()
@@ -267,7 +273,7 @@ class World:
         self.version += 1
 
     def _let_go(self, names: Collection[str]) -> None:
-        """Let bodies fall: now, or when they are there again."""
+        """Lets bodies fall: now, or as soon as they are enabled."""
         self._dynamics.wake(name for name in names if self.bodies[name].present)
         self._loose |= {name for name in names if not self.bodies[name].present}
 
@@ -294,7 +300,7 @@ class World:
         self.version += 1
 
     def _collect(self) -> None:
-        """List the scene's objects anew: what is not active is no more found, nor are copies of what is there no more."""
+        """Updates the list of objects: inactive ones are removed, and removed copies are forgotten."""
         for body in self.bodies.values():
             body.removed |= not body.active
         gone = [object_id for object_id, b in self.bodies.items() if b.removed and b.name != b.obj.name]
@@ -312,7 +318,7 @@ class World:
             self.version += 1
 
     def _rename(self, bodies: Sequence[Body]) -> None:
-        """Make `bodies` the world's, by the objectIds of their positions."""
+        """Makes `bodies` those of the world, under the objectIds of their positions."""
         for object_id in list(self._dynamics.awake):
             self._dynamics.still(object_id)
         found = named(bodies)
@@ -327,5 +333,5 @@ def _inside(point: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
 
 
 def _text(vector: np.ndarray) -> str:
-    """As Unity writes it."""
+    """A vector (3,) as Unity writes it."""
     return f"({vector[0]:.1f}, {vector[1]:.1f}, {vector[2]:.1f})"

@@ -1,4 +1,4 @@
-"""Every line of the contract has a test, and every test names lines that there are."""
+"""Every line of the contract has a test, every test names existing lines, and the page is up to date."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def test_every_test_stands_for_something(request):
 
 def test_the_page_has_the_table():
     page = PAGE.read_text()
-    assert page == written(page), "python -m conformance.lines writes it anew"
+    assert page == written(page), "python tests/conformance/lines.py updates it"
 
 
 def test_the_page_names_every_action_that_there_is():

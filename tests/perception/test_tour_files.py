@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.perception.recorded import TourError, digest, tour
+from ovman.perception.tour_files import TourError, digest, tour
 
 VISIT = {
     "views": [

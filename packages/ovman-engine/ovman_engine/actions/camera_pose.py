@@ -1,4 +1,4 @@
-"""Actions that turn the agent's camera up and down, and raise and lower it.
+"""Actions that pitch, lower and raise the agent's camera.
 
 Sources: contract, sections 2 and 4; AI2-THOR's PhysicsRemoteFPSAgentController (default) and LocobotFPSAgentController (locobot).
 """
@@ -14,18 +14,18 @@ from ovman_engine.actions.movement import full_circle
 from ovman_engine.actions.registry import Failed, action
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
-from ovman_engine.engine import Engine
+from ovman_engine.client.session import Session
 from ovman_engine.world.world import Refused
 
 LOOK_DEG = 30.0
-"""Angle of a LookUp or LookDown that names none."""
+"""Default angle of LookUp and LookDown."""
 BEYOND = "LookDownCantExceedMin"
-"""AI2-THOR's error code at either limit."""
+"""AI2-THOR's error code at the upper and the lower limit."""
 
 
-def _look(engine: Engine, degrees: float, sign: int) -> None:
-    """Pitches the camera, `sign` 1 down and -1 up. Limits are compared to a tenth of a degree."""
-    settings, agent = engine.settings, engine.world.agent
+def _look(session: Session, degrees: float, sign: int) -> None:
+    """Pitches the camera down (`sign` 1) or up (-1). Limits are compared to a tenth of a degree, as AI2-THOR does."""
+    settings, agent = session.settings, session.world.agent
     horizon = round(agent.horizon_deg + sign * degrees, 9)
     if sign > 0 and round(horizon, 1) > settings.look_down_deg:
         raise Failed(f"can't look down beyond {settings.look_down_deg:g} degrees below the forward horizon", BEYOND)
@@ -37,58 +37,64 @@ def _look(engine: Engine, degrees: float, sign: int) -> None:
 def _checked(name: str, degrees: float) -> float:
     if degrees < 0:
         raise Refused(f"{name} action requires positive degree value. Invalid value used: {degrees:g}")
-    # Single precision has seven decimal digits, and .NET's decimals take no more of them.
+    # AI2-THOR converts a single-precision number to a .NET decimal, which keeps seven digits of it.
     if Decimal(f"{np.float32(degrees):.7g}") % Decimal("0.1") != 0:
         raise Refused(f"{name} action requires degree value to be a multiple of 0.1f")
     return round(degrees, 1) or LOOK_DEG
 
 
 @action("LookDown", mode=DEFAULT.mode)
-def look_down(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, _checked("LookDown", degrees), 1)
+def look_down(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """LookDown of the default agent."""
+    _look(session, _checked("LookDown", degrees), 1)
 
 
 @action("LookUp", mode=DEFAULT.mode)
-def look_up(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _look(engine, _checked("LookUp", degrees), -1)
+def look_up(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """LookUp of the default agent."""
+    _look(session, _checked("LookUp", degrees), -1)
 
 
-def _tilt(engine: Engine, degrees: float, sign: int) -> None:
+def _tilt(session: Session, degrees: float, sign: int) -> None:
     if degrees != 0:
         raise Refused("Must have degrees == 0 for now.")
-    _look(engine, LOOK_DEG, sign)
+    _look(session, LOOK_DEG, sign)
 
 
 @action("LookDown", mode=LOCOBOT.mode)
-def tilt_down(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _tilt(engine, degrees, 1)
+def tilt_down(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """LookDown of the locobot, by a fixed angle."""
+    _tilt(session, degrees, 1)
 
 
 @action("LookUp", mode=LOCOBOT.mode)
-def tilt_up(engine: Engine, degrees: float = 0.0, **rest: Any) -> None:
-    _tilt(engine, degrees, -1)
+def tilt_up(session: Session, degrees: float = 0.0, **rest: Any) -> None:
+    """LookUp of the locobot, by a fixed angle."""
+    _tilt(session, degrees, -1)
 
 
 @action("RotateLook")
-def rotate_look(engine: Engine, rotation: Vector3 | None = None, horizon: float = 0.0, **rest: Any) -> None:
-    """Nothing is checked. A pitch is the same again after a full circle."""
-    agent = engine.world.agent
+def rotate_look(session: Session, rotation: Vector3 | None = None, horizon: float = 0.0, **rest: Any) -> None:
+    """RotateLook: sets yaw and horizon without any check. Horizons wrap around after a full circle."""
+    agent = session.world.agent
     agent.yaw_deg = full_circle(0.0 if rotation is None else rotation.y)
     pitch = full_circle(horizon)
     agent.horizon_deg = pitch - 360.0 if pitch > 180.0 else pitch
 
 
 @action("Crouch", mode=DEFAULT.mode)
-def crouch(engine: Engine) -> None:
-    agent = engine.world.agent
+def crouch(session: Session) -> None:
+    """Crouch: lowers the camera. Refused while it is lowered."""
+    agent = session.world.agent
     if not agent.standing:
         raise Refused("Already crouching.")
     agent.standing = False
 
 
 @action("Stand", mode=DEFAULT.mode)
-def stand(engine: Engine) -> None:
-    agent = engine.world.agent
+def stand(session: Session) -> None:
+    """Stand: raises the camera. Refused while it is raised."""
+    agent = session.world.agent
     if agent.standing:
         raise Refused("Already standing.")
     agent.standing = True

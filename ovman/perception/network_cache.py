@@ -20,7 +20,7 @@ AT_MOST = 16
 _DIGEST = hashlib.sha256().digest_size
 
 
-class Kept:
+class NetworkCache:
     """The files of one network.
 
     owner: digest of all that they hang on, None for a network of which nothing is kept.

@@ -3,11 +3,11 @@
 from pathlib import Path
 
 from ovman.evaluation import prediction, predictions
+from ovman.models.note import Note
 from ovman.workflow.job import job
-from ovman_released import status
 
 with job(snakemake) as work:
-    if status.read(work.input("status")).run:
+    if Note.read(work.input("note")).ran:
         predictions.run(
             work.constants.arm,
             work.input("episodes"),

@@ -3,9 +3,11 @@
 from pathlib import Path
 
 from ovman.workflow.job import job
-from ovman_released import cow
 
 with job(snakemake) as work:
+    # The package may lie beside an overlay, where only a job looks for modules.
+    from ovman_released import cow
+
     places = [Path(place) for place in snakemake.output.executions]
     runs = [(int(place.parent.name.removeprefix("seed")), place.stem) for place in places]
     cow.run(
@@ -13,6 +15,6 @@ with job(snakemake) as work:
         work.inputs("trials"),
         work.constants,
         dict(zip(runs, work.outputs("executions"), strict=True)),
-        work.output("status"),
+        work.output("note"),
         work.journal(),
     )

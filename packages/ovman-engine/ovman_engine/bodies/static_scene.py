@@ -1,4 +1,4 @@
-"""What a floor plan gives once and for all: its room, which parts belong to which bodies, forms to collide with, clearances."""
+"""What does not change in a floor plan: its room, parts of furniture, collision pieces, clearances of the agent."""
 
 from __future__ import annotations
 
@@ -14,57 +14,60 @@ from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.forms import within
 from ovman_engine.bodies.passage import DEEPER_M
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
-from ovman_engine.room.room import Room
+from ovman_engine.room.building import room_of
 from ovman_engine.shapes import collision, compound
 
 SKIN_M = 0.01
-"""What the agent's controller keeps between its capsule and whatever blocks it."""
+"""Distance that the agent's controller keeps between its capsule and obstacles."""
 PASSABLE = frozenset(
     ["Floor", "Window", "Curtains", "Blinds", "Painting", "LightSwitch", "Mirror", "Poster", "Doorway", "Doorframe"]
 )
-"""Types whose boxes do not block the agent: hung on a wall, trodden on, or walked through. Behind a shut door there is a wall."""
+"""Types whose boxes do not block the agent: they hang on a wall, lie under its feet, or are walked through. A shut door has a
+wall behind it."""
 WIDE_COUNTER_M = 1.2
-"""Counters whose box is wider than this both ways are L- or U-shaped, and the agent stands in the box's opening."""
+"""A counter whose box is wider than this both ways is L- or U-shaped, and the agent can stand in the opening."""
 SLENDER = frozenset(["Toilet"])
-"""Types much of whose box is empty at the height of the agent's feet: a bowl on a foot before a tank."""
+"""Types whose boxes are mostly empty at the height of the agent's feet: a toilet is a bowl on a foot in front of a tank."""
 KEPT = 4
-"""Floor plans that are remembered."""
+"""Number of floor plans that are cached."""
 
-_settings: OrderedDict[int, Setting] = OrderedDict()
+_settings: OrderedDict[int, StaticScene] = OrderedDict()
 
 
-class Setting:
-    """The unchanging side of a world."""
+class StaticScene:
+    """The unchanging part of a world."""
 
     def __init__(self, plan: FloorPlan) -> None:
+        """Use `of`, which caches."""
         self.plan = plan
-        self.room = Room.of(plan)
+        self.room = room_of(plan)
         self.walls = Boxes.of([w.box for w in self.room.walls])
         self.carriers = carriers(plan)
         self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}
         self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
 
     @staticmethod
-    def of(plan: FloorPlan) -> Setting:
-        """The setting of `plan`, made once for the last few plans."""
+    def of(plan: FloorPlan) -> StaticScene:
+        """The static scene of `plan`, cached for the last few plans."""
         found = _settings.get(id(plan))
         if found is None or found.plan is not plan:
-            found = _settings[id(plan)] = Setting(plan)
+            found = _settings[id(plan)] = StaticScene(plan)
         _settings.move_to_end(id(plan))
         while len(_settings) > KEPT:
             _settings.popitem(last=False)
         return found
 
     def barriers(self, obj: SimObject, box: Box) -> list[Box]:
-        """What of an object whose oriented box is `box` the agent walks into: the box, or what fills one that is mostly empty."""
+        """Boxes of an object that block the agent if its oriented box is `box`: the box itself, or those of the pieces in a
+        mostly empty box."""
         pieces = self._hollow.get(obj.object_id)
         return [box] if pieces is None else within(box, pieces)
 
     def clearances(self, embodiment: Embodiment) -> Mapping[str, np.ndarray]:
-        """How close, in metres, an agent may come to walls and to the barriers of untouched objects: one number each, by names
-        of walls and objectIds.
+        """Clearances that an agent keeps from walls and from the barriers of untouched objects, metres, one for each barrier, by
+        wall name and objectId.
 
-        An agent did stand at the recorded start: what its capsule would overlap there does not reach as far as its box does.
+        AI2-THOR's agent stood at the recorded start. So a box that its capsule would overlap there gets a smaller clearance.
         """
         if embodiment not in self._clearances:
             self._clearances[embodiment] = self._measured(embodiment)
@@ -93,7 +96,7 @@ class Setting:
 
     @cached_property
     def pieces(self) -> Mapping[str, tuple]:
-        """Convex pieces of every object, in the frames of their boxes."""
+        """Convex pieces of every object, by objectId, in the frames of their boxes."""
         return {o.object_id: _pieces(o, self.plan) for o in self.plan.objects}
 
 

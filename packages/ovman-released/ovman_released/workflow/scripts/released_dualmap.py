@@ -1,17 +1,20 @@
-"""Stage `released_dualmap`: the maps of DualMap as its authors released it; empty files where it cannot be run."""
+"""Stage `released_dualmap`: the maps of DualMap as its authors released it; empty files where it cannot run."""
 
 import json
 from pathlib import Path
 
 from ovman.agents.dualmap import maps, walks
 from ovman.language.vocabulary import all_nouns
+from ovman.models.note import Note
 from ovman.workflow.job import job
-from ovman.workflow.provenance import digest
-from ovman_released import dualmap, status
+from ovman.workflow.provenance import module_digest
 
 with job(snakemake) as work:
+    # The package may lie beside an overlay, where only a job looks for modules.
+    from ovman_released import dualmap
+
     outputs = work.output("maps"), work.output("nouns")
-    if status.read(work.input("status")).run:
+    if Note.read(work.input("note")).ran:
         inputs = work.input("episodes"), work.input("trials")
         dualmap.run(
             work.scene,
@@ -20,7 +23,7 @@ with job(snakemake) as work:
             json.loads(work.input("scene").read_text())["floor_y"],
             sorted(set(all_nouns())),
             work.constants,
-            [digest(Path(module.__file__)) for module in dualmap.CODE],
+            [module_digest(module.__name__) for module in dualmap.CODE],
             work.journal().with_suffix(""),
             *outputs,
         )

@@ -7,7 +7,7 @@ import pytest
 import torch
 from torchvision.ops import nms
 
-from ovman.perception.suppression import surest
+from ovman.perception.non_max_suppression import non_max_suppression
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -19,18 +19,18 @@ def test_the_same_boxes_stay_in_the_same_order(seed, spread):
     boxes[::7] = boxes[0]  # the same box several times
     boxes[5::9, 2:] = boxes[5::9, :2]  # and boxes without an area
     sure = draw.integers(0, 40, 120).astype(np.float32) / 40  # some as sure as others
-    for most_iou in (0.0, 0.3, 0.7, 1.0):
-        expected = nms(torch.from_numpy(boxes), torch.from_numpy(sure), most_iou).numpy()
-        assert np.array_equal(surest(boxes, sure, most_iou, 120), expected)
-        assert np.array_equal(surest(boxes, sure, most_iou, 4), expected[:4])
+    for iou_threshold in (0.0, 0.3, 0.7, 1.0):
+        expected = nms(torch.from_numpy(boxes), torch.from_numpy(sure), iou_threshold).numpy()
+        assert np.array_equal(non_max_suppression(boxes, sure, iou_threshold, 120), expected)
+        assert np.array_equal(non_max_suppression(boxes, sure, iou_threshold, 4), expected[:4])
 
 
 def test_boxes_that_overlap_by_no_more_than_the_bound_stay():
     """By two thirds of what they cover together."""
     boxes = np.float32([[0, 0, 10, 10], [0, 2, 10, 12]])
-    for most_iou, stay in ((0.66, [1]), (0.67, [1, 0])):
-        assert surest(boxes, np.float32([0.5, 0.9]), most_iou, 2).tolist() == stay
+    for iou_threshold, stay in ((0.66, [1]), (0.67, [1, 0])):
+        assert non_max_suppression(boxes, np.float32([0.5, 0.9]), iou_threshold, 2).tolist() == stay
 
 
 def test_of_no_boxes_none_stays():
-    assert surest(np.zeros((0, 4), np.float32), np.zeros(0, np.float32), 0.7, 100).tolist() == []
+    assert non_max_suppression(np.zeros((0, 4), np.float32), np.zeros(0, np.float32), 0.7, 100).tolist() == []

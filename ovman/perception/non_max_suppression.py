@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 
-def surest(boxes: np.ndarray, confidence: np.ndarray, most_iou: float, at_most: int) -> np.ndarray:
+def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold: float, at_most: int) -> np.ndarray:
     """Indices of the first `at_most` boxes that stay, the surest first: those that no surer one that stays overlaps by more than
-    `most_iou`.
+    `iou_threshold`.
 
     boxes: (N, 4) float32, two opposite corners x, y, x, y with the smaller coordinates first; confidence: (N,). Of equally sure
     boxes the first comes first. Gives what torchvision's `nms` gives, without the two seconds that its import takes; ultralytics
@@ -26,5 +26,5 @@ def surest(boxes: np.ndarray, confidence: np.ndarray, most_iou: float, at_most: 
         shared = np.maximum(width, 0) * np.maximum(height, 0)
         with np.errstate(invalid="ignore"):
             overlap = shared / (area[first] + area[waiting] - shared)
-        waiting = waiting[~(overlap > np.float64(most_iou))]
+        waiting = waiting[~(overlap > np.float64(iou_threshold))]
     return order[np.array(stay, int)]

@@ -1,4 +1,4 @@
-"""Recorded pictures of many scenes, read again."""
+"""RecordedPicture pictures of many scenes, read again."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ovman.training.pictures import Picture, Shown
 
 
 @dataclass(frozen=True, slots=True)
-class Recorded:
+class RecordedPicture:
     """One picture on disk: where its image is, and its place in the scene's list of objects."""
 
     folder: Path
@@ -25,14 +25,16 @@ class Recorded:
         return self.folder / "images" / f"{self.number:04d}.png"
 
 
-def recorded(folders: Sequence[Path], every: int = 1) -> list[Recorded]:
+def recorded(folders: Sequence[Path], every: int = 1) -> list[RecordedPicture]:
     """All pictures of the folders that `record` wrote, one in `every` of each."""
     return [
-        Recorded(folder, number) for folder in folders for number in range(0, len(list((folder / "images").glob("*.png"))), every)
+        RecordedPicture(folder, number)
+        for folder in folders
+        for number in range(0, len(list((folder / "images").glob("*.png"))), every)
     ]
 
 
-def read(pictures: Sequence[Recorded]) -> Iterator[Picture]:
+def read(pictures: Sequence[RecordedPicture]) -> Iterator[Picture]:
     """The pictures themselves, in their order."""
     objects: dict[Path, list[str]] = {}
     for one in pictures:

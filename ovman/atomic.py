@@ -1,0 +1,67 @@
+"""Files and folders that are there whole or not at all, whatever is killed while they are written.
+
+What is written lies beside its place under a name of this process, and is renamed when it is whole. Imports nothing heavy.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+SUFFIX = ".partial"
+
+
+def partial_path(place: Path) -> Path:
+    """Where this process writes what will be at `place`: beside it, hidden."""
+    return place.with_name(f".{place.name}.{os.getpid()}{SUFFIX}")
+
+
+def clear_partials(place: Path) -> None:
+    """Remove what killed processes left of `place`. Only for a process that alone writes there."""
+    for left in place.parent.glob(f".{place.name}.*{SUFFIX}"):
+        remove(left)
+
+
+def put(partial: Path, place: Path) -> None:
+    """Move a whole file or folder to its place. A folder replaces the one that is there."""
+    if partial.is_dir():
+        remove(place)
+    os.replace(partial, place)
+
+
+@contextmanager
+def replacing(place: Path) -> Iterator[Path]:
+    """A path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    partial = partial_path(place)
+    remove(partial)
+    try:
+        yield partial
+        put(partial, place)
+    finally:
+        remove(partial)
+
+
+def replace_bytes(place: Path, content: bytes) -> None:
+    """Write a file of bytes whole."""
+    with replacing(place) as partial:
+        partial.write_bytes(content)
+
+
+def durable_append(path: Path, content: bytes) -> None:
+    """Append to a file; the content survives a SIGKILL and a power cut once this returns."""
+    with path.open("ab") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def remove(path: Path) -> None:
+    """Remove a file, a link or a folder with all that is in it; nothing where nothing is there."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)

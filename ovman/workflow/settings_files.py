@@ -1,0 +1,132 @@
+"""Files of settings, read as YAML or JSON; what is wrong with a file is one line with file, line, column and remedy.
+
+Snakemake reads the files of --configfile before it reads the Snakefile, and answers a wrong one with a traceback or with a line
+that does not name it. The profile in profiles/default therefore calls `check_command_line`, and the Snakefile
+`check_file`, which refuse the file first. Imports
+nothing heavy: it runs whenever Snakemake starts.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+SECTIONS = "it must hold sections (benchmark:, camera:, ...)"
+
+
+class ConfigError(ValueError):
+    """config.yaml or an overlay cannot be used; one line: the file, the setting and the remedy."""
+
+
+def check_command_line(arguments: Sequence[str]) -> None:
+    """Refuse, in one line and with SystemExit, a file of --configfile that is no settings. arguments: Snakemake's own."""
+    parser = argparse.ArgumentParser(add_help=False, exit_on_error=False, allow_abbrev=False)
+    parser.add_argument("--configfile", "--configfiles", nargs="+", default=[])
+    try:
+        options, _ = parser.parse_known_args(list(arguments))
+    except argparse.ArgumentError:  # Snakemake says what is wrong with its own options
+        return
+    for path in options.configfile:
+        check_file(path)
+
+
+def check_file(path: str | Path) -> None:
+    """Refuse, in one line and with SystemExit, a file that is no settings."""
+    try:
+        read_sections(Path(path))
+    except ConfigError as error:
+        raise SystemExit(str(error)) from None
+
+
+def read_sections(path: Path) -> Mapping[Any, Any]:
+    """The sections of a file of settings. ConfigError, in one line, for a file that has none."""
+    tree = read(path)
+    if tree is None:
+        raise ConfigError(f"{path}: is empty; {SECTIONS}, or be left out")
+    if not isinstance(tree, Mapping):
+        raise ConfigError(f"{path}: holds {shown(tree)}; {SECTIONS}")
+    return tree
+
+
+def read(path: Path) -> Any:
+    """What a file of YAML or JSON holds. ConfigError, in one line, for a file that cannot be read."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ConfigError(f"{path}: {error.strerror}; give the path of a file of settings (.yaml)") from None
+    text = _text(path, content)
+    try:
+        return json.loads(text, object_pairs_hook=_distinct)
+    except (ValueError, RecursionError):
+        pass
+    try:
+        tree = yaml.load(text, _Loader)  # noqa: S506 (a SafeLoader)
+    except yaml.reader.ReaderError as error:
+        place = _place(text, error.position)
+        raise ConfigError(f"{path}:{place}: holds the character U+{ord(text[error.position]):04X}; remove it") from None
+    except yaml.MarkedYAMLError as error:
+        raise ConfigError(f"{path}:{_marked(error)}") from None
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        raise ConfigError(f"{path}: is no YAML ({' '.join(str(error).split())}); mend it") from None
+    if _contains_itself(tree, ()):
+        raise ConfigError(f"{path}: an alias (*) stands inside what it names; write the values out")
+    return tree
+
+
+def shown(value: Any) -> str:
+    """A value as it is shown in a message: at most 60 characters."""
+    text = json.dumps(value, default=str) if not isinstance(value, float) else repr(value)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+class _Loader(yaml.SafeLoader):
+    """YAML as Snakemake reads it, but a key that is there twice is an error."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        keys = [self.construct_object(key, deep=True) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
+        for number, key in enumerate(keys):
+            if key in keys[:number]:
+                raise yaml.constructor.ConstructorError(problem=f"{key} is there twice", problem_mark=node.start_mark)
+        return super().construct_mapping(node, deep)
+
+
+def _distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    if len(dict(pairs)) < len(pairs):
+        raise ValueError("a key is there twice")  # YAML's reader says which
+    return dict(pairs)
+
+
+def _text(path: Path, content: bytes) -> str:
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise ConfigError(f"{path}:1:1: is UTF-16 text; save it as UTF-8")
+    try:
+        return content.decode().removeprefix("\ufeff")
+    except UnicodeDecodeError as error:
+        before = content[: error.start].decode()
+        byte = f"byte 0x{content[error.start]:02x}"
+        raise ConfigError(f"{path}:{_place(before, len(before))}: is not UTF-8 text ({byte}); save it as UTF-8") from None
+
+
+def _place(text: str, position: int) -> str:
+    """Line and column, both from 1, of a position in a text."""
+    return f"{text.count(chr(10), 0, position) + 1}:{position - text.rfind(chr(10), 0, position)}"
+
+
+def _marked(error: yaml.MarkedYAMLError) -> str:
+    """Line, column, problem and remedy of an error of YAML's reader."""
+    mark, problem = error.problem_mark or error.context_mark, error.problem or "is no YAML"
+    where = f"{mark.line + 1}:{mark.column + 1}" if mark is not None else "1:1"
+    remedy = "write it once" if "twice" in problem else "indent with spaces" if r"\t" in problem else "mend the YAML there"
+    return f"{where}: {problem}; {remedy}"
+
+
+def _contains_itself(value: Any, around: tuple[int, ...]) -> bool:
+    if not isinstance(value, dict | list):
+        return False
+    inner = value.values() if isinstance(value, dict) else value
+    return id(value) in around or any(_contains_itself(one, (*around, id(value))) for one in inner)

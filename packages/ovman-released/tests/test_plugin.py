@@ -1,0 +1,160 @@
+"""The plug-ins: what their overlays register, what a wrong setting says, and the note in the place of missing rows."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+from settings_of import PACKAGE, ROOT, settings_of, tree
+
+from ovman.analysis import metrics
+from ovman.models.note import Note
+from ovman.models.settings import Settings, arms_of
+from ovman.report import tables
+from ovman.report.latex import latex
+from ovman.report.markdown import markdown
+from ovman.report.table import Column, Row, Table
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import StageSettings, canonical, stage_settings
+from ovman_released.notes import forget_failure
+from ovman_released.plugin import COW, DUALMAP, PLUGINS
+from ovman_released.settings import released_cow, released_dualmap
+
+SYSTEMS = {"cow": COW, "dualmap": DUALMAP}
+STAGES = [(system, stage) for (system, name) in SYSTEMS.items() for one in PLUGINS if one.name == name for stage in one.stages]
+
+
+def test_without_the_overlays_there_are_no_arms_of_released_systems_and_no_sections():
+    plain = settings_of()
+    assert type(plain) is Settings and plain.plugins == {}
+    assert not [arm.name for arm in plain.arms.values() if arm.made_by or "released" in arm.name]
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_an_overlay_brings_its_section_and_its_arms_and_no_others(system):
+    plain, there = settings_of(), settings_of(system)
+    name = SYSTEMS[system]
+    assert set(type(there).model_fields) - set(type(plain).model_fields) == {name}
+    new = [arm for arm in there.arms.values() if arm.name not in plain.arms]
+    assert new and {arm.made_by for arm in new} == {name}
+    assert list(there.arms)[: len(plain.arms)] == list(plain.arms)
+    both = settings_of("cow", "dualmap")
+    assert released_cow(both).budget == 250 and released_dualmap(both).side_px == 600
+
+
+def test_a_section_whose_plugin_is_not_registered_is_said_in_one_line():
+    with pytest.raises(TypeError, match="released_cow of type ReleasedCow; section plugins must name its plug-in"):
+        released_cow(settings_of("dualmap"))
+
+
+@pytest.mark.parametrize(("system", "stage"), STAGES)
+def test_a_stage_has_what_it_owns_and_nothing_else(system, stage):
+    settings = settings_of(system)
+    arm = "dualmap_released_two_visits" if stage.endswith("predictions") else None
+    text = canonical(settings, stage, arm)
+    view = StageSettings.parse(text)
+    assert view.canonical == text and view.stage == stage
+    with pytest.raises(AttributeError, match=rf"stage '{stage}' does not own the constant 'maps.cluster_radius_m'"):
+        _ = view.maps.cluster_radius_m
+    if stage == "released_dualmap_setup":
+        assert released_dualmap(view).device == "cuda"
+        with pytest.raises(AttributeError, match="does not own the constant 'released_dualmap.side_px'"):
+            _ = released_dualmap(view).side_px
+    if arm is not None:
+        assert view.arm.made_by == DUALMAP and "plugins" not in json.loads(text)
+
+
+def test_a_setting_of_a_plugin_reruns_its_stages_alone():
+    def texts(**section):
+        settings = settings_of("cow", "dualmap", **section)
+        core = [canonical(settings, name) for name in ("trials", "metrics", "tables")]
+        return core, {stage: canonical(settings, stage) for stage in (COW, DUALMAP, "released_dualmap_setup")}
+
+    core, own = texts()
+    core_after, own_after = texts(released_dualmap={"side_px": 700})
+    assert core_after == core
+    assert {stage for stage in own if own_after[stage] != own[stage]} == {DUALMAP}
+
+
+def test_the_parameter_of_a_core_stage_is_the_same_with_and_without_the_plugin():
+    assert canonical(settings_of("cow"), "trials") == canonical(settings_of(), "trials")
+
+
+@pytest.mark.parametrize(
+    ("sections", "line"),
+    [
+        ({COW: {"budgt": 1}}, "released_cow.budgt is not a setting; did you mean budget?"),
+        ({COW: {"budget": 0}}, "released_cow.budget is 0; it must be greater than or equal to 1 (actions, as released)"),
+        ({COW: {"commit": "main"}}, 'released_cow.commit is "main"; it must '),
+        ({COW: 3}, "released_cow is 3; it must be a section with settings of its own"),
+        ({"plugins": {COW: "ovman_released.cow"}}, "plugins.released_cow is ovman_released.cow, which has no PLUGINS of type "),
+        ({"plugins": {COW: "nowhere.at_all"}}, "plugins.released_cow is nowhere.at_all, which cannot be imported (No module "),
+        ({"plugins": {"x": "ovman_released.plugin"}}, "plugins.x is ovman_released.plugin, which has no plug-in of that name; "),
+        ({"plugins": {"x": 3}}, "plugins.x is 3; it must be a valid string"),
+        ({"arms": {"cow_released": {"made_by": "x"}}}, "arms.cow_released.made_by is x, which is not in section plugins; there"),
+    ],
+)
+def test_a_wrong_setting_of_a_plugin_is_one_line_with_file_key_and_remedy(tmp_path, sections, line):
+    mine = tmp_path / "mine.yaml"
+    mine.write_text(yaml.safe_dump(sections))
+    with pytest.raises(ConfigError) as caught:
+        load(tree("cow", **sections), [ROOT / "config.yaml", PACKAGE / "cow.yaml", mine])
+    said = str(caught.value)
+    assert said.startswith(f"mine.yaml: {line}") and "\n" not in said and len(said) < 250
+
+
+def test_a_setting_that_is_missing_is_in_the_plugins_overlay():
+    given = tree("cow")
+    del given[COW]["threshold"]
+    with pytest.raises(
+        ConfigError, match=r"released_cow\.threshold .* is missing; add it, the plug-in's own overlay has its value"
+    ):
+        load(given)
+
+
+def test_the_snakefile_imports_nothing_heavy_of_it():
+    program = (
+        "import sys, ovman_released.plugin, ovman_released.settings, ovman_released.notes; "
+        "print(*({'numpy', 'ai2thor', 'cv2', 'torch', 'pandas'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_what_was_missing_is_older_than_whatever_it_was_made_of_and_what_ran_is_not(tmp_path):
+    """Snakemake then looks for it again."""
+    Note(system="A", missing="missing").write(tmp_path / "a.json")
+    Note(system="B").write(tmp_path / "b.json")
+    (tmp_path / "input").write_text("")
+    for name in ("a", "b", "nowhere"):
+        forget_failure(tmp_path / f"{name}.json")
+    missing, ran, made_of = ((tmp_path / name).stat().st_mtime for name in ("a.json", "b.json", "input"))
+    assert missing < ran <= made_of and Note.read(tmp_path / "a.json") == Note(system="A", missing="missing")
+
+
+def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
+    path = tmp_path / "released_cow.json"
+    Note(system="CoW (released)", missing="there is no clone in 50 % of a_place; run: x").write(path)
+    arms = arms_of(settings_of("cow").arms)
+    made = {name: Table(name, "Caption.", (Column("a", "a"),), (Row({"a": "1"}),)) for name in ("embodied", "static", "scenes")}
+    after = {name: tables.noted(one, [path], arms) for name, one in made.items()}
+    assert after["static"] == made["static"] and after["scenes"] == made["scenes"]
+    for written in (markdown(after["embodied"]), latex(after["embodied"])):
+        assert "Caption. CoW (released) was not run" in " ".join(written.split())
+        assert "a_place" not in written
+    Note(system="CoW (released)").write(path)
+    assert tables.noted(made["embodied"], [path], arms) == made["embodied"]
+
+
+def test_only_an_arm_of_a_plugin_may_be_without_records():
+    arms = arms_of(settings_of("cow").arms)
+    assert metrics._may_lack(arms) == {"cow_released"} and metrics._may_lack(arms[:1]) == set()
+
+
+def test_a_job_is_given_its_settings_typed():
+    view = stage_settings(settings_of("cow", released_cow={"budget": 7}), COW)
+    assert released_cow(view).budget == 7 and Path(released_cow(view).root) == Path()

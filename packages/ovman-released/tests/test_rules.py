@@ -1,0 +1,46 @@
+"""Rules of released systems: there for those whose overlay is given, and on the GPU where their networks are."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import yaml
+from settings_of import PACKAGE, merged
+
+from tests.workflow.conftest import World
+
+
+def planned(world: World, *systems: str) -> dict[str, list[tuple[str, str]]]:
+    """The rules of a dry run with the overlays of these systems: text and resources of each job."""
+    overlay: dict[str, Any] = {}
+    for system in systems:
+        overlay = merged(overlay, yaml.safe_load((PACKAGE / f"{system}.yaml").read_text()))
+    said = world.snakemake("--dry-run", overlay=overlay)
+    assert said.returncode == 0, said.stdout
+    found: dict[str, list[tuple[str, str]]] = {}
+    for name, text, resources in re.findall(r"^rule (\w+):(.*?)^    resources: (.*?)$", said.stdout, re.MULTILINE | re.DOTALL):
+        found.setdefault(name, []).append((text, resources))
+    return found
+
+
+def test_cow_runs_once_for_all_episodes_and_seeds_on_the_gpu(tmp_path):
+    rules = planned(World(tmp_path), "cow")
+    assert {name: len(jobs) for name, jobs in rules.items() if name.startswith("released")} == {"released_cow": 1}
+    assert re.search(r"\bgpu=1$", rules["released_cow"][0][1])
+    assert not any("cow_released" in text for text, _ in rules["executions"])
+    tables = rules["tables"][0][0]
+    assert "results/notes/released_cow.json" in tables and "released_dualmap" not in tables
+
+
+def test_dualmap_has_a_job_for_its_parts_each_scene_and_each_arm(tmp_path):
+    rules = planned(World(tmp_path), "cow", "dualmap")
+    counts = {name: len(jobs) for name, jobs in rules.items() if name.startswith("released")}
+    expected = {"released_cow": 1, "released_dualmap_setup": 1, "released_dualmap": 1, "released_dualmap_predictions": 4}
+    assert counts == expected
+    assert not any("dualmap_released" in text for text, _ in rules["predictions"])
+
+
+def test_without_their_overlays_there_are_none(tmp_path):
+    rules = planned(World(tmp_path))
+    assert "tables" in rules and not [name for name in rules if name.startswith("released")]
