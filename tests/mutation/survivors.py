@@ -1,7 +1,7 @@
 """Mutation testing: runs mutmut and compares the mutants that survive with those that survivors.toml explains.
 
-`make mutants` runs it. It fails on a survivor without an explanation and on an explanation without a survivor. A mutant is known by
-its function, the line and the mutated line, because mutmut's own numbers shift with every change of the function.
+`make mutants` runs it. It fails on a survivor without an explanation and on an explanation without a survivor. A mutant is known
+by its function, the line and the mutated line, because mutmut's own numbers shift with every change of the function.
 """
 
 from __future__ import annotations
