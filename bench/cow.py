@@ -63,7 +63,7 @@ def walk(session: Session, eyes: Any, settings: Any, budget: int, rng: np.random
     places = sorted(session.reachable())
     x, z = places[rng.integers(len(places))]
     session.teleport(AgentPose(x, z, 30.0 * rng.integers(12)))
-    session.attend(())
+    session.filter_objects(())
     timed = Timed(eyes)
     agent = CowAgent(timed, settings.cow, settings.primitives)
     agent.familiarise(Visit((), np.empty((0, 2))))

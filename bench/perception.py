@@ -23,6 +23,7 @@ import numpy as np
 from measure.bars import Bar, show
 from measure.clock import processor, taken
 from ovman.models.record import read_records
+from ovman.models.scene import Scene
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
@@ -31,7 +32,6 @@ from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import ROOT, WeightsError
 from ovman.sim import visit
 from ovman.sim.change import World
-from ovman.sim.mover import Gait
 from ovman.sim.session import Session
 from ovman.workflow import seeds
 from ovman.workflow.config import load
@@ -52,11 +52,11 @@ def distinct_tours() -> tuple[int, int]:
 
 def record(scene: str, settings: Any, directory: Path) -> Path:
     """The tour of an untouched floor plan, along the waypoints of the release."""
-    (survey,) = read_records(RELEASE / "scenes" / f"{scene}.json")
-    views = visit.tour([(w["x"], w["z"]) for w in survey["waypoints"]], settings.tour.headings)
+    (survey,) = Scene.read(RELEASE / "scenes" / f"{scene}.json")
+    views = visit.tour(survey.waypoints, settings.tour.headings)
     stage = stage_settings(settings, "trials")
     with Session(scene, stage) as session:
-        world = World(session, [], Gait.of(stage), seeds.generator(0, "bench"))
+        world = World(session, [], stage.mover, seeds.generator(0, "bench"))
         visit.record(session, world, scene, [], views, stage.measurement.min_mask_px, directory / scene, "")
     return directory / scene
 

@@ -17,6 +17,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
     doctor = commands.add_parser("doctor", help="what works on this machine, and what to do about what does not")
     doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
+    check = commands.add_parser("check", help="what in results/ is missing, torn or stale, and the command that makes it again")
+    check.add_argument("results", nargs="?", default="results", metavar="DIR", help="default: results")
+    check.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    check.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the results were made with")
     show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
     show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
     show.add_argument("--all", action="store_true", help="every released episode")
@@ -38,6 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     if options.command == "doctor":
         return _doctor(options.thor)
+    if options.command == "check":
+        return _check(options)
     return _show(options) if options.command == "show" else _session(options)
 
 
@@ -49,6 +55,27 @@ def _doctor(thor: bool) -> int:
         print(report([found]), flush=True)
         well &= found.state is not State.ILL
     return 0 if well else 1
+
+
+def _check(options: argparse.Namespace) -> int:
+    from ovman.doctor.results import Results, check
+    from ovman.workflow.config import ConfigError, load_files
+
+    try:
+        settings = load_files([options.config, *options.configfile])
+    except ConfigError as error:
+        print(f"ovman check: {error}", file=sys.stderr)
+        return 1
+    results = Path(options.results).absolute()
+    if results.name != "results":
+        print(f"ovman check: {options.results} is not called results; give the folder that the workflow wrote", file=sys.stderr)
+        return 1
+    faults = 0
+    for line in check(Results(results.parent, settings)):
+        print(line, flush=True)
+        faults += 1
+    print(f"{options.results}: {faults} faults" if faults else f"{options.results}: whole", flush=True)
+    return 1 if faults else 0
 
 
 def _show(options: argparse.Namespace) -> int:

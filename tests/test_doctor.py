@@ -118,8 +118,8 @@ def test_visible_devices_without_vulkaninfo_are_a_trap(monkeypatch: pytest.Monke
 def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_for_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (tmp_path / "ovman").mkdir()
-    (tmp_path / "ovman" / "__init__.py").write_text("raise ImportError('another package of this name')")
+    (tmp_path / "ovman_engine").mkdir()
+    (tmp_path / "ovman_engine" / "__init__.py").write_text("raise ImportError('another package of this name')")
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setenv("PYTHONSAFEPATH", "1")
     found = checks.engine_process()

@@ -15,7 +15,8 @@ from typing import Any
 import cv2
 import numpy as np
 
-from ovman.sim.visit import MILLIMETRES, Visit
+from ovman.models.visit import Visit
+from ovman.sim.visit import MILLIMETRES
 
 SHELL = frozenset({"Floor"})
 
@@ -74,7 +75,7 @@ class TrueScene:
 
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
     """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. FileNotFoundError names an image that is not there."""
-    return scene.ids(_image(directory / f"{view:02d}_ids.png"), visit.views[view]["instances"])
+    return scene.ids(_image(directory / f"{view:02d}_ids.png"), visit.views[view].instances)
 
 
 def depth_m(directory: Path, view: int) -> np.ndarray:

@@ -11,8 +11,8 @@ import numpy as np
 
 from ovman.analysis.instances import TrueObject, TrueScene, depth_m, true_ids
 from ovman.analysis.segmentation import DETECTED, TRUE, segmented
+from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
-from ovman.sim.visit import Visit
 
 if TYPE_CHECKING:
     from ovman.perception.detected import Detected
@@ -59,13 +59,13 @@ def localised(
     The boxes are those of the scene's record, so nothing may have moved: ValueError for a visit with changes.
     """
     visit = Visit.load(directory)
-    if visit.record["alterations"] or any(view["moved"] for view in visit.views):
+    if visit.alterations or any(view.moved for view in visit.views):
         raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.name} are those of the untouched one")
     found = None if detected is None else detected.masks()
     for number, view in enumerate(visit.views):
-        ids, depth, pose = true_ids(scene, visit, directory, number), depth_m(directory, number), view["pose"]
-        place = view["camera"]
-        camera = Camera((place["x"], place["y"], place["z"]), pose["yaw_deg"], pose["horizon_deg"], field_of_view_deg)
+        ids, depth, pose = true_ids(scene, visit, directory, number), depth_m(directory, number), view.pose
+        place = view.camera
+        camera = Camera((place.x, place.y, place.z), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
         for index in np.unique(ids[ids >= 0]):
             mask = ids == index
             if mask.sum() >= min_mask_px:

@@ -14,10 +14,10 @@ from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
 from ovman.models.settings import Settings
+from ovman.models.visit import Visit
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_nouns
 from ovman.perception.retrieval import ranks
-from ovman.sim.visit import Visit
 
 STILL_M = 0.001
 """An object is where the scene's record has it if its box's centre is this close."""
@@ -89,13 +89,13 @@ def seen_in(
 
 def _still(scene: TrueScene, visit: Visit) -> list[bool]:
     """Of every object of the scene, whether it stays where the scene's record has it during a visit."""
-    restless = {name for view in visit.views for name in view["moved"]}
+    restless = {name for view in visit.views for name in view.moved}
 
     def still(name: str, centre: tuple[float, float, float]) -> bool:
-        if name not in visit.record["present"]:
+        if name not in visit.present:
             return True
-        place = visit.record["present"][name]["position"]
-        gap = np.linalg.norm(np.array([place["x"], place["y"], place["z"]]) - centre)
+        place = visit.present[name].position
+        gap = np.linalg.norm(np.array([place.x, place.y, place.z]) - centre)
         return name not in restless and bool(gap <= STILL_M)
 
     return [still(o.id, o.centre) for o in scene.objects]

@@ -17,7 +17,7 @@ from typing import Any
 
 from ovman import __version__
 from ovman.generation.candidates import candidates
-from ovman.generation.certified import oracle_run
+from ovman.generation.certification import oracle_run
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.sim import controller
@@ -42,19 +42,19 @@ def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start
     """What each piece of the work comes to. `start` gives the Controller; visits are written to a directory that goes away."""
     with tempfile.TemporaryDirectory() as visits, Session(scene, views["scenes"], start=start) as session:
         found = survey(session, views["scenes"].tour.waypoints, views["scenes"].primitives.step_m)
-        yield Result("survey", found)
-        drawn = [c for c in candidates(found, views["candidates"]) if c["refused"] is None]
-        first = {relation: next((c for c in drawn if c["relation"] == relation.value), None) for relation in WORK}
+        yield Result("survey", found.to_json())
+        drawn = [c for c in candidates(found, views["candidates"]) if c.refused is None]
+        first = {relation: next((c for c in drawn if c.relation is relation), None) for relation in WORK}
         trials = Trials(session, found, views["trials"], Path(visits))
         for relation, candidate in first.items():
             if candidate is None:
                 continue
             trial = trials.measure(candidate)
-            yield Result(f"{relation.value} trial", trial)
-            if trial["measured"]["ended"] is None:
+            yield Result(f"{relation.value} trial", trial.to_json())
+            if trial.measured.ended is None:
                 certified = views["certified"]
-                seed = seeds.integer(certified.benchmark.seed, "certification", candidate["id"], 0)
-                yield Result(f"{relation.value} oracle", oracle_run(session, trial, seed, certified))
+                seed = seeds.integer(certified.benchmark.seed, "certification", candidate.id, 0)
+                yield Result(f"{relation.value} oracle", {"seed": seed} | oracle_run(session, trial, seed, certified).to_json())
 
 
 def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape:

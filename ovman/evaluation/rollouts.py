@@ -11,7 +11,7 @@ import numpy as np
 
 from ovman.agents.interface import VISITS, CameraPose, Observation, Sighting, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.assignment import assignment_of
 from ovman.evaluation.context import Given, Told
 from ovman.evaluation.observation_store import Senses, of_scene
 from ovman.evaluation.prediction import outcome_json
@@ -22,6 +22,7 @@ from ovman.language import noun
 from ovman.models.record import read_records
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
+from ovman.models.trial import Trial
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.task import Relation
@@ -52,7 +53,7 @@ def execution(
 
     senses: of the trial's scene. AgentError, in one line, where the agent fails.
     """
-    assignment, name, measured = Assignment.of(trial), trial["candidate"]["id"], trial["measured"]
+    assignment, name, measured = assignment_of(Trial.from_json(trial)), trial["candidate"]["id"], trial["measured"]
 
     def draws(of: str) -> np.random.Generator:
         return seeds.generator(constants.benchmark.seed, of, arm.name, name, seed)
@@ -93,7 +94,7 @@ def execution(
         Terms(arm.budget, arm.marks, arm.any_instance),
         seeds.integer(constants.benchmark.seed, "actuation", arm.name, name, seed) if session.embodiment.noisy else None,
     )
-    return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run
+    return {"schema": SCHEMA, "episode": name, "arm": arm.name, "seed": seed} | run.to_json()
 
 
 DECIDING = ("admissibility.",)
@@ -144,7 +145,7 @@ def run(
             for seed in outputs:
                 record = kept.unit(
                     unit(arm, seed, trials[name], constants, senses),
-                    lambda name=name, seed=seed: session.surviving(
+                    lambda name=name, seed=seed: session.with_restarts(
                         lambda: execution(session, arm, seed, trials[name], constants, senses)
                     ),
                 )

@@ -5,14 +5,14 @@ Pure geometry on the record of a scene, floor plane in metres. It only proposes;
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from ovman.models.change import Lane
+from ovman.models.scene import Scene, SceneObject
 from ovman.sim.change import AGENT_RADIUS_M
-from ovman.sim.mover import Lane
 
 SURFACES = frozenset(
     (
@@ -60,16 +60,16 @@ class FreeFloor:
     step_m: float
 
     @staticmethod
-    def of(scene: Mapping[str, Any], item: Mapping[str, Any], step_m: float) -> FreeFloor:
-        top = scene["floor_y"] + item["size"]["y"]
+    def of(scene: Scene, item: SceneObject, step_m: float) -> FreeFloor:
+        top = scene.floor_y + item.size.y
         boxes = [
-            (o["position"]["x"], o["position"]["z"], o["size"]["x"] / 2, o["size"]["z"] / 2)
-            for o in scene["objects"]
-            if o["id"] != item["id"] and o["category"] != "Floor" and (o["category"] in SLABS or _bottom(o) < top)
+            (o.position.x, o.position.z, o.size.x / 2, o.size.z / 2)
+            for o in scene.objects
+            if o.id != item.id and o.category != "Floor" and (o.category in SLABS or _bottom(o) < top)
         ]
         return FreeFloor(
-            np.array(sorted(scene["reachable"])),
-            np.array([(w["x"], w["z"]) for w in scene["waypoints"]]),
+            np.array(sorted(scene.reachable)),
+            np.array(scene.waypoints),
             np.array(boxes).reshape(-1, 4),
             np.array(_half(item)),
             step_m,
@@ -87,7 +87,8 @@ class FreeFloor:
         for k in np.flatnonzero(clear):
             to_cell = np.hypot(*(corners[k][:, None] - self.cells).transpose(2, 0, 1))
             inside[k] = to_cell.min(axis=1) <= AGENT_RADIUS_M + self.step_m / 2
-        return clear & inside.all(axis=1)
+        fitting: np.ndarray = clear & inside.all(axis=1)
+        return fitting
 
 
 @dataclass(frozen=True)
@@ -99,47 +100,45 @@ class Spot:
     height_m: float
 
 
-def _bottom(item: Mapping[str, Any]) -> float:
-    return item["position"]["y"] - item["size"]["y"] / 2
+def _bottom(item: SceneObject) -> float:
+    return item.position.y - item.size.y / 2
 
 
-def _half(item: Mapping[str, Any]) -> tuple[float, float]:
-    return item["size"]["x"] / 2, item["size"]["z"] / 2
+def _half(item: SceneObject) -> tuple[float, float]:
+    return item.size.x / 2, item.size.z / 2
 
 
-def _far_enough(item: Mapping[str, Any], x: float, z: float, distance_m: float) -> bool:
-    return bool(np.hypot(x - item["position"]["x"], z - item["position"]["z"]) >= distance_m)
+def _far_enough(item: SceneObject, x: float, z: float, distance_m: float) -> bool:
+    return bool(np.hypot(x - item.position.x, z - item.position.z) >= distance_m)
 
 
-def floor_spots(
-    scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator
-) -> list[Spot]:
+def floor_spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Free floor for `item` at least `distance_m` from where it is, at most one spot a cell, in random order."""
     points = (floor.cells + rng.uniform(-JITTER_M, JITTER_M, floor.cells.shape)).round(3)[rng.permutation(len(floor.cells))]
-    away = np.hypot(points[:, 0] - item["position"]["x"], points[:, 1] - item["position"]["z"]) >= distance_m
-    height_m = round(scene["floor_y"] + ABOVE_SURFACE_M, 4)
+    away = np.hypot(points[:, 0] - item.position.x, points[:, 1] - item.position.z) >= distance_m
+    height_m = round(scene.floor_y + ABOVE_SURFACE_M, 4)
     return [Spot(float(x), float(z), height_m) for x, z in points[away & floor.fits(points)]]
 
 
-def surface_spots(scene: Mapping[str, Any], item: Mapping[str, Any], distance_m: float, rng: np.random.Generator) -> list[Spot]:
+def surface_spots(scene: Scene, item: SceneObject, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Free places for `item` on furniture at least `distance_m` away: its box clears the boxes of all that stands there."""
     half_x, half_z = _half(item)
     if 2 * max(half_x, half_z) > LARGEST_ON_SURFACE_M:
         return []
     spots = []
-    carriers = [o for o in scene["objects"] if o["category"] in SURFACES and o["id"] != item["id"]]
+    carriers = [o for o in scene.objects if o.category in SURFACES and o.id != item.id]
     for k in rng.permutation(len(carriers)):
         carrier = carriers[k]
         carrier_x, carrier_z = _half(carrier)
         if carrier_x <= half_x or carrier_z <= half_z:
             continue
-        top = carrier["position"]["y"] + carrier["size"]["y"] / 2
+        top = carrier.position.y + carrier.size.y / 2
         for _ in range(6):
-            x = round(carrier["position"]["x"] + rng.uniform(-1, 1) * (carrier_x - half_x), 3)
-            z = round(carrier["position"]["z"] + rng.uniform(-1, 1) * (carrier_z - half_z), 3)
+            x = round(carrier.position.x + rng.uniform(-1, 1) * (carrier_x - half_x), 3)
+            z = round(carrier.position.z + rng.uniform(-1, 1) * (carrier_z - half_z), 3)
             clear = all(
-                _clears(o, x, z, half_x, half_z, top, top + item["size"]["y"])
-                for o in scene["objects"]
+                _clears(o, x, z, half_x, half_z, top, top + item.size.y)
+                for o in scene.objects
                 if o is not carrier and o is not item
             )
             if clear and _far_enough(item, x, z, distance_m):
@@ -148,24 +147,22 @@ def surface_spots(scene: Mapping[str, Any], item: Mapping[str, Any], distance_m:
     return spots
 
 
-def _clears(other: Mapping[str, Any], x: float, z: float, half_x: float, half_z: float, low: float, high: float) -> bool:
-    centre, size = other["position"], other["size"]
+def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float, low: float, high: float) -> bool:
+    centre, size = other.position, other.size
     return bool(
-        abs(centre["x"] - x) > size["x"] / 2 + half_x
-        or abs(centre["z"] - z) > size["z"] / 2 + half_z
+        abs(centre.x - x) > size.x / 2 + half_x
+        or abs(centre.z - z) > size.z / 2 + half_z
         or _bottom(other) > high
-        or centre["y"] + size["y"] / 2 < low - FLUSH_M
+        or centre.y + size.y / 2 < low - FLUSH_M
     )
 
 
-def spots(
-    scene: Mapping[str, Any], item: Mapping[str, Any], floor: FreeFloor, distance_m: float, rng: np.random.Generator
-) -> list[Spot]:
+def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Places for `item`: furniture goes to the floor, small things to furniture or, where there is none, to the floor."""
     return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)
 
 
-def lanes(item: Mapping[str, Any], floor: FreeFloor, minimum_m: float) -> Sequence[Lane]:
+def lanes(item: SceneObject, floor: FreeFloor, minimum_m: float) -> Sequence[Lane]:
     """Straight lanes along the lattice, at least `minimum_m` long, on which `item` meets nothing; from nearest to farthest."""
     step = floor.step_m
     fitting = {(round(x / step), round(z / step)) for x, z in floor.cells[floor.fits(floor.cells)]}
@@ -177,8 +174,8 @@ def lanes(item: Mapping[str, Any], floor: FreeFloor, minimum_m: float) -> Sequen
             while length < longest and (i + (length + 1) * di, j + (length + 1) * dj) in fitting:
                 length += 1
             if length * step >= minimum_m:
-                found.append(Lane(i * step, j * step, (i + length * di) * step, (j + length * dj) * step))
-    here = item["position"]
+                found.append(Lane(x_0=i * step, z_0=j * step, x_1=(i + length * di) * step, z_1=(j + length * dj) * step))
+    here = item.position
     return sorted(
-        found, key=lambda lane: (np.hypot(lane.x_0 - here["x"], lane.z_0 - here["z"]), lane.x_0, lane.z_0, lane.x_1, lane.z_1)
+        found, key=lambda lane: (np.hypot(lane.x_0 - here.x, lane.z_0 - here.z), lane.x_0, lane.z_0, lane.x_1, lane.z_1)
     )

@@ -32,11 +32,17 @@ from ovman.workflow import seeds
 T = TypeVar("T")
 
 
+class ShortSplitError(ValueError):
+    """Fewer episodes were certified than benchmark.split asks for; one line with the counts and the remedies."""
+
+    says_all = True
+
+
 def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> Rejection | None:
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict.rejected is not None:
         return verdict.rejected
-    feasible, *certified = (judged(run, Relation(verdict.relation), success) for run in runs)
+    feasible, *certified = (judged(run, verdict.relation, success) for run in runs)
     if not feasible:
         return Rejection.FEASIBILITY_FAILED
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
@@ -137,7 +143,10 @@ def run(
     sightings_out: Path,
     rejections_out: Path,
 ) -> None:
-    """Write the released episodes, their sightings and the audit of rejections, and say which relations fell short."""
+    """Write the released episodes, their sightings and the audit of rejections.
+
+    ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
+    """
     scenes = {scene.scene: scene for scene in _read(Scene, scene_files)}
     trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files)}
     verdicts = {verdict.id: verdict for verdict in _read(Verdict, admissible_files)}
@@ -145,6 +154,7 @@ def run(
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     released: list[str] = []
+    short: list[str] = []
     for relation in Relation:
         pool: dict[str, list[str]] = {}
         for k, against in rejections.items():
@@ -154,10 +164,12 @@ def run(
         chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, "split", relation.value))
         certified = sum(map(len, pool.values()))
         print(f"{relation.value}: {len(chosen)} released of {certified} certified, {wanted} wanted", flush=True)
-        if len(chosen) < wanted:
-            remedy = f"raise candidates.draws.{relation.value} in config.yaml"
-            print(f"SHORT: {relation.value} has {certified} certified episodes of {wanted}; {remedy}", flush=True)
+        if len(chosen) < wanted and not settings.benchmark.allow_short_split:
+            short.append(f"{relation.value} {certified} of {wanted}")
         released += chosen
+    if short:
+        remedy = "raise candidates.draws, lower benchmark.split, or set benchmark.allow_short_split to true"
+        raise ShortSplitError(f"benchmark.split asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     order = {scene: i for i, scene in enumerate(settings.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(

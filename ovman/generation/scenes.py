@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
+from ovman.models.geometry import Position
+from ovman.models.scene import Scene, SceneObject
 from ovman.navigation import Grid, farthest_points
-from ovman.sim.change import dynamic, position
+from ovman.sim.change import position
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
-
-SCHEMA = "ovman-scene/1"
 
 
 class SceneError(ValueError):
@@ -21,8 +19,8 @@ class SceneError(ValueError):
     says_all = True
 
 
-def survey(session: Session, waypoints: int, step_m: float) -> dict[str, Any]:
-    """The record of an untouched scene: objects, reachable points, components, tour waypoints. Metres, floor plane (x, z).
+def survey(session: Session, waypoints: int, step_m: float) -> Scene:
+    """The record of an untouched scene. waypoints: of its tour; step_m: spacing of the navigation grid, metres.
 
     SceneError for a scene with fewer cells than waypoints.
     """
@@ -37,30 +35,29 @@ def survey(session: Session, waypoints: int, step_m: float) -> dict[str, Any]:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of benchmark.scenes"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
-    return {
-        "schema": SCHEMA,
-        "scene": session.scene,
-        "start": {"x": round(start.x, 4), "z": round(start.z, 4)},
-        "floor_y": round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
-        "reachable": sorted([round(x, 4), round(z, 4)] for x, z in points),
-        "components": sorted((len(c) for c in grid.components()), reverse=True),
-        "waypoints": [
-            {"x": round(x, 4), "z": round(z, 4)} for x, z in map(grid.centre, farthest_points(grid, component, waypoints, spawn))
-        ],
-        "objects": [
-            {
-                "id": k,
-                "category": o["objectType"],
-                "moveable": o["moveable"],
-                "pickupable": o["pickupable"],
-                "receptacle": o["receptacle"],
-                "position": position(o),
-                "size": {axis: round(o["axisAlignedBoundingBox"]["size"][axis], 4) for axis in "xyz"},
-                "parents": o["parentReceptacles"] or [],
-            }
+    return Scene(
+        scene=session.scene,
+        start=(round(start.x, 4), round(start.z, 4)),
+        floor_y=round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
+        reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
+        components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
+        waypoints=tuple(
+            (round(x, 4), round(z, 4)) for x, z in map(grid.centre, farthest_points(grid, component, waypoints, spawn))
+        ),
+        objects=tuple(
+            SceneObject(
+                id=k,
+                category=o["objectType"],
+                moveable=o["moveable"],
+                pickupable=o["pickupable"],
+                receptacle=o["receptacle"],
+                position=position(o),
+                size=Position(**{axis: round(o["axisAlignedBoundingBox"]["size"][axis], 4) for axis in "xyz"}),
+                parents=tuple(o["parentReceptacles"] or ()),
+            )
             for k, o in sorted(objects.items())
-        ],
-    }
+        ),
+    )
 
 
 def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> None:
@@ -69,8 +66,11 @@ def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> No
     with Session(scene, constants) as session:
         record = kept.unit(
             digest(scene, constants.canonical),
-            lambda: session.surviving(lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m)),
+            lambda: session.with_restarts(
+                lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m).to_json()
+            ),
         )
-    output.write_text(json.dumps(record, separators=(",", ":")) + "\n")
-    moving = sum(map(dynamic, record["objects"]))
-    print(f"{scene}: {len(record['reachable'])} cells, {len(record['objects'])} objects, {moving} of them movable", flush=True)
+    found = Scene.from_json(record)
+    output.write_text(found.to_line(), encoding="utf-8")
+    moving = sum(one.dynamic for one in found.objects)
+    print(f"{scene}: {len(found.reachable)} cells, {len(found.objects)} objects, {moving} of them movable", flush=True)

@@ -160,7 +160,7 @@ def _of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | ParseFail
     return "removed" if Tag.WAS_HERE in tags else ParseFailure.NO_RELATION
 
 
-def _of_place(masked: Sequence[str], tags: Collection[Tag], strong: Collection[Tag], goal: Tag) -> str | ParseFailure:
+def _of_place(masked: Sequence[str], tags: frozenset[Tag], strong: frozenset[Tag], goal: Tag) -> str | ParseFailure:
     """The relation of a sentence that asks for a place; goal: WHERE ("where the chair ...") or PLACE ("the spot of the
     chair")."""
     past = bool({Tag.PAST, Tag.FROM, Tag.WAS_HERE} & set(tags))
@@ -184,11 +184,12 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     """WHERE or PLACE if the sentence asks for a place, None if for the thing.
 
     It asks for what stands first behind the last imperative that has an object of its own ("... was moved; go to where it
-    was"),
-    or first in the sentence.
+    was"), or first in the sentence.
     """
     inside = {k for cue in read for k in range(cue.start, cue.end)}
-    heads = [(cue.start, tag) for cue in read for tag in (Tag.WHERE, Tag.PLACE) if tag in cue.tags and _leads(masked, cue, tag)]
+    heads: list[tuple[int, Tag | None]] = [
+        (cue.start, tag) for cue in read for tag in (Tag.WHERE, Tag.PLACE) if tag in cue.tags and _leads(masked, cue, tag)
+    ]
     heads += [
         (k, None) for k, word in enumerate(masked) if word == _THING and k not in inside and not _owns_place(masked, k, read)
     ]

@@ -11,8 +11,9 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from ovman.models.candidate import Candidate
 from ovman.models.change import MoverRecord
 from ovman.models.geometry import Point, Position
-from ovman.models.record import Count, Length, Record
+from ovman.models.record import Count, Length, Record, Text
 from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
 from ovman.models.sighting import Sighting, VisitPair
 from ovman.models.world_state import RecordedWorld
 
@@ -81,10 +82,13 @@ class Trial(Record):
 
 
 class Verdict(Record):
-    """The verdict on a trial, "ovman-verdict/1". rejected: the first of the reasons against it, None where it is admissible."""
+    """The verdict on a trial, "ovman-verdict/1".
+
+    reasons: all against it, in the order of Algorithm 1; rejected: the first of them, None for an admissible trial.
+    """
 
     schema_id: Literal["ovman-verdict/1"] = Field("ovman-verdict/1", alias="schema")
-    id: str
-    relation: str
+    id: Text
+    relation: Relation
     rejected: Rejection | None
     reasons: tuple[Rejection, ...]

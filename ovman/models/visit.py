@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Literal
+from pathlib import Path
+from typing import Literal, Self
 
 from pydantic import Field
 
@@ -55,6 +56,12 @@ class Visit(Record):
     present: Mapping[str, Present]
     mover: MoverRecord | None
     views: tuple[View, ...]
+
+    @classmethod
+    def load(cls, directory: Path) -> Self:
+        """The record of the visit in `directory`. Raises RecordError in one line where it is not what its schema says."""
+        (visit,) = cls.read(directory / "visit.json")
+        return visit
 
     @cached_property
     def positions(self) -> tuple[Mapping[str, Position], ...]:

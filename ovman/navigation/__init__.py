@@ -1,4 +1,4 @@
-"""Where the agent can go, how it gets there, and the primitives that take it there."""
+"""The grid of reachable cells, shortest paths on it, and the navigator that follows them with primitives."""
 
 from ovman.navigation.grid import DIRECTIONS, Cell, Grid
 from ovman.navigation.navigator import Navigator

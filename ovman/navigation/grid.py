@@ -11,10 +11,10 @@ Cell = tuple[int, int]
 """Lattice indices (i, j), along x and along z."""
 
 DIRECTIONS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
-"""The four neighbours, in the order in which they are visited unless a caller says otherwise."""
+"""The four neighbours, in the default order of expansion."""
 
 LATTICE_TOLERANCE_M = 1e-3
-"""How far a position may be from its lattice point. Simulators answer in single precision, which is off by far less."""
+"""Farthest distance of a position from its lattice point. The error of single precision is far smaller."""
 
 _ORIGIN_DECIMALS = 4
 _TIE_DECIMALS = 9
@@ -33,7 +33,7 @@ class Grid:
         """The grid of `points`, (x, z) or (x, y, z) in metres, which lie on a square lattice of spacing `step_m`.
 
         The origin depends on the lattice alone, so grids of one scene before and after a change share their indices. Raises
-        ValueError for a point farther than LATTICE_TOLERANCE_M from the lattice of the smallest one.
+        ValueError for a point farther than LATTICE_TOLERANCE_M from the lattice through the smallest point.
         """
         positions = sorted((float(x), float(z)) for x, *_, z in points)
         if not positions:
@@ -56,7 +56,7 @@ class Grid:
         return self.origin[0] + self.step_m * cell[0], self.origin[1] + self.step_m * cell[1]
 
     def cell_at(self, x: float, z: float) -> Cell | None:
-        """The cell of the grid whose square contains (x, z), None where there is none; on a border the smaller cell."""
+        """The cell of the grid whose square contains (x, z), or None; on a border the smaller cell."""
         u, v = self._lattice(x, z)
         cell = (math.ceil(u - 0.5), math.ceil(v - 0.5))
         return cell if cell in self.cells else None
@@ -89,7 +89,7 @@ class Grid:
     def nearest(self, x: float, z: float, within: Collection[Cell] | None = None) -> Cell:
         """The cell with its centre nearest to (x, z), among `within` (default: the grid); ties go to the smallest (i, j).
 
-        nu(a) of Eq. 4 for `within` the component of the spawn. Raises ValueError where there is no cell.
+        nu(a) of Eq. 4 for `within` the component of the spawn. Raises ValueError for an empty set of cells.
         """
         u, v = self._lattice(x, z)
         among = self.cells if within is None else within

@@ -1,4 +1,4 @@
-"""The navigator: turns a goal on the grid into AI2-THOR's primitives, one decision an action, the same for every agent."""
+"""The navigator: from a goal on the grid to AI2-THOR's primitives, one decision per action, shared by all agents."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str
 
 
 class Navigator:
-    """Plans with A* on a grid, which may be replaced, and remembers the edges whose moves failed.
+    """Plans with A* on a grid, which may be replaced, and remembers the edges on which moves failed.
 
-    `expires`: whether a blocked edge is tried again after `blocked_edge_expiry` actions (MOVING episodes) or avoided for good.
-    `directions`: the order in which A* expands the four neighbours, which decides between paths of equal length.
+    expires: whether a blocked edge is tried again after `blocked_edge_expiry` actions (MOVING episodes) or avoided for good.
+    directions: the order in which A* expands the four neighbours; it decides between paths of equal length.
     """
 
     def __init__(self, grid: Grid, primitives: Primitives, expires: bool, directions: tuple[Cell, ...] | None = None) -> None:
@@ -36,14 +36,14 @@ class Navigator:
         self._path: tuple[Cell, ...] | None = None
 
     def replace(self, grid: Grid) -> None:
-        """Go on with another grid of the same lattice: the world has changed."""
+        """Replace the grid by another one of the same lattice, because the world has changed."""
         self._grid = grid
 
     def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> str | None:
-        """The next action of an agent at (x, z) with `yaw_deg`, whose last move succeeded if `moved`; None if no way is left.
+        """The next action of an agent at (x, z), metres, with `yaw_deg`; None if no path is left.
 
-        It goes to `goal` and, within `stop_within_m` of its centre, turns to the floor-plane point `face` and stops. Where the
-        only ways are blocked by edges that expire, it turns on the spot until one does.
+        moved: whether the last move succeeded. The agent goes to `goal` and, within `stop_within_m` of its centre, turns to the
+        floor-plane point `face` and stops. If expiring edges block every path, it turns on the spot until one expires.
         """
         self._actions += 1
         if self._trying is not None and not moved:
@@ -64,10 +64,10 @@ class Navigator:
         return turn or MOVE_AHEAD
 
     def _plan(self, here: Cell, goal: Cell) -> tuple[Cell, ...] | None:
-        """The path from here to the goal; the one that is being followed, if a detour to the new goal keeps it short enough.
+        """The path from here to the goal: the followed path, extended to the new goal, if that is short enough.
 
-        A goal that moves makes the shortest path flip from one side of the furniture to the other; an agent that follows
-        every flip turns on the spot while the goal goes on.
+        A moving goal makes the shortest path flip from one side of the furniture to the other. An agent that follows every flip
+        turns on the spot while the goal moves on.
         """
         avoided = self._avoided()
         shortest = shortest_path(self._grid, here, goal, avoided, self._directions)
@@ -82,7 +82,7 @@ class Navigator:
         return kept if 1 < len(kept) <= len(shortest) + PATIENCE_CELLS else shortest
 
     def _rest(self, here: Cell, avoided: frozenset[frozenset[Cell]]) -> tuple[Cell, ...] | None:
-        """What is left of the path that is being followed; None if the agent has left it or an edge of it is avoided."""
+        """The rest of the followed path; None if the agent has left the path or must avoid one of its edges."""
         if self._path is None or here not in self._path:
             return None
         rest = self._path[self._path.index(here) :]

@@ -1,4 +1,4 @@
-"""Shortest paths on the grid (A*), and the distances that they give."""
+"""Shortest paths on the grid (A*) and geodesic distances."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from heapq import heappop, heappush
 from ovman.navigation.grid import DIRECTIONS, Cell, Grid
 
 Edge = frozenset[Cell]
-"""Two neighbouring cells, in no order."""
+"""Two neighbouring cells, unordered."""
 
 
 def shortest_path(
     grid: Grid, start: Cell, goal: Cell, blocked: Collection[Edge] = frozenset(), directions: tuple[Cell, ...] | None = None
 ) -> tuple[Cell, ...] | None:
-    """A shortest path from `start` to `goal`, both included, over edges that are not `blocked`; None where there is none.
+    """A shortest path from `start` to `goal`, both included, over edges that are not `blocked`; None if the goal is unreachable.
 
-    A* with the city-block distance. Among paths of equal length the choice hangs on nothing but `directions`, the order in which
-    the neighbours of a cell are tried; over free floor such a path turns once. Raises ValueError if an end is not in the grid.
+    A* with the city-block distance. Among paths of equal length the choice depends only on `directions`, the order in which the
+    neighbours of a cell are expanded; over free floor such a path turns once. Raises ValueError if an end is not in the grid.
     """
     grid.require(start)
     grid.require(goal)
@@ -27,7 +27,7 @@ def shortest_path(
     came_from: dict[Cell, Cell | None] = {start: None}
     length = {start: 0}
     closed: set[Cell] = set()
-    # (length of the path through the cell at best, -length up to it, age): of equals the deepest first, in half the time.
+    # (lower bound of the length through the cell, -length up to it, age): deepest first among equals halves the time.
     open_cells = [(abs(start[0] - goal_i) + abs(start[1] - goal_j), 0, 0, start)]
     age = 0
     while open_cells:
@@ -49,7 +49,7 @@ def shortest_path(
 
 
 def geodesic_m(grid: Grid, start: Cell, goal: Cell, blocked: Collection[Edge] = frozenset()) -> float | None:
-    """Length in metres of a shortest path; None where there is none. Raises ValueError if either end is not in the grid."""
+    """Length in metres of a shortest path; None if the goal is unreachable. ValueError if an end is not in the grid."""
     path = shortest_path(grid, start, goal, blocked)
     return None if path is None else grid.step_m * (len(path) - 1)
 
@@ -70,7 +70,8 @@ def steps_from(grid: Grid, start: Cell) -> dict[Cell, int]:
 
 
 def _trace(came_from: dict[Cell, Cell | None], goal: Cell) -> tuple[Cell, ...]:
-    path, cell = [], goal
+    path: list[Cell] = []
+    cell: Cell | None = goal
     while cell is not None:
         path.append(cell)
         cell = came_from[cell]

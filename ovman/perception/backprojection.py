@@ -1,4 +1,4 @@
-"""From the depth of a mask's pixels to a place in the world (Eq. backproj of the paper).
+"""From the depth of a mask's pixels to a position in the world (Eq. backproj).
 
 World frame: Unity's, left-handed, y up, metres; yaw 0 looks along +z and 90 along +x, a positive horizon looks down. Images have
 row 0 at the top and square pixels, whose centres lie at +0.5.
@@ -37,25 +37,29 @@ class Camera:
 
 def world_points(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """World points (N, 3) of the N pixels of `mask` (H, W) bool, metres. `depth` (H, W): metres along the optical axis."""
-    return pixel_points(depth, *np.nonzero(mask), camera)
+    rows, columns = np.nonzero(mask)
+    return pixel_points(depth, rows, columns, camera)
 
 
 def pixel_points(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, camera: Camera) -> np.ndarray:
     """World points (N, 3) of N pixels, metres. `depth` (H, W): metres along the optical axis."""
-    return _rays(rows + 0.5, columns + 0.5, depth.shape, camera) * depth[rows, columns, None] + np.array(camera.position)
+    rays = _rays(rows + 0.5, columns + 0.5, depth.shape, camera)
+    points: np.ndarray = rays * depth[rows, columns, None] + np.array(camera.position)
+    return points
 
 
 def median_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """Component-wise median (3,) of a mask's world points. ValueError for an empty mask. Source: Eq. backproj."""
     if not mask.any():
-        raise ValueError("an empty mask has no place")
-    return np.median(world_points(depth, mask, camera), axis=0)
+        raise ValueError("an empty mask has no position")
+    point: np.ndarray = np.median(world_points(depth, mask, camera), axis=0)
+    return point
 
 
 def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.ndarray:
     """`median_point` of N masks (N, H, W) bool of one frame, (N, 3), over their pixels that have depth (more than 0).
 
-    NaN for a mask without such a pixel.
+    NaN for a mask without depth.
     """
     height, width = depth.shape
     lens, axes, flat = _lens(height, width, camera.field_of_view_deg), camera.axes(), depth.ravel()
@@ -71,13 +75,15 @@ def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.nd
 def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The point (3,) on the ray through the middle of a mask at its median depth. ValueError for an empty mask.
 
-    What the paper's self-check warns of: it lies on no surface where a mask is not convex or its depth jumps.
+    The self-check of the paper warns of this estimate: for a mask that is not convex, or whose depth jumps, the point lies on no
+    surface.
     """
     rows, columns = np.nonzero(mask)
     if not len(rows):
-        raise ValueError("an empty mask has no place")
+        raise ValueError("an empty mask has no position")
     ray = _rays(np.array([rows.mean() + 0.5]), np.array([columns.mean() + 0.5]), depth.shape, camera)[0]
-    return ray * np.median(depth[rows, columns]) + np.array(camera.position)
+    point: np.ndarray = ray * np.median(depth[rows, columns]) + np.array(camera.position)
+    return point
 
 
 @lru_cache(maxsize=4)
@@ -89,7 +95,8 @@ def _lens(height: int, width: int, field_of_view_deg: float) -> np.ndarray:
 
 def _rays(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, ...], camera: Camera) -> np.ndarray:
     """R K^-1 (u, v, 1) of image points: (N, 3), one metre along the optical axis."""
-    return (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+    rays: np.ndarray = (camera.axes() @ _before(rows, columns, shape[0], shape[1], camera.field_of_view_deg)).T
+    return rays
 
 
 def _before(rows: np.ndarray, columns: np.ndarray, height: int, width: int, field_of_view_deg: float) -> np.ndarray:

@@ -12,7 +12,7 @@ import numpy as np
 class Detection:
     """One instance in one view.
 
-    view: index in the tour; point (3,): its place in the world, metres (`backprojection.median_point`); feature (K,): unit
+    view: index in the tour; point (3,): position in the world, metres (`backprojection.median_point`); feature (K,): unit
     embedding of its crop.
     """
 
@@ -23,10 +23,10 @@ class Detection:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cluster:
-    """One instance as a map has it: (p, f, T) of the paper.
+    """One object of a map: (p, f, T) of the paper.
 
     position (2,): x and z of the median of its points, metres; feature (K,): mean of its embeddings, of unit length;
-    track (T, 2): x and z of its detections in the order they were seen; views (T,): the views they were seen in.
+    track (T, 2): x and z of its detections in the order of the tour; views (T,): their views.
     """
 
     position: np.ndarray
@@ -36,6 +36,7 @@ class Cluster:
 
     @property
     def last_seen(self) -> int:
+        """The last view in which it was detected."""
         return int(self.views[-1])
 
 

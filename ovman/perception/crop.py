@@ -1,4 +1,4 @@
-"""The part of a picture that shows one instance, as the encoder wants it."""
+"""Square crops of instances for the image encoder."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import cv2
 import numpy as np
 
 GREY = 127
-"""What fills a crop beside the picture's own pixels."""
+"""Value of the padding of a crop."""
 
 
 def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int) -> np.ndarray:
     """Square crop (side_px, side_px, 3) uint8 of rgb (H, W, 3) around mask (H, W) bool.
 
-    The mask's box is grown by the fraction `pad` of its longer side on every side and cut at the picture's edges; what it lacks
-    to a square is grey, so that nothing is stretched. ValueError for an empty mask.
+    The mask's box is grown by the fraction `pad` of its longer side on every side and cut at the picture's edges; padding
+    with grey makes it square without stretching. ValueError for an empty mask.
     """
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     if not len(rows):
@@ -24,7 +24,7 @@ def crop(rgb: np.ndarray, mask: np.ndarray, pad: float, side_px: int) -> np.ndar
 
 
 def squared(part: np.ndarray, side_px: int) -> np.ndarray:
-    """A part (H, W, 3) uint8 of a picture, scaled to fit into (side_px, side_px, 3) and amid grey."""
+    """A part (H, W, 3) uint8 of a picture, scaled to fit into (side_px, side_px, 3) and padded with grey."""
     scale = side_px / max(part.shape[:2])
     height, width = (max(round(n * scale), 1) for n in part.shape[:2])
     method = cv2.INTER_AREA if scale < 1 else cv2.INTER_LINEAR

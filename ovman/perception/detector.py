@@ -17,27 +17,27 @@ from ovman.perception.weights import WeightsError, fitting, state
 
 KEY = "perception.detector"
 AT_MOST = 100
-"""Instances that are looked for in a picture."""
+"""Most instances of a picture."""
 TOGETHER = 8
-"""Pictures that go through the network at a time; more of them leave the processor's cache."""
+"""Batch size; larger batches do not fit the processor's cache."""
 _SCORES = re.compile(r"model\.\d+\.cv3\.0\.2\.bias")
-"""The layer that says how sure each class is."""
+"""The bias of the class scores; its length is the number of classes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Detections:
-    """The N instances of one picture, the surest first. masks: (N, H, W) bool; confidence: (N,) in [0, 1]."""
+    """The N instances of one picture by descending confidence. masks: (N, H, W) bool; confidence: (N,) in [0, 1]."""
 
     masks: np.ndarray
     confidence: np.ndarray
 
 
 class Detector:
-    """A segmentation network of ultralytics and what is asked of it.
+    """A segmentation network of ultralytics, used class-agnostically.
 
-    load: gives the network, where that is needed: on a processor only to make a graph of it that is not kept yet. side_px:
-    pictures are scaled to this side; confidence: what is less sure is no instance. The classes of a network that has several
-    are not told apart: where boxes overlap, the surest of all classes stays. options: as ultralytics' predictor has them.
+    load: returns the network; on a processor it is called only to export a graph that the cache does not have. side_px: pictures
+    are scaled to this side; confidence: threshold of an instance. Non-maximum suppression runs over all classes together.
+    options: of ultralytics' predictor.
     """
 
     def __init__(
@@ -63,11 +63,12 @@ class Detector:
 
     @property
     def network(self) -> Callable[[Any], Any]:
-        """What pictures (N, 3, side_px, side_px) in 0 to 1 go through, as it runs."""
-        return self._predict.inference
+        """The network as it runs, for pictures (N, 3, side_px, side_px) in [0, 1]."""
+        inference: Callable[[Any], Any] = self._predict.inference
+        return inference
 
     def at(self, side_px: int) -> Detector:
-        """The same network for pictures that are scaled to another side, a multiple of 32."""
+        """The same network with pictures scaled to another side, a multiple of 32."""
         if side_px not in self._at:
             self._at[side_px] = Detector(self._load, side_px, self._confidence, self._device, self._kept)
         return self._at[side_px]
@@ -86,17 +87,18 @@ class Detector:
 
 
 def empty_network(architecture: str, classes: int = 1) -> Any:
-    """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for one that it has not."""
+    """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for an unknown one."""
     from ultralytics.nn.tasks import SegmentationModel
 
     try:
-        return SegmentationModel(f"{architecture}.yaml", nc=classes, verbose=False)
+        made: Callable[..., Any] = SegmentationModel  # ultralytics has no types
+        return made(f"{architecture}.yaml", nc=classes, verbose=False)
     except (FileNotFoundError, KeyError, AttributeError):
         raise WeightsError(f"{KEY}.architecture is {architecture}, which ultralytics does not have; yolov8n-seg is one") from None
 
 
 def network_of(weights: Path, architecture: str, trust_pickles: bool = False) -> Any:
-    """The network of a file of weights, with as many classes as they are for. WeightsError where they do not fit."""
+    """The network with the weights of a file, which determine its number of classes. WeightsError if they do not fit."""
     tensors = state(weights, trust_pickles, KEY)
     scores = [value for name, value in tensors.items() if _SCORES.fullmatch(name)]
     return fitting(empty_network(architecture, len(scores[0]) if scores else 1), tensors, weights.name, KEY)

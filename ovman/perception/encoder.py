@@ -19,13 +19,16 @@ from ovman.perception.weights import WeightsError, fitting, located, state
 
 KEY = "perception.encoder"
 TOGETHER = 64
-"""Crops or phrases that go through a tower at a time."""
+"""Batch size of crops and phrases."""
 TOWERS = ("embed_dim", "vision_cfg", "text_cfg")
 
 
 @dataclass(frozen=True, slots=True)
 class Architecture:
-    """name: for complaints; towers: open_clip's configuration; mean and deviation (3,): of the pictures that a tower expects."""
+    """Towers of an open_clip model.
+
+    name: for messages; towers: open_clip's configuration; mean and deviation (3,): normalisation of pictures.
+    """
 
     name: str
     towers: Mapping[str, Any]
@@ -36,7 +39,7 @@ class Architecture:
 def architecture(model: str, tag: str = "") -> Architecture:
     """The towers that a name of open_clip or a configuration file (.json) describes; `tag` names released weights, if any.
 
-    WeightsError for a model that there is not, a file that is none, and towers that are not open_clip's own.
+    WeightsError for an unknown model, an unreadable file, and towers that are not CLIP's own.
     """
     from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
     from open_clip.factory import get_model_config
@@ -46,7 +49,7 @@ def architecture(model: str, tag: str = "") -> Architecture:
     if path is None:
         towers, released = get_model_config(model), get_pretrained_cfg(model, tag)
         if towers is None:
-            raise WeightsError(f"{KEY}.model is {model}, which is no model of open_clip; name one of its, or a file (.json)")
+            raise WeightsError(f"{KEY}.model is {model}, which is no model of open_clip; name one that it has or a file (.json)")
     else:
         towers, released = _configuration(path, model), {}
     foreign = {*towers} - {*TOWERS, "quick_gelu"} | {name for name in towers["text_cfg"] if name.startswith("hf_")}
@@ -75,10 +78,10 @@ def network_of(weights: Path, of: Architecture, trust_pickles: bool = False) -> 
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
-    """What has to be known of the towers to prepare crops for them and to read what they give.
+class EncoderFacts:
+    """What preparing crops and reading embeddings needs of the towers.
 
-    side_px: of the crops; size: of the embeddings; mean and deviation (3,): of the pictures.
+    side_px: of the crops; size: K of the embeddings; mean and deviation (3,): normalisation of pictures.
     """
 
     side_px: int
@@ -87,16 +90,17 @@ class Facts:
     deviation: tuple[float, ...]
 
     @staticmethod
-    def of(network: Any, of: Architecture) -> Facts:
+    def of(network: Any, of: Architecture) -> EncoderFacts:
+        """The facts of a network of an architecture."""
         side = network.visual.image_size
-        return Facts(int(side if isinstance(side, int) else side[0]), int(of.towers["embed_dim"]), of.mean, of.deviation)
+        return EncoderFacts(int(side if isinstance(side, int) else side[0]), int(of.towers["embed_dim"]), of.mean, of.deviation)
 
 
 class Encoder:
-    """The towers, and what crops and phrases become before they enter them.
+    """The image and text towers of an open_clip model, with their preprocessing.
 
-    load: gives the towers and their architecture, where they are needed: on a processor only for what is not kept yet, a graph of
-    the image tower and embeddings of phrases. side_px: of the crops that the image tower takes; size: K, of the embeddings.
+    load: returns the towers and their architecture; on a processor it is called only for a graph of the image tower or
+    embeddings of phrases that the cache does not have. side_px: of the crops; size: K of the embeddings.
     """
 
     def __init__(
@@ -105,7 +109,7 @@ class Encoder:
         import torch
 
         self._load, self._device, self._kept = load, device, kept or NetworkCache(None)
-        facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(*self._towers))).encode()))
+        facts = json.loads(self._kept.content("facts.json", lambda: json.dumps(asdict(EncoderFacts.of(*self._towers))).encode()))
         self.side_px, self.size = facts["side_px"], facts["size"]
         self._mean, self._deviation = (
             torch.tensor(facts[name], device=device).view(1, 3, 1, 1) for name in ("mean", "deviation")
@@ -120,13 +124,16 @@ class Encoder:
     def _tokens(self) -> Callable[[list[str]], Any]:
         from open_clip.tokenizer import SimpleTokenizer
 
-        return SimpleTokenizer(context_length=self._towers[1].towers["text_cfg"].get("context_length", 77))
+        length = self._towers[1].towers["text_cfg"].get("context_length", 77)
+        tokenizer: Callable[[list[str]], Any] = SimpleTokenizer(context_length=length)
+        return tokenizer
 
     @cached_property
     def look(self) -> Callable[[Any], Any]:
-        """What crops (N, 3, side_px, side_px) go through: the image tower, on a processor as a graph."""
+        """The image tower as it runs, for crops (N, 3, side_px, side_px); on a processor a graph."""
         if self._device != "cpu":
-            return self._towers[0].encode_image
+            tower: Callable[[Any], Any] = self._towers[0].encode_image
+            return tower
         shape = (0, 3, self.side_px, self.side_px)
         graph = Graph(self._kept.content("images.onnx", lambda: exported(self._towers[0].visual, shape)))
         return lambda crops: graph(crops)[0]
@@ -165,10 +172,10 @@ def _configuration(path: Path, name: str) -> Mapping[str, Any]:
     try:
         towers = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise WeightsError(f"{KEY}.model: {name}: {error.strerror}; name a model of open_clip, or a file that there is") from None
+        raise WeightsError(f"{KEY}.model: {name}: {error.strerror}; name a model of open_clip or an existing file") from None
     except ValueError as error:
         raise WeightsError(f"{KEY}.model: {name} is not JSON ({error}); write an object with {', '.join(TOWERS)}") from None
     kinds = (int, Mapping, Mapping)
     if not isinstance(towers, Mapping) or not all(isinstance(towers.get(k), kind) for k, kind in zip(TOWERS, kinds, strict=True)):
-        raise WeightsError(f"{KEY}.model: {name} describes no towers; write an object with {', '.join(TOWERS)}")
+        raise WeightsError(f"{KEY}.model: {name} has no towers; write an object with {', '.join(TOWERS)}")
     return towers

@@ -1,4 +1,4 @@
-"""A network as a graph that ONNX Runtime runs on a processor, in half to two thirds of the time that torch takes there."""
+"""Networks as ONNX graphs. ONNX Runtime takes half to two thirds of torch's time on a processor."""
 
 from __future__ import annotations
 
@@ -9,26 +9,27 @@ from typing import Any
 
 OPSET = 17
 NUMBER = "number"
-"""The name of an axis that is as long as it needs to be."""
+"""Name of the dynamic batch axis."""
 
 
 def exported(network: Any, shape: Sequence[int]) -> bytes:
-    """What `network`, a module of torch on the processor and in evaluation, does with pictures of one shape, as an ONNX file.
+    """A torch module, on the processor and in evaluation mode, as an ONNX file for pictures of one shape.
 
-    shape: (N, C, H, W) of the pictures; N of 0 is any number of them.
+    shape: (N, C, H, W) of the pictures; N of 0 makes the batch axis dynamic.
     """
     import torch
 
     number, *picture = shape
     file = io.BytesIO()
+    to: Any = file  # torch writes to one, and its types do not say so
     fast = torch.backends.mha.get_fastpath_enabled()
-    torch.backends.mha.set_fastpath_enabled(False)  # one operation of torch's own, which no graph has
+    torch.backends.mha.set_fastpath_enabled(False)  # an operation without an ONNX equivalent
     try:
         with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
             torch.onnx.export(
                 network,
                 (torch.zeros(number or 2, *picture),),
-                file,
+                to,
                 dynamo=False,
                 opset_version=OPSET,
                 input_names=["pictures"],
@@ -40,9 +41,7 @@ def exported(network: Any, shape: Sequence[int]) -> bytes:
 
 
 class Graph:
-    """What the file of `exported` says, on one thread, so that it gives the same numbers whatever else the processor does. They
-    are those of torch up to rounding.
-    """
+    """A graph of `exported`, run on one thread, so that its output does not depend on load. It equals torch's up to rounding."""
 
     def __init__(self, file: bytes) -> None:
         from onnxruntime import InferenceSession, SessionOptions
@@ -52,7 +51,7 @@ class Graph:
         self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
 
     def __call__(self, pictures: Any) -> tuple[Any, ...]:
-        """The tensors that the network gives for pictures, a tensor of the shape that the graph is for."""
+        """The outputs of the network for a tensor of pictures of the graph's shape."""
         import torch
 
         return tuple(map(torch.from_numpy, self._session.run(None, {"pictures": pictures.contiguous().numpy()})))

@@ -1,6 +1,6 @@
-"""The network libraries keep to themselves: nothing is asked of the network, nothing installed, no file of the user's written.
+"""Environment variables that keep the network libraries offline: no requests, no installations, no settings files.
 
-They read these variables once, while they are imported.
+The libraries read them once, at import.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ def cache() -> Path:
 
 
 def keep_to_themselves() -> None:
-    """Set what ultralytics and the hub's client read. What the user has set stays, but for the first two."""
-    # At its import ultralytics looks up two hosts and writes its settings; when a network is run it reports how it is used.
+    """Set the variables of ultralytics and of the hub's client. All but the first two keep a value that the user has set."""
+    # At import ultralytics contacts two hosts and writes settings; at inference it reports usage.
     os.environ["YOLO_OFFLINE"] = "true"
-    # It would install packages that it misses with pip, into an environment that is locked.
+    # ultralytics would install missing packages with pip into the locked environment.
     os.environ["YOLO_AUTOINSTALL"] = "false"
     os.environ.setdefault("YOLO_CONFIG_DIR", str(cache()))
     os.environ.setdefault("YOLO_VERBOSE", "false")

@@ -1,4 +1,4 @@
-"""Stage `maps`: the detections of every tour, clustered into the map of its visit. Pure."""
+"""Stage `maps`: clusters the detections of every tour into the map of its visit. Pure."""
 
 from __future__ import annotations
 

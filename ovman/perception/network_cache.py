@@ -1,7 +1,8 @@
-"""What is made of a network's weights, kept in the user's cache so that it is made once and not in every job.
+"""A cache of files derived from network weights (graphs, embeddings of phrases) in the user's cache folder.
 
-It hangs on nothing but what its owner is called by; a file that is torn or was changed is made again, and where nothing can be
-written nothing is kept. A file is written beside its place and renamed, so two processes may make the same one.
+The key is a digest of everything the content depends on. Every file begins with the digest of its content; a damaged file is
+made again. Without write access nothing is cached. Files are written beside their place and renamed, so that processes may write
+the same file at once.
 """
 
 from __future__ import annotations
@@ -16,21 +17,21 @@ from pathlib import Path
 from ovman.perception.libraries import cache
 
 AT_MOST = 16
-"""Networks whose files are kept, those that were used last."""
+"""Most networks with cached files; the least recently used ones are removed."""
 _DIGEST = hashlib.sha256().digest_size
 
 
 class NetworkCache:
-    """The files of one network.
+    """The cached files of one network.
 
-    owner: digest of all that they hang on, None for a network of which nothing is kept.
+    owner: digest of all that the files depend on; None caches nothing.
     """
 
     def __init__(self, owner: str | None) -> None:
         self._directory = None if owner is None else cache() / "networks" / owner
 
     def content(self, name: str, make: Callable[[], bytes]) -> bytes:
-        """The content of that name; it is made, and kept, if it is not there whole."""
+        """The content of a name; made and cached if the file is missing or damaged."""
         if self._directory is None:
             return make()
         path = self._directory / name
@@ -42,7 +43,7 @@ class NetworkCache:
         if len(whole) >= _DIGEST and hashlib.sha256(whole[_DIGEST:]).digest() == whole[:_DIGEST]:
             return whole[_DIGEST:]
         made = make()
-        with suppress(OSError):  # a full or read-only disk, or another process that forgets this network
+        with suppress(OSError):  # a full or read-only disk, or another process that removes this network
             _write(path, hashlib.sha256(made).digest() + made)
             _forget(path.parent)
         return made
@@ -59,7 +60,7 @@ def _write(path: Path, whole: bytes) -> None:
 
 
 def _forget(used: Path) -> None:
-    """Removes the networks that were used longest ago."""
+    """Remove the least recently used networks."""
     others = [directory for directory in used.parent.iterdir() if directory != used]
     for directory in sorted(others, key=lambda one: one.stat().st_mtime, reverse=True)[AT_MOST - 1 :]:
         shutil.rmtree(directory, ignore_errors=True)

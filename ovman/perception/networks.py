@@ -1,4 +1,4 @@
-"""The networks that the settings name, with their weights, on their device."""
+"""The networks of the settings, with their weights, on their device."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from ovman.models.settings.networks import Perception
 from ovman.perception import detector, encoder, graph, predictor, weights
 from ovman.perception.detector import Detector
 from ovman.perception.encoder import Encoder
@@ -27,24 +28,23 @@ LIBRARIES = (
     "opencv-python",
     "opencv-python-headless",
 )
-"""By their distributions: what the numbers that a network gives may depend on beside its weights."""
+"""Distributions on whose versions the output of a network may depend."""
 
 
-def detector_weights(perception: Any) -> Path:
-    """The detector's file; `perception` is the section of config.yaml. WeightsError, in one line, where it cannot be had."""
+def detector_weights(perception: Perception) -> Path:
+    """The file of the detector's weights. WeightsError, in one line, if it is not available."""
     settings = perception.detector
     return detector_file(settings.weights, perception.trust_pickles, settings.sha256)
 
 
-def encoder_weights(perception: Any) -> Path:
-    """The encoder's file; `perception` is the section of config.yaml. WeightsError, in one line, where it cannot be had."""
+def encoder_weights(perception: Perception) -> Path:
+    """The file of the encoder's weights. WeightsError, in one line, if it is not available."""
     settings = perception.encoder
     return encoder_file(settings.model, settings.weights, perception.trust_pickles, settings.sha256)
 
 
-def detector_of(perception: Any, confidence: float | None = None) -> Detector:
-    """The detector of the section `perception` of config.yaml, or one that is as sure as its caller wants. WeightsError, in one
-    line, where it cannot be had."""
+def detector_of(perception: Perception, confidence: float | None = None) -> Detector:
+    """The detector of the settings, with another confidence threshold if one is given. WeightsError if it is not available."""
     settings = perception.detector
     _prepare(perception.device)
     path = detector_weights(perception)
@@ -57,8 +57,8 @@ def detector_of(perception: Any, confidence: float | None = None) -> Detector:
     )
 
 
-def encoder_of(perception: Any) -> Encoder:
-    """The encoder of the section `perception` of config.yaml. WeightsError, in one line, where it cannot be had."""
+def encoder_of(perception: Perception) -> Encoder:
+    """The encoder of the settings. WeightsError, in one line, if it is not available."""
     settings = perception.encoder
     _prepare(perception.device)
     path = encoder_weights(perception)
@@ -72,11 +72,11 @@ def encoder_of(perception: Any) -> Encoder:
     return Encoder(load, perception.device, _kept(perception.device, (encoder,), sha256(path), described))
 
 
-def looked_at_by(perception: Any) -> dict[str, Any]:
-    """What tells apart two pairs of networks that may see different things in the same frame: the bytes of their weights and of
-    the encoder's configuration, every constant of the section `perception` that they use, and the libraries' versions.
+def looked_at_by(perception: Perception) -> dict[str, Any]:
+    """Cache key of the networks: everything that what they see in a frame can depend on. JSON-serialisable.
 
-    JSON-serialisable. Names of files do not count. WeightsError where weights cannot be had.
+    It holds digests of the weights and of the encoder's configuration, the constants of the section `perception`, and the
+    versions of the libraries; names of files do not count. WeightsError if weights are not available.
     """
     finds, names = perception.detector, perception.encoder
     towers = located(names.model)
@@ -90,7 +90,7 @@ def looked_at_by(perception: Any) -> dict[str, Any]:
 
 
 def _prepare(device: str) -> None:
-    """One thread, and no choices by trial: a job's numbers do not depend on what else the machine does."""
+    """One thread and no autotuning, so that numbers do not depend on the load of the machine."""
     import cv2
     import torch
 
@@ -98,19 +98,19 @@ def _prepare(device: str) -> None:
     torch.backends.cudnn.benchmark = False
     cv2.setNumThreads(1)
     if device == "cuda" and not torch.cuda.is_available():
-        raise WeightsError("perception.device is cuda, and there is no GPU that torch can use; set it to cpu")
+        raise WeightsError("perception.device is cuda, but torch finds no GPU; set it to cpu")
 
 
 def _kept(device: str, makers: Sequence[ModuleType], *of: Any) -> NetworkCache:
-    """Where what is made of a network is kept: by its weights and form, by the code and the libraries that make it, and by the
-    instructions of the processor, which round differently. On a GPU nothing is made."""
+    """The cache of a network, keyed by its weights and architecture, the code and libraries that derive files from it, and the
+    instruction set, which affects rounding. Nothing is cached for a GPU."""
     import torch
 
     if device != "cpu":
         return NetworkCache(None)
     code = [sha256(Path(str(module.__file__))) for module in (*makers, graph, weights)]
-    hangs_on = [of, code, _libraries(), torch.backends.cpu.get_cpu_capability()]
-    return NetworkCache(hashlib.sha256(json.dumps(hangs_on).encode()).hexdigest())
+    depends_on = [of, code, _libraries(), torch.backends.cpu.get_cpu_capability()]
+    return NetworkCache(hashlib.sha256(json.dumps(depends_on).encode()).hexdigest())
 
 
 def _libraries() -> dict[str, str]:

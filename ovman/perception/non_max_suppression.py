@@ -1,4 +1,4 @@
-"""Of boxes that overlap, the surest: greedy suppression, whatever their classes are."""
+"""Greedy class-agnostic non-maximum suppression."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ import numpy as np
 
 
 def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold: float, at_most: int) -> np.ndarray:
-    """Indices of the first `at_most` boxes that stay, the surest first: those that no surer one that stays overlaps by more than
-    `iou_threshold`.
+    """Indices of at most `at_most` kept boxes by descending confidence.
 
-    boxes: (N, 4) float32, two opposite corners x, y, x, y with the smaller coordinates first; confidence: (N,). Of equally sure
-    boxes the first comes first. Gives what torchvision's `nms` gives, without the two seconds that its import takes; ultralytics
-    takes that one or a slow one of its own, by what the process happens to have imported.
+    A box is kept if its IoU with every kept box of higher confidence is at most `iou_threshold`. boxes: (N, 4) float32, corners
+    x, y, x, y with the smaller coordinates first; confidence: (N,), ties in the order of the boxes. The result equals
+    torchvision's `nms`, whose import takes two seconds. ultralytics' own choice between two implementations depends on what the
+    process has imported.
     """
     order = np.argsort(-confidence, kind="stable")
     left, top, right, bottom = boxes[order].T
@@ -27,4 +27,5 @@ def non_max_suppression(boxes: np.ndarray, confidence: np.ndarray, iou_threshold
         with np.errstate(invalid="ignore"):
             overlap = shared / (area[first] + area[waiting] - shared)
         waiting = waiting[~(overlap > np.float64(iou_threshold))]
-    return order[np.array(stay, int)]
+    kept: np.ndarray = order[np.array(stay, int)]
+    return kept

@@ -1,4 +1,4 @@
-"""Stage `nouns`: the embedding of every noun phrase of the vocabulary."""
+"""Stage `nouns`: embeds every noun phrase of the vocabulary."""
 
 from __future__ import annotations
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 LEAST_IOU = 0.5
-"""A mask shows the instance that it overlaps by at least this."""
+"""Least IoU of a mask with the instance that it shows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """Counts of instances over pictures: true ones and how many of them were found, found ones and how many of them are true."""
+    """Counts over pictures: true instances, recalled ones among them, detections, and right ones among them."""
 
     true: int = 0
     recalled: int = 0
@@ -24,12 +24,12 @@ class Found:
 
     @property
     def recall(self) -> float:
-        """NaN where there is nothing to find."""
+        """recalled / true; NaN without true instances."""
         return self.recalled / self.true if self.true else float("nan")
 
     @property
     def precision(self) -> float:
-        """NaN where nothing was found."""
+        """right / found; NaN without detections."""
         return self.right / self.found if self.found else float("nan")
 
 
@@ -44,7 +44,7 @@ def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> t
 
 
 def found(iou: np.ndarray, sizes: np.ndarray, min_mask_px: int, least_iou: float = LEAST_IOU) -> Found:
-    """What IoU (N, K) says: true instances are those of at least `min_mask_px` pixels; a mask on a smaller one is right too."""
+    """Counts for IoU (N, K): a true instance has at least `min_mask_px` pixels; a detection of a smaller one is right, too."""
     true = sizes >= min_mask_px
     recalled = iou.max(axis=0, initial=0.0) >= least_iou
     right = iou.max(axis=1, initial=0.0) >= least_iou

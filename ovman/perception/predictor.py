@@ -1,4 +1,4 @@
-"""ultralytics' predictor, which prepares pictures and reads masks from what a network gives for them."""
+"""ultralytics' predictor: preprocessing of pictures and decoding of masks."""
 
 from __future__ import annotations
 
@@ -16,36 +16,36 @@ from ovman.perception.non_max_suppression import non_max_suppression
 
 
 @dataclass(frozen=True, slots=True)
-class Facts:
-    """What has to be known of a network to prepare pictures for its graph and to read what that gives.
+class DetectorFacts:
+    """What preprocessing and decoding need of a network.
 
-    stride: sides of its pictures are multiples of it; end2end: it suppresses overlaps itself.
+    stride: divides the sides of its pictures; end2end: it has non-maximum suppression of its own.
     """
 
     stride: int
     end2end: bool
 
     @staticmethod
-    def of(network: Any) -> Facts:
-        return Facts(max(int(network.stride.max()), 32), bool(getattr(network, "end2end", False)))
+    def of(network: Any) -> DetectorFacts:
+        """The facts of a network of ultralytics."""
+        return DetectorFacts(max(int(network.stride.max()), 32), bool(getattr(network, "end2end", False)))
 
 
 def with_network(options: Mapping[str, Any], network: Any) -> Any:
-    """ultralytics' predictor, which looks for the instances of one picture after the other.
+    """ultralytics' predictor, one picture at a time.
 
-    Given several, its suppression of overlaps stops after two seconds of wall clock and leaves the rest of them without any.
+    For a batch its non-maximum suppression stops after two seconds of wall time and drops the remaining pictures.
     """
     from ultralytics.models.yolo.segment import SegmentationPredictor
 
     class Unhurried(SegmentationPredictor):
-        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
+        def postprocess(self, preds: Any, img: Any, orig_imgs: Any, **kwargs: Any) -> list[Any]:
+            each: Any = super()
             boxes, prototypes = preds[0] if isinstance(preds[0], tuple) else preds[:2]
             return [
                 result
                 for n in range(len(orig_imgs))
-                for result in super(Unhurried, self).postprocess(
-                    ((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1]
-                )
+                for result in each.postprocess(((boxes[n : n + 1], prototypes[n : n + 1]),), img[n : n + 1], orig_imgs[n : n + 1])
             ]
 
     network = network.to(options["device"]).float().eval()
@@ -56,15 +56,17 @@ def with_network(options: Mapping[str, Any], network: Any) -> Any:
 
 
 def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: NetworkCache) -> Any:
-    """ultralytics' predictor on a processor, where pictures go one by one through a graph for their shape.
+    """ultralytics' predictor on a processor: pictures go one by one through a graph of their shape.
 
-    load: gives the network, if there is a graph to make of it that is not kept yet.
+    load: returns the network; called only for a graph that the cache does not have.
     """
     import torch
     from ultralytics.models.yolo.segment import SegmentationPredictor
-    from ultralytics.utils.ops import xywh2xyxy
+    from ultralytics.utils import ops
 
-    facts = Facts(**json.loads(kept.content("facts.json", lambda: json.dumps(asdict(Facts.of(load()))).encode())))
+    untyped: Any = ops  # as all of ultralytics
+
+    facts = DetectorFacts(**json.loads(kept.content("facts.json", lambda: json.dumps(asdict(DetectorFacts.of(load()))).encode())))
 
     @cache
     def graph(*shape: int) -> Graph:
@@ -75,30 +77,31 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
         def inference(self, im: Any, *args: Any, **kwargs: Any) -> Any:
             return [graph(1, *im.shape[1:])(picture[None]) for picture in im]
 
-        def postprocess(self, preds: Any, img: Any, orig_imgs: Any) -> list[Any]:
+        def postprocess(self, preds: Any, img: Any, orig_imgs: Any, **kwargs: Any) -> list[Any]:
+            whole: Any = self
             return [
                 result
                 for n, (boxes, prototypes) in enumerate(preds)
-                for result in self.construct_results(
+                for result in whole.construct_results(
                     [self._instances(boxes[0], prototypes.shape[1])], img[n : n + 1], orig_imgs[n : n + 1], prototypes
                 )
             ]
 
         def _instances(self, boxes: Any, coefficients: int) -> Any:
-            """Corners, confidence, class and coefficients of the mask (N, 6 + coefficients) of what is sure enough and stays."""
+            """Corners, confidence, class and mask coefficients (N, 6 + coefficients) of the kept boxes."""
             sure, most = self.args.conf, self.args.max_det
             if facts.end2end:
                 return boxes[boxes[:, 4] > sure][:most]
             end = len(boxes) - coefficients
             found = boxes[:, boxes[4:end].amax(0) > sure].T
             confidence, of = found[:, 4:end].max(1, keepdim=True)
-            corners = xywh2xyxy(found[:, :4])
+            corners = untyped.xywh2xyxy(found[:, :4])
             stay = torch.from_numpy(non_max_suppression(corners.numpy(), confidence[:, 0].numpy(), self.args.iou, most))
             return torch.cat((corners, confidence, of.float(), found[:, end:]), 1)[stay]
 
-    made = Graphs(overrides=dict(options))
+    made: Any = Graphs(overrides=dict(options))
     made.device = torch.device("cpu")
-    made.model = SimpleNamespace(  # what it asks of a network that takes pictures of any shape
+    made.model = SimpleNamespace(  # what the predictor asks of a network for pictures of any shape
         format="onnx",
         dynamic=True,
         stride=facts.stride,
@@ -112,7 +115,7 @@ def with_graphs(options: Mapping[str, Any], load: Callable[[], Any], kept: Netwo
 
 
 def _boxes(network: Any, most: int) -> Any:
-    """Of what a network gives, what counts where nothing is learned: boxes with their scores, and prototypes of masks."""
+    """The outputs that inference uses: boxes with scores, and mask prototypes."""
     import torch
 
     class Boxes(torch.nn.Module):
@@ -125,6 +128,6 @@ def _boxes(network: Any, most: int) -> Any:
             return given[0] if isinstance(given[0], tuple) else given[:2]
 
     fused = deepcopy(network).float().eval().fuse(verbose=False)
-    if Facts.of(fused).end2end:
+    if DetectorFacts.of(fused).end2end:
         fused.set_head_attr(max_det=max(most, 300), agnostic_nms=True)
     return Boxes(fused).eval()

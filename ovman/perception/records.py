@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman.perception.array_file import read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
 
 DETECTIONS, MAPS, NOUNS = "ovman-detections/2", "ovman-maps/2", "ovman-nouns/2"
 _ARRAYS = ("view", "point", "feature", "pixels", "confidence")
@@ -33,9 +33,9 @@ def read_detections(path: Path) -> dict[str, Detected]:
     """The detections of visits by their names. ArrayFileError for a file that is none of detections."""
     arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
-    def masks(number: int) -> Masks:
+    def masks(number: int) -> PackedMasks:
         height, width = arrays[f"{number}.shape"].tolist()
-        return Masks(height, width, lambda: read_array(path, f"{number}.bits"))
+        return PackedMasks(height, width, lambda: read_array(path, f"{number}.bits"))
 
     return {
         name: Detected(

@@ -1,9 +1,10 @@
-"""Retrieval: where the right category stands among all categories of a scene, by similarity of crops and nouns."""
+"""Retrieval: the rank of the right category among all categories of a scene, by similarity of crops and nouns."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -25,11 +26,11 @@ class Ranks:
         return (self.own < k).astype(float)
 
     def top_by_synonym(self, k: int) -> np.ndarray:
-        """(N,) share of the synonyms by which the right category is among the first k; NaN where there are none."""
+        """(N,) share of the synonyms by which the right category is among the first k; NaN without synonyms."""
         return np.array([np.mean(ranks < k) if len(ranks) else np.nan for ranks in self.synonyms])
 
     def chance(self, k: int) -> np.ndarray:
-        """(N,) what guessing gives."""
+        """(N,) expected value for a random order."""
         return np.minimum(k / self.choices, 1.0)
 
 
@@ -63,12 +64,21 @@ def ranks(
         against = features[rows] @ of_noun[others].T
         phrases = [nouns[order[i]][0] for i in others]
 
-        def before(phrase: str, rows=rows, against=against, phrases=phrases) -> np.ndarray:
-            rival = np.array([other != phrase for other in phrases], bool)
-            return (against[:, rival] >= (features[rows] @ text[phrase].astype(float))[:, None]).sum(axis=1)
-
+        before = partial(_before, features[rows], against, phrases, text)
         own[rows] = before(nouns[category][0])
         renamed = np.stack([before(phrase) for phrase in nouns[category][1:]] or [np.zeros(len(rows), int)], axis=1)
         for row, of_row in zip(rows, renamed[:, : len(nouns[category]) - 1], strict=True):
             by_synonym[row] = of_row
     return Ranks(own, tuple(by_synonym), np.full(len(features), len(order)))
+
+
+def _before(
+    features: np.ndarray, against: np.ndarray, phrases: Sequence[str], text: Mapping[str, np.ndarray], phrase: str
+) -> np.ndarray:
+    """(R,) how many other categories come before the right one, if that goes by `phrase`.
+
+    features (R, K): of the crops; against (R, C): similarities to the nouns `phrases` of the C other categories.
+    """
+    rival = np.array([other != phrase for other in phrases], bool)
+    ahead: np.ndarray = (against[:, rival] >= (features @ text[phrase].astype(float))[:, None]).sum(axis=1)
+    return ahead

@@ -1,6 +1,6 @@
-"""Detections by the content of what was looked at, so that identical tours are seen once, whatever their names and in every run.
+"""A store of detections keyed by the content of a tour and of the networks, so that identical tours are processed once.
 
-A file is written beside its place and renamed, so that what exists is whole; two processes may write the same one.
+Files are written beside their place and renamed, so that processes may write the same file at once.
 """
 
 from __future__ import annotations
@@ -21,10 +21,7 @@ class Store:
         self._directory = directory
 
     def kept(self, content: str, look: Callable[[], Detected]) -> tuple[Detected, bool]:
-        """The detections of a content, looked for and kept first if they are not there yet; and whether they were there.
-
-        A file that cannot be read is made again.
-        """
+        """The detections of a content, and whether the store had them. `look` makes missing ones, also for a damaged file."""
         path = self._directory / content[:2] / f"{content}.npz"
         if path.exists():
             try:

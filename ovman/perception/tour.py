@@ -1,54 +1,33 @@
-"""From the views of a tour to its detections: masks, their places in the world, and embeddings of their crops."""
+"""From the views of a tour to its detections: masks, their positions in the world, and embeddings of their crops."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from ovman.perception.backprojection import Camera, median_points
 from ovman.perception.crop import crop
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.protocols import ImageEncoder, Segmenter
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class View:
-    """One frame. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis, 0 where there is none; camera: of both."""
+    """One frame. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis, 0 if unknown; camera: of both."""
 
     rgb: np.ndarray
     depth: np.ndarray
     camera: Camera
 
 
-class Segments(Protocol):
-    """masks (N, H, W) bool of one picture, the surest first, and how sure (N,)."""
-
-    masks: np.ndarray
-    confidence: np.ndarray
-
-
-class Segmenter(Protocol):
-    """Finds instances in pictures: `ovman.perception.detector.Detector`."""
-
-    def detect(self, pictures: Sequence[np.ndarray]) -> Sequence[Segments]: ...
-
-
-class Embedder(Protocol):
-    """Embeds crops: `ovman.perception.encoder.Encoder`."""
-
-    side_px: int
-
-    def images(self, crops: np.ndarray) -> np.ndarray: ...
-
-
 def detections(
-    views: Sequence[View], detector: Segmenter, encoder: Embedder, min_mask_px: int, crop_padding: float, content: str = ""
+    views: Sequence[View], detector: Segmenter, encoder: ImageEncoder, min_mask_px: int, crop_padding: float, content: str = ""
 ) -> Detected:
-    """What is detected in the views of a tour (at least one), in their order.
+    """The detections in the views of a tour (at least one), in their order.
 
-    A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its place is the median of those
+    A mask counts if it has at least `min_mask_px` pixels and some of them have depth; its position is the median of those
     (Eq. backproj). ValueError for a tour without views.
     """
     if not views:
@@ -73,6 +52,6 @@ def detections(
         feature=encoder.images(squares),
         pixels=every.sum(axis=(1, 2), dtype=np.int64),
         confidence=np.concatenate(confidence).astype(np.float32),
-        packed=Masks.of(every),
+        packed=PackedMasks.of(every),
         content=content,
     )

@@ -1,5 +1,5 @@
 """Recorded tours as files: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png` (16 bit,
-millimetres). What else a recording says about the world is not read."""
+millimetres). Nothing else of a recording is read."""
 
 from __future__ import annotations
 
@@ -21,9 +21,11 @@ PICTURES = ("rgb", "depth")
 class TourError(ValueError):
     """A recorded tour that cannot be read; one line with the file and the remedy."""
 
+    says_all = True
+
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
-    """The cameras of a recorded tour's views, where they were when they looked. TourError if there is no tour."""
+    """The cameras of the views of a recorded tour. TourError if its record cannot be read."""
     file = directory / "visit.json"
     try:
         views = json.loads(file.read_text(encoding="utf-8"))["views"]
@@ -37,7 +39,7 @@ def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
             for view in views
         ]
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise TourError(f"{file}: no recorded tour ({type(error).__name__}: {error}); record the visit again") from None
+        raise TourError(f"{file}: not a readable tour ({type(error).__name__}: {error}); record the visit again") from None
 
 
 def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
@@ -53,7 +55,7 @@ def view(directory: Path, number: int, camera: Camera) -> View:
 
 
 def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
-    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, which says who looks at them and how."""
+    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks."""
     found = hashlib.sha256(seen_by.encode())
     for number, camera in enumerate(cameras(directory, field_of_view_deg)):
         found.update(repr(camera).encode())
@@ -73,5 +75,5 @@ def _file(directory: Path, number: int, kind: str) -> Path:
 def _picture(path: Path) -> np.ndarray:
     picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     if picture is None:
-        raise TourError(f"{path}: no picture that can be read; record the visit again")
+        raise TourError(f"{path}: not a readable picture; record the visit again")
     return picture

@@ -1,7 +1,7 @@
-"""Where weights come from: files, or releases that are downloaded. No pickle is opened unless its user says so.
+"""Weights: files, or releases that are downloaded. A pickle is opened only if the user trusts it.
 
-A pickle can run code of whoever made it when it is opened; .safetensors files cannot. Imports no network library until a file is
-opened, so that the workflow can ask which weights are files.
+Opening a pickle can run code of its author; a .safetensors file cannot. Network libraries are imported when a file is opened, so
+that the Snakefile can ask which weights are files.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def state(path: Path, trust_pickles: bool, key: str) -> dict[str, Any]:
         raise WeightsError(
             f"{key}.weights: {path.name} cannot be opened ({_line(error)}); give a whole file of weights"
         ) from None
-    for name in ("ema", "model", "state_dict"):  # ultralytics' trainer keeps an average, which is the better network
+    for name in ("ema", "model", "state_dict"):  # ultralytics' trainer keeps a moving average, the better network
         if isinstance(held, Mapping) and held.get(name) is not None:
             held = held[name]
             break
@@ -128,7 +128,7 @@ def _difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, A
 def _allow(name: str, trust_pickles: bool, key: str) -> None:
     if not name.endswith(SAFE) and not trust_pickles:
         raise WeightsError(
-            f"{key}.weights: {name} is a pickle, which can run code of whoever made it when it is opened; "
+            f"{key}.weights: {name} is a pickle, which can run code of its author when it is opened; "
             f"set perception.trust_pickles to true if you trust it, or give a {SAFE} file"
         )
 

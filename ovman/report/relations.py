@@ -17,7 +17,7 @@ import numpy as np
 from ovman.agents.interface import VISITS
 from ovman.models.record import read_records
 from ovman.models.settings import Settings
-from ovman.sim.visit import Visit
+from ovman.models.visit import View, Visit
 from ovman.task import Relation
 
 PANEL_INCHES = 2.6
@@ -32,11 +32,11 @@ THERE_M = 0.15
 
 
 def project(
-    point: Sequence[float], view: Mapping[str, Any], width_px: int, height_px: int, field_of_view_deg: float
+    point: Sequence[float], view: View, width_px: int, height_px: int, field_of_view_deg: float
 ) -> tuple[float, float, float]:
     """Pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; nan where it lies behind the camera."""
-    camera, yaw, pitch = view["camera"], math.radians(view["pose"]["yaw_deg"]), math.radians(view["pose"]["horizon_deg"])
-    offset = np.subtract(point, [camera["x"], camera["y"], camera["z"]])
+    camera, yaw, pitch = view.camera, math.radians(view.pose.yaw_deg), math.radians(view.pose.horizon_deg)
+    offset = np.subtract(point, [camera.x, camera.y, camera.z])
     right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
     forward = np.array([math.sin(yaw) * math.cos(pitch), -math.sin(pitch), math.cos(yaw) * math.cos(pitch)])
     up = np.cross(forward, right)
@@ -47,7 +47,7 @@ def project(
     return width_px / 2 + focal * float(offset @ right) / depth, height_px / 2 - focal * float(offset @ up) / depth, depth
 
 
-def _score(point: Sequence[float], view: Mapping[str, Any], camera: Any) -> float:
+def _score(point: Sequence[float], view: View, camera: Any) -> float:
     """How well a view shows a point: central and at a good distance; -inf where it is out of the frame."""
     u, v, depth = project(point, view, camera.width_px, camera.height_px, camera.field_of_view_deg)
     if depth <= 0.3 or not (0 <= u < camera.width_px and 0 <= v < camera.height_px):
@@ -60,7 +60,7 @@ def _pin_point(episode: Mapping[str, Any], first: Visit, second: Visit) -> tuple
     """The answer in space: on the floor plane where the record says, at the height of the object that is or was there."""
     relation = Relation(episode["relation"])
     where = (first if relation.past else second).positions[-1][episode["target"]]
-    return episode["answer"]["x"], where["y"], episode["answer"]["z"]
+    return episode["answer"]["x"], where.y, episode["answer"]["z"]
 
 
 def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants: Settings) -> tuple[int, float]:
@@ -71,8 +71,8 @@ def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants
     target, answer = episode["target"], episode["answer"]
     scores = [-math.inf] * len(showing.views)
     for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
-        away = math.hypot(here[target]["x"] - answer["x"], here[target]["z"] - answer["z"])
-        px = view["seen"].get(target, 0)
+        away = math.hypot(here[target].x - answer["x"], here[target].z - answer["z"])
+        px = view.seen.get(target, 0)
         if px >= min_mask_px and away <= THERE_M:
             scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / min_mask_px)
     return int(np.argmax(scores)), float(max(scores))
@@ -105,7 +105,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
         point = _pin_point(episode, first, second)
         for row, visit in enumerate((first, second)):
             axis = axes[row, column]
-            axis.imshow(plt.imread(visits / visit.name / f"{index:02d}_rgb.png"))
+            axis.imshow(plt.imread(visits / visit.visit / f"{index:02d}_rgb.png"))
             axis.set_xticks([])
             axis.set_yticks([])
             for spine in axis.spines.values():

@@ -110,7 +110,7 @@ def _started(kind: type[Controller], **options: Any) -> Controller:
     A simulator that ends before it has opened its pipes would leave the client opening them for ever, and so would one that never
     opens them. What is left of a failed start is ended.
     """
-    made = kind.__new__(kind)
+    made: Controller = object.__new__(kind)
     done = threading.Event()
     watch = threading.Thread(target=_let_go, args=(made, done), name="watch-start", daemon=True)
     watch.start()

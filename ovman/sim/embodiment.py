@@ -92,4 +92,5 @@ class Embodiment:
             axes.append(np.floor(tangents / own + ours / 2.0).astype(int))
         rows, columns = axes
         inside = ((rows >= 0) & (rows < self.height_px))[:, None] & ((columns >= 0) & (columns < self.width_px))
-        return mask[np.clip(rows, 0, self.height_px - 1)][:, np.clip(columns, 0, self.width_px - 1)] & inside
+        found: np.ndarray = mask[np.clip(rows, 0, self.height_px - 1)][:, np.clip(columns, 0, self.width_px - 1)] & inside
+        return found

@@ -50,7 +50,7 @@ class Session:
     A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
     and primitives.turn_deg. `embodiment` is the agent's body where it is another than the benchmark's own, `start` what gives the
     Controller where that is not `controller.start`. Every step that fails raises SimulatorError unless it is said to be allowed,
-    and SimulatorDied if there is no simulator any more; see `surviving`.
+    and SimulatorDied if there is no simulator any more; see `with_restarts`.
     """
 
     def __init__(
@@ -77,7 +77,7 @@ class Session:
                 self._controller.stop()
             self._controller = None
 
-    def surviving(self, work: Callable[[], Result]) -> Result:
+    def with_restarts(self, work: Callable[[], Result]) -> Result:
         """What `work` returns. If the simulator dies meanwhile, `work` is done again from its beginning, with another one.
 
         `work` begins with a reset and depends on nothing that it changed itself. SimulatorDied if a number of simulators die.
@@ -103,6 +103,7 @@ class Session:
 
     @property
     def started(self) -> bool:
+        """Whether a simulator is running."""
         return self._controller is not None
 
     def reset(self) -> None:
@@ -128,31 +129,35 @@ class Session:
 
     @property
     def pose(self) -> AgentPose:
+        """The agent's pose after the last step."""
         agent = self._event.metadata["agent"]
         return AgentPose(agent["position"]["x"], agent["position"]["z"], agent["rotation"]["y"] % 360.0, agent["cameraHorizon"])
 
     @property
     def camera(self) -> Mapping[str, float]:
-        """Where the camera is: x, y, z in metres."""
-        return self._event.metadata["cameraPosition"]
+        """Position of the camera, x, y, z in metres, after the last step."""
+        found: Mapping[str, float] = self._event.metadata["cameraPosition"]
+        return found
 
     @property
     def rgb(self) -> np.ndarray | None:
         """(H, W, 3) uint8 of the last step's image, None if it had none."""
-        return self._event.frame
+        frame: np.ndarray | None = self._event.frame
+        return frame
 
     @property
     def depth(self) -> np.ndarray:
         """(H, W) float32 of the last step's image, metres along the optical axis."""
-        return self._event.depth_frame
+        depth: np.ndarray = self._event.depth_frame
+        return depth
 
     @property
     def objects(self) -> Mapping[str, Mapping[str, Any]]:
         """Metadata of every object by objectId, as of the last step."""
         return {o["objectId"]: o for o in self._event.metadata["objects"]}
 
-    def attend(self, object_ids: Collection[str]) -> None:
-        """Only these objects are in `objects` until the next reset: metadata are most of what a step without an image costs."""
+    def filter_objects(self, object_ids: Collection[str]) -> None:
+        """Report only these objects in `objects` until the next reset: metadata are most of an imageless step's cost."""
         self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
     def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ovman.models.visit import Visit
 from ovman.navigation import Grid, shortest_path
 from ovman.perception.backprojection import Camera
 from ovman.sim import visit
 from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session, bearing_deg
-from ovman.sim.visit import Visit
 
 SAME_M, SAME_DEG = 1e-3, 1e-3
 """What is closer than this is the same place, or the same yaw."""
@@ -103,17 +103,17 @@ def way(grid: Grid, here: AgentPose, there: AgentPose) -> list[AgentPose]:
 
 
 def check(session: Session, world: World, recorded: Visit) -> None:
-    """Raises WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
-    where = f"{session.scene}: the walk of {recorded.name}"
-    was, now = recorded.record["mover"], world.mover
-    if was is not None and (now is None or (round(now.along_m, 4), now.direction) != (was["along_m"], was["direction"])):
-        raise WalkError(f"{where} left the mover at {now}, not where the visit did ({was['along_m']}); record the visits again")
+    """Raise WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
+    where = f"{session.scene}: the walk of {recorded.visit}"
+    was, now = recorded.mover, world.mover
+    if was is not None and (now is None or (round(now.along_m, 4), now.direction) != (was.along_m, was.direction)):
+        raise WalkError(f"{where} left the mover at {now}, not where the visit did ({was.along_m}); record the visits again")
     session.step("ResetObjectFilter")
     objects = session.objects
     for instance, ended in recorded.positions[-1].items():
         at = position(objects[instance])
-        if math.dist(at.values(), ended.values()) > ENDED_M:
-            raise WalkError(f"{where} left {instance} at {at}, not at {ended}; record the visits again")
+        if math.dist((at.x, at.y, at.z), (ended.x, ended.y, ended.z)) > ENDED_M:
+            raise WalkError(f"{where} left {instance} at {at!r}, not at {ended!r}; record the visits again")
 
 
 def _apart_m(a: AgentPose, b: AgentPose) -> float:

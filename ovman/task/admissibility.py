@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Set
 from dataclasses import dataclass
 
+from ovman.models.query import Query
 from ovman.models.rejection import Rejection
 from ovman.models.settings import Settings
 from ovman.models.world_state import WorldState, displacement_m
-from ovman.task.referents import Query, referents
+from ovman.task.referents import referents
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,7 +61,8 @@ def run(
     from ovman.training.half import HalfTrainer
 
     torch.set_num_threads(1)
-    ultralytics.settings.update({"sync": False})
+    made: Any = ultralytics  # which has no types
+    made.settings.update({"sync": False})
     settings = constants.training.detector
     epochs, rate = (
         (settings.epochs, settings.learning_rate) if start is None else (settings.further_epochs, settings.further_learning_rate)
@@ -73,7 +74,7 @@ def run(
     for name, folders in lists.items():
         (work / f"{name}.txt").write_text("".join(f"{one.image.resolve()}\n" for one in recorded(folders)))
     data.write_text(f"path: {work.resolve()}\ntrain: train.txt\nval: val.txt\nnames:\n  0: object\n")
-    trainer = HalfTrainer(
+    trainer: Any = HalfTrainer(
         overrides={
             "model": f"{perception.detector.architecture}.yaml",
             "pretrained": False,

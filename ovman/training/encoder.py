@@ -47,7 +47,7 @@ TOWERS = Architecture("encoder.json", MODEL, OPENAI_DATASET_MEAN, OPENAI_DATASET
 
 
 @dataclass(frozen=True, slots=True)
-class Ranks:
+class RetrievalRates:
     """Retrieval among the categories that a scene has: how often the right one is first, or among the first five."""
 
     top_1: float
@@ -136,7 +136,7 @@ def run(
             model.logit_scale.fill_(math.log(SCALES[0]) + rise * math.log(SCALES[1] / SCALES[0]))
         optimiser.zero_grad(set_to_none=True)
         loss = _loss(model, lessons, batch, generator)
-        loss.backward()
+        loss.backward()  # type: ignore[no-untyped-call]
         torch.nn.utils.clip_grad_norm_(model.parameters(), CLIPPED)
         optimiser.step()
         keep = min(MEMORY, step / (step + 10))
@@ -192,11 +192,12 @@ def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Ge
     said = F.normalize(model.encode_text(lessons.attributed[word, noun]), dim=-1)
     true = (lessons.right[noun][:, labels[few]].T & words[:, word]).float()
     own = (scale * seen[few] @ said.T).log_softmax(1)
-    return loss - ATTRIBUTE * (true / true.sum(1, keepdim=True) * own).sum(1).mean()
+    total: torch.Tensor = loss - ATTRIBUTE * (true / true.sum(1, keepdim=True) * own).sum(1).mean()
+    return total
 
 
 @torch.no_grad()
-def ranks(model: Any, scenes: Sequence[Crops]) -> Ranks:
+def ranks(model: Any, scenes: Sequence[Crops]) -> RetrievalRates:
     """Retrieval of the right category among all that a scene's crops have, over the crops of all scenes.
 
     A synonym that several categories share is right for each of them.
@@ -225,7 +226,7 @@ def ranks(model: Any, scenes: Sequence[Crops]) -> Ranks:
                 best = similar[here][:, others].max(dim=1).values if others else torch.full((int(here.sum()),), -1.0)
                 synonym_first += float((seen[here] @ said > best).sum()) / len(nouns(category)[1:])
             synonym_total += float(here.sum()) if len(nouns(category)) > 1 else 0.0
-    return Ranks(first / max(total, 1), fifth / max(total, 1), synonym_first / max(synonym_total, 1.0))
+    return RetrievalRates(first / max(total, 1), fifth / max(total, 1), synonym_first / max(synonym_total, 1.0))
 
 
 def _texts(model: Any, tokenise: Any, names: Sequence[str]) -> torch.Tensor:

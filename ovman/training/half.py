@@ -14,11 +14,15 @@ class HalfNetwork(SegmentationModel):
     """A network whose layers compute in bfloat16 while it is trained; its weights and its losses stay in single precision."""
 
     def predict(self, x: torch.Tensor, *arguments: Any, **options: Any) -> Any:
+        base: Any = super()  # ultralytics has no types
         if not self.training:
-            return super().predict(x, *arguments, **options)
+            return base.predict(x, *arguments, **options)
         with torch.autocast(x.device.type, torch.bfloat16):
-            found = super().predict(x.contiguous(memory_format=torch.channels_last), *arguments, **options)
+            found = base.predict(x.contiguous(memory_format=torch.channels_last), *arguments, **options)
         return _single(found)
+
+
+_NETWORK: Any = HalfNetwork
 
 
 class HalfTrainer(SegmentationTrainer):
@@ -29,11 +33,12 @@ class HalfTrainer(SegmentationTrainer):
         super().__init__(overrides=overrides)
 
     def get_model(self, cfg: Any = None, weights: Any = None, verbose: bool = True) -> HalfNetwork:
-        network = HalfNetwork(cfg, nc=self.data["nc"], ch=self.data["channels"], verbose=verbose)
+        network: Any = _NETWORK(cfg, nc=self.data["nc"], ch=self.data["channels"], verbose=verbose)
         network.names = self.data["names"]
         if self._start is not None:
             network.load_state_dict({name: value.float() for name, value in self._start.items()})
-        return network.to(memory_format=torch.channels_last)
+        made: HalfNetwork = network.to(memory_format=torch.channels_last)
+        return made
 
     def validate(self) -> tuple[dict[str, float], float]:
         """The held-out scenes are looked at between steps, by this project's own measure."""

@@ -45,7 +45,7 @@ class Looked:
 
 
 @dataclass(frozen=True, slots=True)
-class Score:
+class ThresholdScore:
     """Views in which something was found rightly, found wrongly, and not found, at a threshold."""
 
     threshold: float
@@ -59,11 +59,12 @@ class Score:
         return 2 * self.right / max(2 * self.right + self.wrong + self.missed, 1)
 
 
-def scores(looked: list[Looked], thresholds: np.ndarray) -> list[Score]:
+def scores(looked: list[Looked], thresholds: np.ndarray) -> list[ThresholdScore]:
     """The scores of all thresholds, in their order."""
     right, wrong, shown = (np.array([getattr(one, name) for one in looked]) for name in ("right", "wrong", "shown"))
     return [
-        Score(float(t), int((right >= t).sum()), int((wrong >= t).sum()), int((shown & (right < t)).sum())) for t in thresholds
+        ThresholdScore(float(t), int((right >= t).sum()), int((wrong >= t).sum()), int((shown & (right < t)).sum()))
+        for t in thresholds
     ]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.training.pictures import Picture, Shown
+from ovman.training.pictures import Picture, ShownObject
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +41,13 @@ def read(pictures: Sequence[RecordedPicture]) -> Iterator[Picture]:
         if one.folder not in objects:
             objects = {one.folder: (one.folder / "objects.jsonl").read_text(encoding="utf-8").splitlines()}
         lines = json.loads(objects[one.folder][one.number])
-        shown = tuple(Shown(o["type"], o["asset"], tuple(o["materials"]), tuple(o["size_m"])) for o in lines)
-        ids = cv2.imread(str(one.folder / "ids" / one.image.name), cv2.IMREAD_UNCHANGED)
-        yield Picture(cv2.imread(str(one.image))[..., ::-1], ids.astype(np.int16) - 1, shown)
+        shown = tuple(ShownObject(o["type"], o["asset"], tuple(o["materials"]), tuple(o["size_m"])) for o in lines)
+        rgb, ids = _png(one.image, cv2.IMREAD_COLOR)[..., ::-1], _png(one.folder / "ids" / one.image.name, cv2.IMREAD_UNCHANGED)
+        yield Picture(rgb, ids.astype(np.int16) - 1, shown)
+
+
+def _png(path: Path, mode: int) -> np.ndarray:
+    picture = cv2.imread(str(path), mode)
+    if picture is None:
+        raise OSError(f"{path}: no picture that can be read; remove its folder and record the pictures again")
+    return picture

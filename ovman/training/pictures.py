@@ -27,7 +27,7 @@ UNSEEN = frozenset(["Floor"])
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class ShownObject:
     """An object in a picture: type, asset and materials by AI2-THOR's names, and the size of its box along x, y and z, metres."""
 
     type: str
@@ -42,7 +42,7 @@ class Picture:
 
     rgb: np.ndarray
     ids: np.ndarray
-    objects: tuple[Shown, ...]
+    objects: tuple[ShownObject, ...]
 
 
 def pictures(controller: Any, scene: str, count: int, rng: np.random.Generator) -> Iterator[Picture]:
@@ -91,7 +91,8 @@ def _draw(controller: Any, rng: np.random.Generator, own: bool) -> list[dict[str
         for found in controller.last_event.metadata["objects"]:
             if (found["pickupable"] or found["moveable"]) and rng.random() < TAKEN:
                 step("DisableObject", objectId=found["objectId"])
-    return step("GetReachablePositions").metadata["actionReturn"]
+    positions: list[dict[str, float]] = step("GetReachablePositions").metadata["actionReturn"]
+    return positions
 
 
 def picture_of(event: Any) -> Picture:
@@ -102,12 +103,12 @@ def picture_of(event: Any) -> Picture:
     known = {o["objectId"]: o for o in event.metadata["objects"] if o["objectType"] not in UNSEEN}
     names = {c["color"][0] << 16 | c["color"][1] << 8 | c["color"][2]: c["name"] for c in event.metadata["colors"]}
     table = np.full(len(values), -1, np.int16)
-    objects: list[Shown] = []
+    objects: list[ShownObject] = []
     for i, value in enumerate(values.tolist()):
         found = known.get(names.get(value, ""))
         if found is not None:
             table[i] = len(objects)
             size = found["axisAlignedBoundingBox"]["size"]
             materials = tuple(found["salientMaterials"] or ())
-            objects.append(Shown(found["objectType"], found["assetId"], materials, (size["x"], size["y"], size["z"])))
+            objects.append(ShownObject(found["objectType"], found["assetId"], materials, (size["x"], size["y"], size["z"])))
     return Picture(event.frame.copy(), table[inverse].reshape(code.shape), tuple(objects))

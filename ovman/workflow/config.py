@@ -21,7 +21,7 @@ from ovman.workflow.plugins import PluginError, plugin, with_sections
 from ovman.workflow.settings_files import ConfigError, read, read_sections, shown
 from ovman.workflow.stages import matching
 
-__all__ = ["ConfigError", "file_with", "load"]
+__all__ = ["ConfigError", "file_with", "load", "load_files"]
 
 Contradiction = tuple[tuple[str, ...], str]
 """The place of a setting, and what is wrong with its value and what to do."""
@@ -148,12 +148,28 @@ def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str
     return named
 
 
-def _in_order(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, Any]:
+def load_files(files: Sequence[str | Path]) -> Settings:
+    """The settings of config.yaml and of overlays on top of it, later ones winning, as Snakemake merges them."""
+    tree: dict[Any, Any] = {}
+    for file in files:
+        _merge(tree, read_sections(Path(file)))
+    return load(tree, files)
+
+
+def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
+    for key, value in over.items():
+        if isinstance(value, Mapping) and isinstance(tree.get(key), dict):
+            _merge(tree[key], value)
+        else:
+            tree[key] = dict(value) if isinstance(value, Mapping) else value
+
+
+def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[str, Any]:
     """The tree with its arms in the order of the files: whoever merges files may begin with the last one's keys."""
     arms = tree.get("arms")
     if len(files) < 2 or not isinstance(arms, Mapping):
         return tree
-    trees = [read(path) for path in files]
+    trees = [read(Path(path)) for path in files]
     sections = [tree.get("arms") for tree in trees if isinstance(tree, Mapping)]
     names = dict.fromkeys(name for section in sections if isinstance(section, Mapping) for name in section)
     return {**tree, "arms": {name: arms[name] for name in (*names, *arms) if name in arms}}
@@ -205,15 +221,16 @@ def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Se
 
 
 def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:
-    model: Any = settings
+    model: type[BaseModel] = settings
     names = iter(path)
     for name in names:
         field = model.model_fields.get(name)
-        model = field.annotation if field is not None else None
-        if get_origin(model) is dict and next(names, None) is not None:
-            model = get_args(model)[1]
-        if not (isinstance(model, type) and issubclass(model, BaseModel)):
+        inner: Any = field.annotation if field is not None else None
+        if get_origin(inner) is dict and next(names, None) is not None:
+            inner = get_args(inner)[1]
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
             return None
+        model = inner
     return model
 
 

@@ -15,11 +15,13 @@ import shutil
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from ovman import atomic
+from ovman.workflow import checksums
 from ovman.workflow.at_work import job_at_work
 from ovman.workflow.parameter import StageSettings
 
@@ -43,6 +45,7 @@ class Job:
         self._snakemake = snakemake
         self._stack = stack
         self._partial: dict[Path, Path] = {}
+        self._digests = checksums.verified(_flat(snakemake.input))
         self.constants = StageSettings.parse(snakemake.params.constants)
 
     def __getattr__(self, name: str) -> str:
@@ -87,9 +90,8 @@ class Job:
     def _beside(self, place: Path) -> Path:
         if place not in self._partial:
             place.parent.mkdir(parents=True, exist_ok=True)
-            for left in place.parent.glob(f".{place.name}.*.partial"):
-                _remove(left)
-            self._partial[place] = place.with_name(f".{place.name}.{os.getpid()}.partial")
+            atomic.clear_partials(place)
+            self._partial[place] = atomic.partial_path(place)
         return self._partial[place]
 
     def _done(self) -> None:
@@ -97,13 +99,16 @@ class Job:
             if not partial.exists():
                 raise RuntimeError(f"{self._snakemake.rule} wrote no {place}")
         for place, partial in self._partial.items():
-            if partial.is_dir():
-                _remove(place)
-            os.replace(partial, place)
+            atomic.put(partial, place)
+            checksums.record(place, self._snakemake.rule, self._digests)
 
     def _failed(self) -> None:
         for partial in self._partial.values():
-            _remove(partial)
+            atomic.remove(partial)
+
+
+def _flat(files: Iterable[str | list[str]]) -> list[str]:
+    return [name for value in files for name in ([value] if isinstance(value, str) else value)]
 
 
 @contextmanager
@@ -123,13 +128,15 @@ def job(snakemake: Any) -> Iterator[Job]:
             stack.enter_context(job_at_work(snakemake.rule, str(snakemake.log)))
         if int(snakemake.resources.get("gpu", 0)) > 0:
             stack.enter_context(held(gpu_lock()))
-        work = Job(snakemake, stack)
+        work: Job | None = None
         try:
+            work = Job(snakemake, stack)
             yield work
             work._done()
         except BaseException as error:
-            with suppress(OSError):
-                work._failed()
+            if work is not None:
+                with suppress(OSError):
+                    work._failed()
             if getattr(error, "says_all", False):
                 raise SystemExit(str(error)) from None
             if isinstance(error, OSError) and error.errno in UNWRITABLE and error.filename is not None:
@@ -179,10 +186,3 @@ def _end_with(pid: str | None) -> None:
         os._exit(1)
 
     threading.Thread(target=wait, name="end-with-snakemake", daemon=True).start()
-
-
-def _remove(path: Path) -> None:
-    if path.is_dir() and not path.is_symlink():
-        shutil.rmtree(path)
-    else:
-        path.unlink(missing_ok=True)

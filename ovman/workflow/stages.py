@@ -51,6 +51,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "camera.*",
         "primitives.*",
         "mover.*",
+        "benchmark.allow_short_split",
         "success.*",
     ),
     "pictures": (

@@ -9,38 +9,42 @@ from hypothesis import strategies as st
 
 from ovman.generation.candidates import eligible, targets
 from ovman.generation.placement import FreeFloor, floor_spots, lanes, surface_spots
+from ovman.models.geometry import Position
+from ovman.models.scene import Scene, SceneObject
 
 
 def thing(name, category, x, z, size=(0.4, 0.8, 0.4), y=None, moveable=True):
-    return {
-        "id": name,
-        "category": category,
-        "moveable": moveable,
-        "pickupable": False,
-        "receptacle": False,
-        "position": {"x": x, "y": size[1] / 2 if y is None else y, "z": z},
-        "size": dict(zip("xyz", size, strict=True)),
-        "parents": [],
-    }
+    return SceneObject(
+        id=name,
+        category=category,
+        moveable=moveable,
+        pickupable=False,
+        receptacle=False,
+        position=Position(x=x, y=size[1] / 2 if y is None else y, z=z),
+        size=Position(**dict(zip("xyz", size, strict=True))),
+        parents=(),
+    )
 
 
 @pytest.fixture(scope="module")
 def scene():
     hole = {(i, j) for i in range(6, 10) for j in range(6, 10)}
     cells = [(i, j) for i in range(20) for j in range(16) if (i, j) not in hole]
-    return {
-        "scene": "Room",
-        "floor_y": 0.0,
-        "reachable": [[0.25 * i, 0.25 * j] for i, j in cells],
-        "waypoints": [{"x": 0.5, "z": 0.5}, {"x": 4.0, "z": 3.0}],
-        "objects": [
+    return Scene(
+        scene="Room",
+        start=(0.5, 0.5),
+        floor_y=0.0,
+        reachable=tuple((0.25 * i, 0.25 * j) for i, j in cells),
+        components=(len(cells),),
+        waypoints=((0.5, 0.5), (4.0, 3.0)),
+        objects=(
             thing("chair|1", "Chair", 1.0, 1.0),
             thing("chair|2", "Chair", 4.0, 1.0),
             thing("table|1", "DiningTable", 2.0, 2.0, (1.0, 0.7, 1.0)),
             thing("vase|1", "Vase", 2.0, 2.0, (0.2, 0.3, 0.2), y=0.85),
             thing("lamp|1", "FloorLamp", 3.0, 3.0, moveable=False),
-        ],
-    }
+        ),
+    )
 
 
 def floor_for(scene, item):
@@ -53,12 +57,12 @@ def test_what_fits_meets_no_box_no_waypoint_and_stays_near_the_reachable(scene, 
     item = thing("new", "Chair", 9.0, 9.0, (2 * half_x, 0.8, 2 * half_z))
     if not floor_for(scene, item).fits(np.array([[x, z]]))[0]:
         return
-    for other in scene["objects"]:
-        apart_x = abs(other["position"]["x"] - x) - half_x - other["size"]["x"] / 2
-        apart_z = abs(other["position"]["z"] - z) - half_z - other["size"]["z"] / 2
-        assert max(apart_x, apart_z) > 0 or other["position"]["y"] - other["size"]["y"] / 2 >= 0.8
-    for waypoint in scene["waypoints"]:
-        assert np.hypot(max(abs(waypoint["x"] - x) - half_x, 0), max(abs(waypoint["z"] - z) - half_z, 0)) > 0.2
+    for other in scene.objects:
+        apart_x = abs(other.position.x - x) - half_x - other.size.x / 2
+        apart_z = abs(other.position.z - z) - half_z - other.size.z / 2
+        assert max(apart_x, apart_z) > 0 or other.position.y - other.size.y / 2 >= 0.8
+    for waypoint_x, waypoint_z in scene.waypoints:
+        assert np.hypot(max(abs(waypoint_x - x) - half_x, 0), max(abs(waypoint_z - z) - half_z, 0)) > 0.2
     assert x - half_x >= -0.4 and x + half_x <= 4.75 + 0.4 and z - half_z >= -0.4 and z + half_z <= 3.75 + 0.4
 
 
@@ -69,7 +73,7 @@ def test_open_floor_fits_and_the_hole_does_not(scene):
 
 
 def test_floor_spots_are_far_enough_and_fit(scene):
-    item = scene["objects"][0]
+    item = scene.objects[0]
     floor = floor_for(scene, item)
     found = floor_spots(scene, item, floor, 1.5, np.random.default_rng(0))
     assert len(found) > 20
@@ -82,13 +86,12 @@ def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
     found = surface_spots(scene, lamp, 1.5, np.random.default_rng(0))
     assert found and all(abs(s.x - 2.0) <= 0.4 and abs(s.z - 2.0) <= 0.4 and s.height_m == pytest.approx(0.75) for s in found)
     assert all(max(abs(s.x - 2.0), abs(s.z - 2.0)) > 0.2 for s in found)
-    assert (
-        surface_spots(scene, scene["objects"][0] | {"size": {"x": 0.8, "y": 1.0, "z": 0.8}}, 1.5, np.random.default_rng(0)) == []
-    )
+    wide = scene.objects[0].model_copy(update={"size": Position(x=0.8, y=1.0, z=0.8)})
+    assert surface_spots(scene, wide, 1.5, np.random.default_rng(0)) == []
 
 
 def test_a_mover_fits_everywhere_on_its_lane(scene):
-    item = scene["objects"][0]
+    item = scene.objects[0]
     floor = floor_for(scene, item)
     found = lanes(item, floor, 2.0)
     assert found
@@ -100,5 +103,5 @@ def test_a_mover_fits_everywhere_on_its_lane(scene):
 def test_only_categories_with_two_movable_instances_are_eligible_and_each_instance_comes_once_per_turn(scene):
     by_category = eligible(scene)
     assert list(by_category) == ["Chair"]
-    drawn = [item["id"] for item, _ in zip(targets(by_category, np.random.default_rng(0)), range(4), strict=False)]
+    drawn = [item.id for item, _ in zip(targets(by_category, np.random.default_rng(0)), range(4), strict=False)]
     assert sorted(drawn[:2]) == sorted(drawn[2:]) == ["chair|1", "chair|2"]

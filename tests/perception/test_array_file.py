@@ -50,7 +50,8 @@ def test_numpy_reads_it_too(file):
 
 def test_a_flipped_byte_changes_nothing_or_is_one_line_with_the_file_and_the_remedy(file):
     whole, refused = file.read_bytes(), 0
-    for place in range(0, len(whole), 3):
+    places = range(0, len(whole), 13)
+    for place in places:
         file.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
         try:
             assert_same(read_arrays(file, SCHEMA))
@@ -59,12 +60,12 @@ def test_a_flipped_byte_changes_nothing_or_is_one_line_with_the_file_and_the_rem
             says = str(error)
             assert says.startswith(f"{file}: ") and "remove" in says and "make it again" in says
             assert "\n" not in says and len(says) < len(str(file)) + 250
-    assert refused > len(whole) / 10
+    assert refused > len(places) / 2
 
 
 def test_a_file_that_is_cut_anywhere_is_refused(file):
     whole = file.read_bytes()
-    for end in range(0, len(whole), 7):
+    for end in range(0, len(whole), 23):
         file.write_bytes(whole[:end])
         with pytest.raises(ArrayFileError, match="remove it and make it again"):
             read_arrays(file, SCHEMA)
@@ -118,13 +119,14 @@ def test_every_kind_of_file_is_checked(tmp_path, kind):
         write_walks(path, {"untouched": Taken(np.zeros(1, int), np.zeros(1, int))}, [Shot((), 2.5)], ["chair"], np.array([True]))
     whole, refused = path.read_bytes(), 0
     read = {"maps": read_maps, "nouns": read_nouns, "walks": read_walks}[kind]
-    for place in range(0, len(whole), 5):
+    places = range(0, len(whole), 29)
+    for place in places:
         path.write_bytes(whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :])
         try:
             read(path)
         except ArrayFileError:
             refused += 1
-    assert refused > len(whole) / 20
+    assert refused > len(places) / 2
 
 
 def test_a_damaged_file_is_not_blamed_on_the_agent_that_asked_for_it(file):

@@ -230,8 +230,8 @@ def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
     [
         (None, "No such file"),
         ("{", "is not JSON"),
-        ("[]", "describes no towers"),
-        (json.dumps(TOWERS | {"embed_dim": "8"}), "describes no towers"),
+        ("[]", "has no towers"),
+        (json.dumps(TOWERS | {"embed_dim": "8"}), "has no towers"),
         (json.dumps(TOWERS | {"custom_text": True}), "custom_text is not known here"),
         (json.dumps(TOWERS | {"text_cfg": {"hf_model_name": "x"}}), "hf_model_name is not known here"),
     ],

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from ovman.perception.array_file import ArrayFileError
 from ovman.perception.clusters import Cluster
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import (
     read_detections,
     read_maps,
@@ -30,7 +30,7 @@ def detected(rng: np.random.Generator, count: int, height: int = 5, width: int =
         feature=rng.normal(size=(count, 4)).astype(np.float32),
         pixels=masks.sum(axis=(1, 2)),
         confidence=rng.random(count).astype(np.float32),
-        packed=Masks.of(masks),
+        packed=PackedMasks.of(masks),
         content=f"{rng.integers(2**40):x}",
     )
 
@@ -91,7 +91,7 @@ def test_nouns_come_back(tmp_path):
 
 def test_masks_that_fill_no_whole_byte():
     masks = np.random.default_rng(0).random((3, 3, 3)) < 0.5
-    packed = Masks.of(masks)
+    packed = PackedMasks.of(masks)
     assert packed.bits().shape == (3, 2) and np.array_equal(packed.unpacked(), masks)
 
 

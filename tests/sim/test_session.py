@@ -89,7 +89,7 @@ def test_work_is_done_again_from_its_beginning(session, capsys):
         session.step("MoveAhead", allowed=True)
         return session.step("Pass").metadata["agent"]
 
-    undisturbed = session.surviving(work)
+    undisturbed = session.with_restarts(work)
     assert len(done) == 2 and done[0] == done[1] and work() == undisturbed
     assert "died during MoveAhead" in capsys.readouterr().out
 
@@ -104,7 +104,7 @@ def test_one_death_after_the_other_is_no_accident(session):
         session.step("Pass")
 
     with pytest.raises(SimulatorDied):
-        session.surviving(work)
+        session.with_restarts(work)
     assert len(tries) == DEATHS
 
 
@@ -154,4 +154,4 @@ def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
     assert _trials(tmp_path / "killed", scene, drawn) == undisturbed
     assert len(started) == DEATHS and all(process.poll() is not None for process in started)
     assert not list(tmp_path.rglob("*.partial"))
-    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == trials.SCHEMA
+    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == "ovman-trial/1"

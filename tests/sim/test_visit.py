@@ -10,16 +10,18 @@ import cv2
 import numpy as np
 import pytest
 
+from ovman.models.change import Alteration, Lane
+from ovman.models.settings.benchmark import Mover
+from ovman.models.visit import Visit
 from ovman.sim import controller, visit
-from ovman.sim.change import Alteration, World, position
-from ovman.sim.mover import Gait, Lane
+from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
-GAIT = Gait(0.1, 0.0, 0.0)
+PARAMS = Mover(step_m=0.1, lane_min_m=2.0, pause_probability=0.0, turn_probability=0.0)
 PLANT = "HousePlant"
 
 
@@ -39,7 +41,19 @@ def views(session):
 
 
 def world(session, *alterations, seed=0):
-    return World(session, alterations, GAIT, np.random.default_rng(seed))
+    return World(session, alterations, PARAMS, np.random.default_rng(seed))
+
+
+def displaced(instance, x, z) -> Alteration:
+    return Alteration(kind="displace", instance=instance, placement=(x, z), height_m=0.1)
+
+
+def disabled(instance) -> Alteration:
+    return Alteration(kind="disable", instance=instance)
+
+
+def in_motion(instance, lane) -> Alteration:
+    return Alteration(kind="motion", instance=instance, height_m=0.1, lane=lane)
 
 
 def chair(session) -> str:
@@ -53,14 +67,14 @@ def free_lane(session) -> Lane:
     for i, j in sorted(cells):
         around = {(i + a, j + b) for a in range(-2, 5) for b in range(-2, 3)}
         if around <= cells and np.hypot(i * 0.25 - here.x, j * 0.25 - here.z) > 1.2:
-            return Lane(i * 0.25, j * 0.25, (i + 2) * 0.25, j * 0.25)
+            return Lane(x_0=i * 0.25, z_0=j * 0.25, x_1=(i + 2) * 0.25, z_1=j * 0.25)
     raise AssertionError("no lane in the scene")
 
 
 def test_the_files_say_what_the_frames_showed_and_twice_the_same(session, views, tmp_path):
     first = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "a", "key")
     again = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "b", "key")
-    assert first == again == visit.Visit.load(tmp_path / "a")
+    assert first == again == Visit.load(tmp_path / "a")
     names = sorted(p.name for p in (tmp_path / "a").iterdir())
     assert names == sorted(p.name for p in (tmp_path / "b").iterdir()) and len(names) == 2 + 3 * len(views)
     for name in names:
@@ -72,9 +86,9 @@ def test_the_files_say_what_the_frames_showed_and_twice_the_same(session, views,
         depth = cv2.imread(str(tmp_path / "a" / f"{i:02d}_depth.png"), cv2.IMREAD_UNCHANGED)
         rgb = cv2.imread(str(tmp_path / "a" / f"{i:02d}_rgb.png"))[..., ::-1]
         view = first.views[i]
-        for k, name in enumerate(view["instances"], start=1):
+        for k, name in enumerate(view.instances, start=1):
             assert np.array_equal(ids == k, event.instance_masks[name])
-            assert view["seen"].get(name, 0) == (n if (n := int((ids == k).sum())) >= 50 else 0)
+            assert view.seen.get(name, 0) == (n if (n := int((ids == k).sum())) >= 50 else 0)
         assert np.abs(depth / 1000.0 - event.depth_frame).max() <= 5.01e-4
         assert np.array_equal(rgb, event.frame)
 
@@ -84,9 +98,9 @@ def test_a_displaced_instance_is_where_it_was_put_and_the_others_stay(session, v
     item = chair(session)
     untouched = {k: position(o) for k, o in session.objects.items()}
     lane = free_lane(session)
-    moved = Alteration("displace", item, (lane.x_0, lane.z_0), 0.1)
+    moved = displaced(item, lane.x_0, lane.z_0)
     recorded = visit.record(session, world(session, moved), "moved", [moved], views, 50, tmp_path / "v", "key")
-    assert recorded.drift_m(item, (lane.x_0, lane.z_0)) < 0.05
+    assert visit.drift_m(recorded, item, (lane.x_0, lane.z_0)) < 0.05
     for k, here in recorded.positions[-1].items():
         if k != item:
             assert here == untouched[k], k
@@ -95,48 +109,47 @@ def test_a_displaced_instance_is_where_it_was_put_and_the_others_stay(session, v
 def test_what_is_disabled_is_neither_present_nor_seen(session, views, tmp_path):
     session.reset()
     item = chair(session)
-    gone = Alteration("disable", item)
+    gone = disabled(item)
     recorded = visit.record(session, world(session, gone), "gone", [gone], views, 1, tmp_path / "v", "key")
-    assert item not in recorded.record["present"]
-    assert all(item not in view["seen"] for view in recorded.views)
+    assert item not in recorded.present
+    assert all(item not in view.seen for view in recorded.views)
 
 
 def test_a_mover_takes_its_step_before_every_view_and_its_path_is_its_seeds(session, views, tmp_path):
     session.reset()
     item, lane = chair(session), free_lane(session)
-    motion = Alteration("motion", item, None, 0.1, lane)
+    motion = in_motion(item, lane)
     visits = [
         visit.record(session, world(session, motion, seed=seed), "moving", [motion], views, 50, tmp_path / str(k), "key")
         for k, seed in enumerate((3, 3))
     ]
     assert visits[0] == visits[1]
-    path = visits[0].record["mover"]["path"]
+    path = visits[0].mover.path
     assert len(path) == 1 + len(views)
     for point, here in zip(path[1:], visits[0].positions, strict=True):
-        assert np.hypot(point["x"] - here[item]["x"], point["z"] - here[item]["z"]) < 2e-4
-    steps = np.hypot(np.diff([p["x"] for p in path]), np.diff([p["z"] for p in path]))
-    assert np.allclose(steps, GAIT.step_m, atol=2e-4)
+        assert np.hypot(point[0] - here[item].x, point[1] - here[item].z) < 2e-4
+    steps = np.hypot(*np.diff(path, axis=0).T)
+    assert np.allclose(steps, PARAMS.step_m, atol=2e-4)
 
 
 def test_sightings_are_the_category_only_in_the_order_of_the_tour(session, views, tmp_path):
     recorded = visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "v", "key")
     seen = recorded.sightings(PLANT) + recorded.sightings("Chair")
-    assert seen and all(s["px"] >= 50 for s in seen)
-    assert [s["view"] for s in recorded.sightings(PLANT)] == sorted(s["view"] for s in recorded.sightings(PLANT))
-    assert json.dumps(seen)
+    assert seen and all(s.px >= 50 for s in seen)
+    assert [s.view for s in recorded.sightings(PLANT)] == sorted(s.view for s in recorded.sightings(PLANT))
 
 
 def test_a_session_goes_on_being_told_of_what_is_asked_for_and_the_world_is_the_same(session):
     session.reset()
     plant = next(k for k, o in sorted(session.objects.items()) if o["objectType"] == PLANT)
     lane = free_lane(session)
-    where, gone = Alteration("displace", chair(session), (lane.x_0, lane.z_0), 0.1), Alteration("disable", plant)
+    where, gone = displaced(chair(session), lane.x_0, lane.z_0), disabled(plant)
     whole = world(session, where, gone)
     every = session.objects
-    some = World(session, (where, gone), GAIT, np.random.default_rng(0), told=lambda o: o["objectType"] == "Chair")
+    some = World(session, (where, gone), PARAMS, np.random.default_rng(0), object_filter=lambda o: o["objectType"] == "Chair")
     assert some.placed == whole.placed
     assert session.objects == {k: o for k, o in every.items() if o["objectType"] == "Chair"} and plant in every
-    World(session, (where,), GAIT, np.random.default_rng(0), told=lambda _: False)
+    World(session, (where,), PARAMS, np.random.default_rng(0), object_filter=lambda _: False)
     assert session.objects == {}
     assert position(session.step("ResetObjectFilter") and session.objects[where.instance]) == whole.placed[where.instance]
 
@@ -145,7 +158,7 @@ def test_a_sweep_counts_what_whole_images_show(session, monkeypatch):
     session.reset()
     here, instance = session.pose, chair(session)
     at = position(session.objects[instance])
-    pose = AgentPose(here.x, here.z, bearing_deg(here.x, here.z, at["x"], at["z"]))
+    pose = AgentPose(here.x, here.z, bearing_deg(here.x, here.z, at.x, at.z))
     swept = session.sweep(instance, pose, (0, 30, 60))
     assert session.rgb is None and any(swept.values())
     for pitch, size in swept.items():
@@ -157,15 +170,15 @@ def test_a_sweep_counts_what_whole_images_show(session, monkeypatch):
 
 
 def test_equal_world_states_share_a_name_and_others_do_not():
-    lane = Lane(0.0, 0.0, 1.0, 0.0)
+    lane = Lane(x_0=0.0, z_0=0.0, x_1=1.0, z_1=0.0)
     states = [
         ([], None),
-        ([Alteration("disable", "Vase|1")], None),
-        ([Alteration("disable", "Vase|2")], None),
-        ([Alteration("displace", "Vase|1", (1.0, 2.0), 0.1)], None),
-        ([Alteration("displace", "Vase|1", (1.0, 2.5), 0.1)], None),
-        ([Alteration("motion", "Vase|1", None, 0.1, lane)], 1),
-        ([Alteration("motion", "Vase|1", None, 0.1, lane)], 2),
+        ([disabled("Vase|1")], None),
+        ([disabled("Vase|2")], None),
+        ([displaced("Vase|1", 1.0, 2.0)], None),
+        ([displaced("Vase|1", 1.0, 2.5)], None),
+        ([in_motion("Vase|1", lane)], 1),
+        ([in_motion("Vase|1", lane)], 2),
     ]
     names = [visit.visit_name(*state) for state in states]
     assert len(set(names)) == len(names)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -13,19 +12,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.models.change import Alteration, Lane
+from ovman.models.settings.benchmark import Mover
+from ovman.models.visit import Visit
 from ovman.navigation import Grid, farthest_points
 from ovman.sim import visit, walk
-from ovman.sim.change import Alteration, World
+from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.mover import Gait, Lane
 from ovman.sim.session import AgentPose, Session
-from ovman.sim.visit import Visit
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]
 SCENE = "FloorPlan16"
-GAIT = Gait(0.1, 0.2, 0.2)
+PARAMS = Mover(step_m=0.1, lane_min_m=2.0, pause_probability=0.2, turn_probability=0.2)
 SIDE_PX, TURN_DEG, STEP_M, LENS_DEG = 96, 30.0, 0.25, 90.0
 HEADINGS = 4
 
@@ -98,12 +98,12 @@ def moving(session, ground, views):
         around = {(i + a, j + b) for a in range(-2, 5) for b in range(-2, 3)}
         x, z = grid.centre((i, j))
         if around <= grid.cells and min(math.hypot(x + 0.25 - p.x, z - p.z) for p in views) > 1.0:
-            return [Alteration("motion", item, None, 0.1, Lane(x, z, x + 0.5, z))]
+            return [Alteration(kind="motion", instance=item, height_m=0.1, lane=Lane(x_0=x, z_0=z, x_1=x + 0.5, z_1=z))]
     raise AssertionError("no lane in the scene")
 
 
 def world(session, alterations) -> World:
-    return World(session, alterations, GAIT, np.random.default_rng(3))
+    return World(session, alterations, PARAMS, np.random.default_rng(3))
 
 
 @pytest.fixture(scope="module")
@@ -130,13 +130,13 @@ def test_a_walk_passes_the_views_of_the_tour_in_order_and_shows_what_the_visit_r
     passed = [frame for frame in frames if frame.view is not None]
     assert [frame.view for frame in passed] == list(range(len(views)))
     assert [frame.pose for frame in passed] == views
-    cameras = [view["camera"] for view in Visit.load(recorded).views]
+    cameras = [view.camera for view in Visit.load(recorded).views]
     for frame, camera in zip(passed, cameras, strict=True):
         rgb = cv2.imread(str(recorded / f"{frame.view:02d}_rgb.png"))[..., ::-1]
         depth = cv2.imread(str(recorded / f"{frame.view:02d}_depth.png"), cv2.IMREAD_UNCHANGED)
         assert np.array_equal(frame.rgb, rgb)
         assert np.array_equal(np.round(frame.depth * visit.MILLIMETRES), depth)
-        assert frame.camera.position == pytest.approx((camera["x"], camera["y"], camera["z"]), abs=1e-4)
+        assert frame.camera.position == pytest.approx((camera.x, camera.y, camera.z), abs=1e-4)
 
 
 def test_world_time_passes_at_the_views_of_the_tour_alone(walked):
@@ -191,7 +191,6 @@ def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, mo
         pass
     with pytest.raises(walk.WalkError, match="moving left the mover at .* record the visits again"):
         walk.check(session, there, Visit.load(recorded))
-    record = copy.deepcopy(Visit.load(recorded).record)
-    record["mover"] = None
+    unmoved = Visit.load(recorded).model_copy(update={"mover": None})
     with pytest.raises(walk.WalkError, match="Chair.* record the visits again"):
-        walk.check(session, there, Visit(record))
+        walk.check(session, there, unmoved)

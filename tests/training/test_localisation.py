@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ovman.training.localisation import Looked, looked_for, scores
-from ovman.training.pictures import Picture, Shown
+from ovman.training.pictures import Picture, ShownObject
 
 LOOKED = [Looked(0.6, 0.5, True), Looked(-1.0, 0.55, True), Looked(0.52, -1.0, True), Looked(-1.0, 0.4, False)]
 
@@ -36,7 +36,7 @@ def test_a_centre_on_the_category_is_right_and_one_beside_it_wrong():
     ids = np.full((8, 8), -1, np.int16)
     ids[:4, :4] = 0
     ids[4:, 4:] = 1
-    shown = Shown("Mug", "Mug_1", (), (0.1, 0.1, 0.1))
+    shown = ShownObject("Mug", "Mug_1", (), (0.1, 0.1, 0.1))
     picture = Picture(np.zeros((8, 8, 3), np.uint8), ids, (shown, replace(shown, type="Bowl")))
     texts = {"Mug": np.array([0.8, 0.6]), "Bowl": np.array([0.1, 0.2]), "Vase": np.array([0.3, 0.4])}
     mug, bowl, vase = looked_for(picture, texts, Eyes(), 10.0)

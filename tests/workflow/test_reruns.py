@@ -55,6 +55,7 @@ OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
     **{f"benchmark.split.{relation}": 0 for relation in ("moved", "former", "moving", "stable", "appeared", "removed")},
+    "benchmark.allow_short_split": True,
     "primitives.turn_deg": 20.0,
     "success.sweep_deg": [0, 30],
     "perception.device": "cuda",

@@ -13,7 +13,7 @@ from ovman.agents.cow.paths import Paths
 from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
-from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action, Observation, Visit
 from ovman.evaluation.context import Given
 from ovman.models.settings.baselines import Cow
@@ -163,14 +163,14 @@ class CowAgent:
         It stays the same until it turns out to be occupied.
         """
         kept = self._proxies.get(region)
-        if kept is not None and self.map.at(kept) is not State.OCCUPIED:
+        if kept is not None and self.map.at(kept) is not VoxelState.OCCUPIED:
             return kept
         self._proxies.pop(region, None)
         start, end = np.array(region, dtype=float), np.array(self.cell, dtype=float)
         count = max(int(math.dist(region, self.cell) / self._constants.ray_step_voxels), 1)
         cells = np.rint(start + np.linspace(0.0, 1.0, count + 1)[:, None] * (end - start)).astype(int)
         states = self.map.states(cells)
-        there = np.flatnonzero((states != State.UNKNOWN) & (states != State.OCCUPIED))
+        there = np.flatnonzero((states != VoxelState.UNKNOWN) & (states != VoxelState.OCCUPIED))
         if not len(there):
             return None
         self._proxies[region] = int(cells[there[0], 0]), int(cells[there[0], 1])

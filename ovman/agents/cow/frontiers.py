@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
-from ovman.agents.cow.voxel_map import EIGHT, Cell, State, VoxelMap
+from ovman.agents.cow.voxel_map import EIGHT, Cell, VoxelMap, VoxelState
 from ovman.models.settings.baselines import Cow
 
 
@@ -17,7 +17,7 @@ def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]
     corners; the target is the member nearest to the mean of its cluster.
     """
     state = known.state
-    frontier = (state == State.FRONTIER) & ndimage.binary_dilation(state == State.FREE, EIGHT)
+    frontier = (state == VoxelState.FRONTIER) & ndimage.binary_dilation(state == VoxelState.FREE, EIGHT)
     if frontier.sum() < constants.frontier_cells:
         return []
     reach = 1.0 < constants.cluster_voxels <= 2.0
@@ -26,7 +26,7 @@ def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]
     labels, count = ndimage.label(frontier, EIGHT if constants.cluster_voxels > np.sqrt(2.0) else None)
     cells = np.argwhere(frontier)
     label = labels[frontier]
-    means = np.stack([np.bincount(label, cells[:, axis], count + 1)[1:] for axis in (0, 1)], axis=1)
+    means: np.ndarray = np.stack([np.bincount(label, cells[:, axis], count + 1)[1:] for axis in (0, 1)], axis=1)
     means /= np.bincount(label, minlength=count + 1)[1:, None]
     off = np.hypot(*(cells - means[label - 1]).T)
     order = np.lexsort((off, label))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 
 STRAIGHT, DIAGONAL = 1.0, 1.41
 """Lengths of an edge to one of the eight neighbours, in voxels."""
@@ -27,7 +27,7 @@ class Paths:
         low, high = there.min(axis=0), there.max(axis=0) + 1
         self._origin = low + known.origin
         state = known.state[low[0] : high[0], low[1] : high[1]]
-        free = (state == State.FREE) | (state == State.FRONTIER)
+        free = (state == VoxelState.FREE) | (state == VoxelState.FRONTIER)
         self._shape = free.shape
         self._start = (int(inside[0] - low[0]), int(inside[1] - low[1]))
         free[self._start] = True

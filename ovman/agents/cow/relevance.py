@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -12,6 +11,7 @@ from ovman.language.vocabulary import SYNONYMS
 from ovman.models.settings import Settings
 from ovman.models.settings.baselines import Cow
 from ovman.perception.crop import crop
+from ovman.perception.protocols import ImageTextEncoder, Segmenter
 
 PROMPT = "a photo of a {}"
 """CoW's, without the full stop at its end, which the text tower of the default has never seen."""
@@ -27,28 +27,6 @@ class Localiser(Protocol):
         """(image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
 
 
-class Segments(Protocol):
-    """Masks of one picture: `ovman.perception.detector.Detections`."""
-
-    masks: np.ndarray
-
-
-class Segmenter(Protocol):
-    """Finds instances in pictures: `ovman.perception.detector.Detector`."""
-
-    def detect(self, pictures: Sequence[np.ndarray]) -> Sequence[Segments]: ...
-
-
-class Embedder(Protocol):
-    """Embeds crops and texts: `ovman.perception.encoder.Encoder`."""
-
-    side_px: int
-
-    def images(self, crops: np.ndarray) -> np.ndarray: ...
-
-    def texts(self, phrases: Sequence[str]) -> np.ndarray: ...
-
-
 def prompt(category: str) -> str:
     """What the text tower is given: "a photo of a house plant"."""
     return PROMPT.format(noun(category))
@@ -61,7 +39,7 @@ class OpenVocabularyLocaliser:
     """
 
     def __init__(
-        self, detector: Segmenter, encoder: Embedder, constants: Cow, min_mask_share: float, crop_padding: float
+        self, detector: Segmenter, encoder: ImageTextEncoder, constants: Cow, min_mask_share: float, crop_padding: float
     ) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self._min_mask_share, self._crop_padding = min_mask_share, crop_padding

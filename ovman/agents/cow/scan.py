@@ -35,7 +35,8 @@ def square(image: np.ndarray, side_px: int) -> np.ndarray:
     if (height, width) == (side_px, side_px):
         return image
     rows, columns = ((np.arange(side_px) + 0.5) * n / side_px for n in (height, width))
-    return image[rows.astype(int)[:, None], columns.astype(int)]
+    resized: np.ndarray = image[rows.astype(int)[:, None], columns.astype(int)]
+    return resized
 
 
 def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg: float, constants: Cow) -> Scan:

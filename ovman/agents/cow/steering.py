@@ -6,7 +6,7 @@ import heapq
 import math
 
 from ovman.agents.cow.odometry import Pose
-from ovman.agents.cow.voxel_map import Cell, State, VoxelMap
+from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action
 from ovman.models.settings.baselines import Cow
 from ovman.models.settings.benchmark import Primitives
@@ -56,7 +56,7 @@ def steered(
             for action in macro:
                 after = after.after(action, primitives.step_m, primitives.turn_deg)
             cell = rounded(after)
-            if cell in entered or known.at(cell) is State.OCCUPIED:
+            if cell in entered or known.at(cell) is VoxelState.OCCUPIED:
                 continue
             entered.add(cell)
             made += 1

@@ -20,7 +20,7 @@ BLOCK = 64
 EIGHT = ndimage.generate_binary_structure(2, 2)
 
 
-class State(IntEnum):
+class VoxelState(IntEnum):
     """What a voxel of the floor plane is. FRONTIER is free, too: it borders on what is unknown."""
 
     UNKNOWN = 0
@@ -48,7 +48,7 @@ class VoxelMap:
 
     @property
     def state(self) -> np.ndarray:
-        """(A, B) uint8 of `State`; element (0, 0) is the cell `origin`."""
+        """(A, B) uint8 of `VoxelState`; element (0, 0) is the cell `origin`."""
         return self._state
 
     @property
@@ -56,14 +56,14 @@ class VoxelMap:
         """The cell of the first element of `state`."""
         return int(self._origin[0]), int(self._origin[1])
 
-    def at(self, cell: Cell) -> State:
+    def at(self, cell: Cell) -> VoxelState:
         """What is known of a cell."""
         i, j = cell[0] - self._origin[0], cell[1] - self._origin[1]
         inside = 0 <= i < self._state.shape[0] and 0 <= j < self._state.shape[1]
-        return State(int(self._state[i, j])) if inside else State.UNKNOWN
+        return VoxelState(int(self._state[i, j])) if inside else VoxelState.UNKNOWN
 
     def states(self, cells: np.ndarray) -> np.ndarray:
-        """(N,) uint8 of `State` of cells (N, 2)."""
+        """(N,) uint8 of `VoxelState` of cells (N, 2)."""
         inner = cells - self._origin
         inside = ((inner >= 0) & (inner < self._state.shape)).all(axis=1)
         found = np.zeros(len(cells), np.uint8)
@@ -92,15 +92,15 @@ class VoxelMap:
         i, j = seen.cells.T
         # Tens of thousands of points: one index each is faster than two.
         element = (i - self._origin[0]) * state.shape[1] + (j - self._origin[1])
-        state[state == State.FRONTIER] = State.FREE
-        state.ravel()[element[seen.floor]] = State.FREE
+        state[state == VoxelState.FRONTIER] = VoxelState.FREE
+        state.ravel()[element[seen.floor]] = VoxelState.FREE
         self._pad(seen)
         occupied = np.zeros(state.shape, bool)
         occupied.ravel()[element[~seen.floor]] = True
         # The body is wider than a voxel: the four neighbours of an obstacle are no place for it.
-        state[_with_neighbours(occupied, outside=False)] = State.OCCUPIED
-        beside_unknown = _with_neighbours(state == State.UNKNOWN, outside=True)
-        state[(state == State.FREE) & beside_unknown] = State.FRONTIER
+        state[_with_neighbours(occupied, outside=False)] = VoxelState.OCCUPIED
+        beside_unknown = _with_neighbours(state == VoxelState.UNKNOWN, outside=True)
+        state[(state == VoxelState.FREE) & beside_unknown] = VoxelState.FRONTIER
         self._take_interest(seen, element, occupied, agent)
 
     def _pad(self, seen: Scan) -> None:
@@ -112,8 +112,8 @@ class VoxelMap:
         steps = np.arange(0.0, length.max() + self._constants.ray_step_voxels, self._constants.ray_step_voxels)
         share = np.minimum(steps[None, :] / np.maximum(length, 1e-9)[:, None], 1.0)
         cells = np.rint(seen.origin + share[..., None] * along[:, None, :]).astype(np.int32).reshape(-1, 2)
-        i, j = cells[self.states(cells) == State.UNKNOWN].T - self._origin[:, None]
-        self._state[i, j] = State.FREE
+        i, j = cells[self.states(cells) == VoxelState.UNKNOWN].T - self._origin[:, None]
+        self._state[i, j] = VoxelState.FREE
 
     def _take_interest(self, seen: Scan, element: np.ndarray, occupied: np.ndarray, agent: Cell) -> None:
         """element: (N,) of the flattened arrays, where each point is."""
@@ -128,10 +128,10 @@ class VoxelMap:
         here = np.argwhere(occupied & (self._interest > 0)) + self._origin
         if len(here):
             nearest = here[np.argmin(np.hypot(*(here - np.array(agent)).T))]
-            found = (int(nearest[0]), int(nearest[1]))
-            if found not in self.regions:
+            region = (int(nearest[0]), int(nearest[1]))
+            if region not in self.regions:
                 self.regions = tuple(
-                    sorted({*self.regions, found}, key=lambda c: (np.hypot(c[0] - agent[0], c[1] - agent[1]), c))
+                    sorted({*self.regions, region}, key=lambda c: (np.hypot(c[0] - agent[0], c[1] - agent[1]), c))
                 )
 
     def _cover(self, seen: Scan, agent: Cell) -> None:
@@ -154,4 +154,5 @@ class VoxelMap:
 def _with_neighbours(chosen: np.ndarray, outside: bool) -> np.ndarray:
     """(A, B) bool: the chosen cells and the four neighbours of each. outside: whether what is not in the array is chosen."""
     padded = np.pad(chosen, 1, constant_values=outside)
-    return chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+    grown: np.ndarray = chosen | padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+    return grown

@@ -4,23 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
+from ovman.perception.protocols import TextEncoder
 
 SELDOM_MOVED = ("stool", "cabinet", "couch", "shelf", "armchair", "bathtub", "chair", "sofa", "table", "rack", "bed")
 OFTEN_MOVED = ("box", "cup", "cushion", "lamp", "pillow", "bowl", "microwave", "plant")
 """DualMap's prototypes of furniture and of what stands on it, those of them that are words of the vocabulary: what an encoder was
 not taught says nothing."""
-
-
-class TextEmbedder(Protocol):
-    """Embeds words: `ovman.perception.encoder.Encoder`."""
-
-    def texts(self, phrases: Sequence[str]) -> np.ndarray: ...
 
 
 def class_names() -> tuple[str, ...]:
@@ -38,7 +32,7 @@ class Classes:
     low_mobility: np.ndarray
 
     @staticmethod
-    def of(encoder: TextEmbedder, mobility_margin: float, least_cosine: float) -> Classes:
+    def of(encoder: TextEncoder, mobility_margin: float, least_cosine: float) -> Classes:
         """The classes as an encoder reads their names.
 
         A class is furniture that seldom moves if its name is at least so near to the word for some (least_cosine), and not
@@ -51,7 +45,8 @@ class Classes:
 
         def own(words: Sequence[str]) -> np.ndarray:
             off = encoder.texts(words) - common
-            return off / np.maximum(np.linalg.norm(off, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+            unit: np.ndarray = off / np.maximum(np.linalg.norm(off, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+            return unit
 
         seldom, often = ((own(names) @ own(words).T).max(axis=1) for words in (SELDOM_MOVED, OFTEN_MOVED))
         return Classes(names, feature, (seldom > least_cosine) & (seldom >= often - mobility_margin))

@@ -30,7 +30,7 @@ class Cloud:
         return Cloud(np.ascontiguousarray(points.T, dtype=np.float64))
 
     def __len__(self) -> int:
-        return self.columns.shape[1]
+        return len(self.columns[0])
 
     @cached_property
     def box(self) -> np.ndarray:
@@ -55,11 +55,13 @@ def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
     sides = np.minimum(boxes[:, None, 3:], others[None, :, 3:]) - np.maximum(boxes[:, None, :3], others[None, :, :3])
     shared = np.prod(np.clip(sides, 0.0, None), axis=2)
     union = _volume(boxes)[:, None] + _volume(others)[None, :] - shared
-    return np.divide(shared, union, out=np.zeros(shared.shape), where=union > 0)
+    iou: np.ndarray = np.divide(shared, union, out=np.zeros(shared.shape), where=union > 0)
+    return iou
 
 
 def _volume(boxes: np.ndarray) -> np.ndarray:
-    return np.prod(boxes[:, 3:] - boxes[:, :3], axis=1)
+    volumes: np.ndarray = np.prod(boxes[:, 3:] - boxes[:, :3], axis=1)
+    return volumes
 
 
 def footprint(box: np.ndarray) -> np.ndarray:
@@ -70,9 +72,11 @@ def footprint(box: np.ndarray) -> np.ndarray:
 def shared_area(rectangle: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
     """(N,) square metres that a rectangle (4,) on the floor plane shares with rectangles (N, 4)."""
     sides = np.minimum(rectangle[2:], rectangles[:, 2:]) - np.maximum(rectangle[:2], rectangles[:, :2])
-    return np.prod(np.clip(sides, 0.0, None), axis=1)
+    shared: np.ndarray = np.prod(np.clip(sides, 0.0, None), axis=1)
+    return shared
 
 
 def area(rectangles: np.ndarray) -> np.ndarray:
     """Square metres of rectangles (..., 4) on the floor plane."""
-    return np.prod(rectangles[..., 2:] - rectangles[..., :2], axis=-1)
+    areas: np.ndarray = np.prod(rectangles[..., 2:] - rectangles[..., :2], axis=-1)
+    return areas

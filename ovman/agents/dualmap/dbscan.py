@@ -26,7 +26,7 @@ def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarr
 
 
 @njit(cache=True)
-def _columns(points, side_m):
+def _columns(points: np.ndarray, side_m: float) -> np.ndarray:
     """(N, 2) number of each point's column of space, side_m wide, along the two axes in which `points` (N, 3) extend most."""
     low, high = points[0].copy(), points[0].copy()
     for i in range(len(points)):
@@ -42,7 +42,7 @@ def _columns(points, side_m):
 
 
 @njit(cache=True)
-def _labels(points, cells, radius_m, least):
+def _labels(points: np.ndarray, cells: np.ndarray, radius_m: float, least: int) -> np.ndarray:
     """Cluster of each of `points` (N, 3), _NONE for noise; cells (N, 2): its column of space, as wide as the radius."""
     count, reach = len(points), radius_m * radius_m
     wide, high = cells[:, 0].max() + 1, cells[:, 1].max() + 1
@@ -98,7 +98,7 @@ def _labels(points, cells, radius_m, least):
 
 
 @njit(cache=True, inline="always")
-def _take(inside, place, ends, cell, i):
+def _take(inside: np.ndarray, place: np.ndarray, ends: np.ndarray, cell: int, i: int) -> None:
     """Takes a point out of those of its cell that have no cluster."""
     ends[cell] -= 1
     last = inside[ends[cell]]
@@ -107,6 +107,7 @@ def _take(inside, place, ends, cell, i):
 
 
 @njit(cache=True, inline="always")
-def _square(points, i, j):
+def _square(points: np.ndarray, i: int, j: int) -> float:
     x, y, z = points[i, 0] - points[j, 0], points[i, 1] - points[j, 1], points[i, 2] - points[j, 2]
-    return x * x + y * y + z * z
+    square: float = x * x + y * y + z * z
+    return square

@@ -70,7 +70,8 @@ class Anchor:
     @property
     def position(self) -> np.ndarray:
         """(2,) x and z of the footprint's centre, metres."""
-        return (self.flat.min(axis=0) + self.flat.max(axis=0)) / 2
+        centre: np.ndarray = (self.flat.min(axis=0) + self.flat.max(axis=0)) / 2
+        return centre
 
 
 class GlobalMap:
@@ -100,7 +101,10 @@ class GlobalMap:
 def overlap(rectangle: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
     """(N,) area that a rectangle (4,) shares with each of rectangles (N, 4), over the smaller of the two areas."""
     smaller = np.minimum(area(rectangle), area(rectangles))
-    return np.divide(shared_area(rectangle, rectangles), smaller, out=np.zeros(len(rectangles)), where=smaller > 0)
+    fractions: np.ndarray = np.divide(
+        shared_area(rectangle, rectangles), smaller, out=np.zeros(len(rectangles)), where=smaller > 0
+    )
+    return fractions
 
 
 def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:

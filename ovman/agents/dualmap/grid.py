@@ -99,6 +99,6 @@ def thinned(columns: np.ndarray, voxel_m: float) -> np.ndarray:
 
 
 @njit(cache=True, inline="always")
-def _hash(i: int, j: int, h: int, size: int) -> int:
+def _hash(i: np.int64, j: np.int64, h: np.int64, size: int) -> np.int64:
     """A place among `size`, a power of two, for a cell."""
     return ((i * 73856093) ^ (j * 19349663) ^ (h * 83492791)) & (size - 1)

@@ -97,4 +97,5 @@ def _posteriors(classes: Sequence[int], confidences: Sequence[float], kinds: int
     log = np.cumsum(np.log(likelihood), axis=0)
     log -= log.max(axis=1, keepdims=True)
     weight = np.exp(log)
-    return weight / weight.sum(axis=1, keepdims=True)
+    probabilities: np.ndarray = weight / weight.sum(axis=1, keepdims=True)
+    return probabilities

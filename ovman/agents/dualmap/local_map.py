@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman.agents.dualmap.cloud import box_iou
 from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, flush_frames, is_stable
-from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
+from ovman.agents.dualmap.map_object import MapObject, RunObservation, parted, together
 from ovman.agents.dualmap.relation import lies_on
 from ovman.models.settings.baselines import DualmapGlobal, DualmapLocal
 
@@ -54,7 +54,7 @@ class LocalMap:
         other.frame = self.frame
         return other
 
-    def observe(self, seen: Sequence[Seen]) -> None:
+    def observe(self, seen: Sequence[RunObservation]) -> None:
         """One keyframe. All observations are matched to the map as it was before; several may be of one object."""
         self.frame += 1
         touched = set()
@@ -125,7 +125,7 @@ class LocalMap:
 _FRESH = Stage()
 
 
-def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: DualmapLocal) -> list[int | None]:
+def matches(seen: Sequence[RunObservation], objects: Sequence[MapObject], constants: DualmapLocal) -> list[int | None]:
     """For each observation the index of the object that it is one of, None for something new.
 
     The similarity is spatial, the fraction of the observation's points near the object's cloud (0 where their boxes hardly
@@ -141,7 +141,7 @@ def matches(seen: Sequence[Seen], objects: Sequence[MapObject], constants: Dualm
     ]
 
 
-def _match(one: Seen, objects: Sequence[tuple[int, MapObject]], constants: DualmapLocal) -> int | None:
+def _match(one: RunObservation, objects: Sequence[tuple[int, MapObject]], constants: DualmapLocal) -> int | None:
     possible = []
     for j, thing in objects:
         visual = float(one.feature @ thing.feature)

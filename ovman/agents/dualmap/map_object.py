@@ -11,12 +11,12 @@ import numpy as np
 from ovman.agents.dualmap.cloud import FLOOR, Cloud
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.life_cycle import Stage
-from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.observation import ObjectObservation
 from ovman.models.settings.baselines import DualmapLocal
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class RunObservation:
     """One observation as one run has it. cloud: the points that the run drew."""
 
     class_id: int
@@ -26,9 +26,9 @@ class Seen:
     low_mobility: bool
 
     @staticmethod
-    def of(observation: Observation, run: int, cloud: Cloud | None = None) -> Seen:
+    def of(observation: ObjectObservation, run: int, cloud: Cloud | None = None) -> RunObservation:
         """What the run of that number makes of an observation. cloud: that of the points it drew, if there is one already."""
-        return Seen(
+        return RunObservation(
             observation.class_id,
             observation.confidence,
             np.asarray(observation.feature, dtype=np.float64),
@@ -45,7 +45,7 @@ class MapObject:
     """
 
     uid: int
-    seen: list[Seen]
+    seen: list[RunObservation]
     frames: list[int]
     parts: list[Cloud]
     total: np.ndarray
@@ -53,7 +53,7 @@ class MapObject:
     stage: Stage = field(default_factory=Stage)
 
     @staticmethod
-    def of(uid: int, seen: Sequence[Seen], frames: Sequence[int], constants: DualmapLocal) -> MapObject:
+    def of(uid: int, seen: Sequence[RunObservation], frames: Sequence[int], constants: DualmapLocal) -> MapObject:
         """The object that these observations make, in their order."""
         first = seen[0]
         made = MapObject(uid, [first], [frames[0]], [first.cloud], first.feature.copy(), first.cloud.box)
@@ -66,7 +66,7 @@ class MapObject:
         seen, frames, parts = list(self.seen), list(self.frames), list(self.parts)
         return MapObject(self.uid, seen, frames, parts, self.total.copy(), self.box, self.stage)
 
-    def add(self, seen: Seen, frame: int, constants: DualmapLocal) -> None:
+    def add(self, seen: RunObservation, frame: int, constants: DualmapLocal) -> None:
         """Append an observation's cloud, thinning at every `thin_every`-th, and its share of the running mean of the features."""
         self.seen.append(seen)
         self.frames.append(frame)
@@ -85,7 +85,8 @@ class MapObject:
         for part in self.parts:
             if left.shape[1]:
                 left = left[:, ~part.near(left, near_m)]
-        return 1.0 - left.shape[1] / len(cloud)
+        fraction: float = 1.0 - left.shape[1] / len(cloud)
+        return fraction
 
     @property
     def columns(self) -> np.ndarray:
@@ -119,7 +120,8 @@ class MapObject:
     @property
     def position(self) -> np.ndarray:
         """(2,) x and z of the centre of its box, metres."""
-        return (self.box[:3] + self.box[3:])[FLOOR] / 2
+        centre: np.ndarray = (self.box[:3] + self.box[3:])[FLOOR] / 2
+        return centre
 
 
 def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.global_map import Anchor
+from ovman.agents.dualmap.global_map import Anchor, Related
 from ovman.agents.dualmap.map_object import MapObject
 from ovman.agents.reference.object_map import ObjectMap
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
@@ -58,7 +58,8 @@ class Entry:
     @staticmethod
     def of_anchor(anchor: Anchor) -> tuple[Entry, ...]:
         """An anchor and what is on it."""
-        kept = [(Sort.ANCHOR, anchor), *((Sort.RELATED, related) for related in anchor.related)]
+        kept: list[tuple[Sort, Anchor | Related]] = [(Sort.ANCHOR, anchor)]
+        kept += [(Sort.RELATED, related) for related in anchor.related]
         return tuple(
             Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen) for sort, k in kept
         )

@@ -8,7 +8,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Observation:
+class ObjectObservation:
     """One segmented object of one keyframe.
 
     frame: index of the keyframe in its walk; class_id: index in the list of classes; confidence: of the detector; feature (K,):

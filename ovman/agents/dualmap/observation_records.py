@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.observation import Observation
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.observation import ObjectObservation
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.perception.array_file import read_arrays, write_arrays
 
 WALKS = "ovman-walks/2"
@@ -33,7 +33,7 @@ class Walk:
     None where there is none.
     """
 
-    frames: tuple[tuple[Observation, ...], ...]
+    frames: tuple[tuple[ObjectObservation, ...], ...]
     views: tuple[int | None, ...]
     names: tuple[str, ...]
     unknown: int | None = None
@@ -72,7 +72,7 @@ def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
     features = arrays["feature"].astype(np.float32)
     features /= np.maximum(np.linalg.norm(features, axis=1, keepdims=True), np.finfo(np.float32).tiny)
     seen = [
-        Seen(class_id, feature, confidence, tuple(clouds[start:end]))
+        FrameObject(class_id, feature, confidence, tuple(clouds[start:end]))
         for class_id, confidence, feature, (start, end) in zip(
             arrays["class_id"].tolist(), arrays["confidence"].tolist(), features, _spans(arrays["clouds"]), strict=True
         )
@@ -136,7 +136,7 @@ def read_walks(path: Path) -> dict[str, Walk]:
     def walk(start: int, end: int) -> Walk:
         frames = tuple(
             tuple(
-                Observation(frame, one.class_id, one.confidence, one.feature, one.clouds, box, low[one.class_id])
+                ObjectObservation(frame, one.class_id, one.confidence, one.feature, one.clouds, box, low[one.class_id])
                 for one, box in shots[number]
             )
             for frame, number in enumerate(numbers[start:end])

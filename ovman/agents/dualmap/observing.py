@@ -4,34 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Protocol
 
 import numpy as np
 
-from ovman.agents.dualmap.classes import Classes, TextEmbedder
+from ovman.agents.dualmap.classes import Classes
 from ovman.agents.dualmap.dbscan import largest_cluster
 from ovman.agents.dualmap.masks import filtered
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.models.settings.baselines import DualmapObservation
-from ovman.perception.backprojection import Camera, pixel_points
+from ovman.perception.backprojection import pixel_points
 from ovman.perception.crop import squared
-from ovman.perception.tour import Embedder, Segmenter, Segments
+from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
+from ovman.sim.walk import Frame
 
 EVERY_PX, HIGH = 4, 0.95
 """One pixel in so many of a row and of a column is asked how high it is, and this share of them lies below the ceiling: what is
 seen through a window may be higher."""
-
-
-class Encoder(Embedder, TextEmbedder, Protocol):
-    """Embeds crops and words in one space: `ovman.perception.encoder.Encoder`."""
-
-
-class Frame(Protocol):
-    """rgb (H, W, 3) uint8, depth (H, W) metres and the camera of both: `ovman.sim.walk.Frame`."""
-
-    rgb: np.ndarray
-    depth: np.ndarray
-    camera: Camera
 
 
 class Observer:
@@ -41,7 +29,7 @@ class Observer:
     more of its pixels are drawn, and the border of a crop is narrower, so that the same things give the same clouds.
     """
 
-    def __init__(self, detector: Segmenter, encoder: Encoder, constants: DualmapObservation) -> None:
+    def __init__(self, detector: Segmenter, encoder: ImageTextEncoder, constants: DualmapObservation) -> None:
         self._detector, self._encoder, self._constants = detector, encoder, constants
         self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)
 
@@ -52,7 +40,7 @@ class Observer:
         crops = [crop for look in looks for crop, _, _ in look]
         named = iter(self._named(crops))
         return [
-            Shot(tuple(Seen(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
+            Shot(tuple(FrameObject(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
             for frame, look in zip(frames, looks, strict=True)
         ]
 

@@ -18,13 +18,13 @@ import numpy as np
 from ovman.agents.dualmap.cloud import Cloud
 from ovman.agents.dualmap.global_map import Anchor, GlobalMap
 from ovman.agents.dualmap.local_map import Departure, LocalMap
-from ovman.agents.dualmap.map_object import Seen
+from ovman.agents.dualmap.map_object import RunObservation
 from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps
-from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.observation import ObjectObservation
 from ovman.models.settings.baselines import Dualmap
 
-Keyframes = Sequence[Sequence[Observation]]
-Looks = Sequence[Sequence[Seen]]
+Keyframes = Sequence[Sequence[ObjectObservation]]
+Looks = Sequence[Sequence[RunObservation]]
 """Keyframes as one run has them."""
 Draws = Callable[..., np.random.Generator]
 """Given the names of the visits, whence the names of the objects come."""
@@ -63,11 +63,11 @@ class Run:
         """The keyframes as this run has them. Walks share frames, and so what is found out about their clouds."""
         clouds: dict[int, Cloud] = {}
 
-        def seen(one: Observation) -> Seen:
+        def seen(one: ObjectObservation) -> RunObservation:
             points = one.clouds[self.number]
             if id(points) not in clouds:
                 clouds[id(points)] = Cloud.of(points)
-            return Seen.of(one, self.number, clouds[id(points)])
+            return RunObservation.of(one, self.number, clouds[id(points)])
 
         return {name: [[seen(one) for one in frame] for frame in keyframes] for name, keyframes in walks.items()}
 

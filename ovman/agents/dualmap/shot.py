@@ -8,7 +8,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Seen:
+class FrameObject:
     """One object in a frame: its class, its feature (K,) of unit length, how sure the detector was, and of every run the points
     (N, 3) float32 that were drawn of it, world frame, metres."""
 
@@ -28,7 +28,7 @@ class Seen:
 class Shot:
     """The objects in a frame, and top_m, the height of the highest that it shows, metres."""
 
-    seen: tuple[Seen, ...]
+    seen: tuple[FrameObject, ...]
     top_m: float
 
 

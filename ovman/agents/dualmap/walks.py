@@ -11,7 +11,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -21,14 +21,13 @@ from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unp
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
 from ovman.models.record import read_records
+from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.sim import walk
-from ovman.sim.change import Alteration, World
+from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.mover import Gait
 from ovman.sim.session import AgentPose, Session
-from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
@@ -71,10 +70,10 @@ def frames(session: Session, of: Assigned, constants: StageSettings) -> Iterable
     `constants` must own what a Session needs, mover.step_m and its probabilities, benchmark.seed and dualmap.walk.turn_deg.
     Raises WalkError if the walk does not end as the visit did, SimulatorError if the simulator refuses.
     """
-    alterations = [Alteration.from_json(record) for record in of.recorded.record["alterations"]]
+    alterations = of.recorded.alterations
     rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
-    world = World(session, alterations, Gait.of(constants), rng, told=lambda _: False)
-    views = [AgentPose(**view["pose"]) for view in of.recorded.views]
+    world = World(session, alterations, constants.mover, rng, object_filter=lambda _: False)
+    views = [AgentPose(**dict(view.pose)) for view in of.recorded.views]
     lens = constants.camera.field_of_view_deg
     yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)
     walk.check(session, world, of.recorded)
@@ -84,7 +83,7 @@ def content(frame: Frame) -> str:
     """Digest of a frame: of its picture, its depth and its camera."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
-        found.update(np.ascontiguousarray(array))
+        found.update(np.ascontiguousarray(array).data)
     return found.hexdigest()
 
 
@@ -136,14 +135,12 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
     kept.mkdir(parents=True, exist_ok=True)
     with Session(scene, constants, embodiment(constants)) as session:
         for name, one in of.items():
-            began, record = time.process_time(), one.recorded.record
+            began, record = time.process_time(), one.recorded.to_json()
             key = digest(constants.canonical, seen_by, one.candidate, record["alterations"], record["mover"], record["views"])
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
-            walks[name] = _read(part, memory) or session.surviving(
-                lambda one=one, part=part: _walk(session, one, constants, memory, part)
-            )
+            walks[name] = _read(part, memory) or session.with_restarts(partial(_walk, session, one, constants, memory, part))
             took, new = time.process_time() - began, len(memory.shots) - before
             print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
     order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))

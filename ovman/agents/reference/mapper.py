@@ -10,7 +10,8 @@ from ovman.agents.interface import Observation, Visit
 from ovman.perception.backprojection import Camera
 from ovman.perception.clusters import Cluster
 from ovman.perception.maps import mapped
-from ovman.perception.tour import Embedder, Segmenter, View, detections
+from ovman.perception.protocols import ImageEncoder, Segmenter
+from ovman.perception.tour import View, detections
 
 
 class Mapper(Protocol):
@@ -45,7 +46,7 @@ class SeenMaps:
     """
 
     detector: Segmenter
-    encoder: Embedder
+    encoder: ImageEncoder
     min_mask_px: int
     crop_padding: float
     radius_m: float

@@ -36,6 +36,9 @@ class Benchmark(Section):
     backend: Literal["embedded", "thor"] = Field(description="simulator: the engine of this project, or AI2-THOR's Unity build")
     scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(description="iTHOR floor plans")
     split: PerRelation = Field(description="episodes released per relation")
+    allow_short_split: bool = Field(
+        description="whether fewer certified episodes than `split` asks for are released all the same"
+    )
 
     @field_validator("scenes")
     @classmethod

@@ -37,7 +37,7 @@ class Perception(Section):
     """From pictures to detections."""
 
     device: Literal["cpu", "cuda"] = Field(description="where the networks run")
-    trust_pickles: bool = Field(description="whether weights may be loaded that can run code of whoever made them (.pt)")
+    trust_pickles: bool = Field(description="whether pickled weights (.pt), which can run code of their author, may be loaded")
     detector: DetectorNetwork
     encoder: EncoderNetwork
 

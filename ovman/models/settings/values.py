@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self, cast
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
@@ -66,7 +66,8 @@ class Section(BaseModel):
             kind = field.annotation
             if name not in fields and isinstance(kind, type) and issubclass(kind, Section):
                 fields[name] = kind.owned({}, stage, f"{path}.{name}" if path else name)
-        made = cls.model_construct(**fields)
+        fields = {name: fields[name] for name in cls.model_fields if name in fields}  # the order of config.yaml, as in records
+        made = cast(Self, cls.model_construct(**fields))
         made.__dict__ = fields
         made._stage, made._path = stage, path
         return made

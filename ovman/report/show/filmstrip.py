@@ -11,8 +11,8 @@ from typing import Any
 import cv2
 import numpy as np
 
+from ovman.models.visit import Visit
 from ovman.report.show.reasoning import Item, Reasoning
-from ovman.sim.visit import Visit
 
 QUALITY = 78
 """Of the JPEG files."""
@@ -33,7 +33,7 @@ class Outline:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class TourFrame:
     """A view of a tour. picture: a data URI; target_px: size of the target's true mask, 0 where it is not seen."""
 
     view: int
@@ -52,7 +52,7 @@ class Stand:
 
     number: int
     at: tuple[float, float]
-    frames: tuple[Frame, ...]
+    frames: tuple[TourFrame, ...]
 
 
 def stands(
@@ -62,11 +62,11 @@ def stands(
     named = [[(k, item, reasoning) for item in reasoning.items[which]] for k, reasoning in enumerate(reasonings)]
     own = [entry for row in named for entry in row if entry[2].arm != "positions_two_visits"]
     masks = None if detected is None else detected.masks()
-    found: list[tuple[tuple[float, float], list[Frame]]] = []
+    found: list[tuple[tuple[float, float], list[TourFrame]]] = []
     for index, view in enumerate(visit.views):
         outlines = [] if masks is None else _detections(detected, masks, index, own)
         frame = _frame(visit, directory, index, episode, outlines)
-        at = (view["pose"]["x"], view["pose"]["z"])
+        at = (view.pose.x, view.pose.z)
         if not found or found[-1][0] != at:
             found.append((at, []))
         found[-1][1].append(frame)
@@ -96,26 +96,26 @@ def picture(path: Path) -> tuple[str, int, int]:
     return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii"), width, height
 
 
-def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> Frame:
+def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> TourFrame:
     view = visit.views[index]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
     ids = cv2.imread(str(directory / f"{index:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
     truths = []
-    for number, name in enumerate(view["instances"], start=1):
+    for number, name in enumerate(view.instances, start=1):
         kind = "target" if name == episode["target"] else "distractor" if name == episode["distractor"] else "instance"
-        if kind != "instance" and name not in view["seen"]:
+        if kind != "instance" and name not in view.seen:
             continue
-        if visit.category.get(name) == episode["category"] and name in view["seen"]:
-            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view['seen'][name]} px (truth)"))
-    return Frame(
+        if name in visit.present and visit.present[name].category == episode["category"] and name in view.seen:
+            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view.seen[name]} px (truth)"))
+    return TourFrame(
         view=index,
-        yaw_deg=view["pose"]["yaw_deg"],
+        yaw_deg=view.pose.yaw_deg,
         picture=uri,
         width=width,
         height=height,
         outlines=tuple(outlines),
         truths=tuple(truths),
-        target_px=view["seen"].get(episode["target"], 0),
+        target_px=view.seen.get(episode["target"], 0),
     )
 
 

@@ -9,7 +9,7 @@ Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class PlanFrame:
     """A drawing of `width` x `height` units whose upper left corner is (x_min, z_max), `scale` units a metre."""
 
     x_min: float
@@ -19,7 +19,7 @@ class Frame:
     height: float
 
     @staticmethod
-    def around(points: Iterable[Point], width: float, highest: float, margin_m: float) -> Frame:
+    def around(points: Iterable[Point], width: float, highest: float, margin_m: float) -> PlanFrame:
         """The largest frame `width` wide and at most `highest` high that shows the points (x, z), metres, and `margin_m` about
         them, in the middle. ValueError without points.
         """
@@ -29,7 +29,7 @@ class Frame:
         (left, right), (low, high) = ((min(axis) - margin_m, max(axis) + margin_m) for axis in zip(*points, strict=True))
         scale = min(width / (right - left), highest / (high - low))
         spare = width / scale - (right - left)
-        return Frame(left - spare / 2, high, scale, width, (high - low) * scale)
+        return PlanFrame(left - spare / 2, high, scale, width, (high - low) * scale)
 
     def at(self, x: float, z: float) -> Point:
         """Where a floor-plane point in metres is drawn: units from the left and from the top."""

@@ -9,7 +9,7 @@ from ovman.agents.interface import VISITS
 from ovman.agents.reference.decision import Answer
 from ovman.agents.reference.single_visit import UniformBox, UniformPick
 from ovman.report.show import svg
-from ovman.report.show.frame import Frame
+from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels
 from ovman.report.show.reasoning import Item, Reasoning
 from ovman.report.show.room import (
@@ -118,7 +118,7 @@ def radius(item: Item) -> float:
     return min(4.0 + 1.6 * item.sightings**0.5, 12.0)
 
 
-def _mark(parent: Element, frame: Frame, item: Item, visit: int, name: str, fill: str) -> None:
+def _mark(parent: Element, frame: PlanFrame, item: Item, visit: int, name: str, fill: str) -> None:
     # Squares are of the first visit, circles of the second.
     draw = (svg.square, svg.circle)[visit]
     draw(parent, frame.at(*item.at), radius(item), f"object {name}", _title(item, visit), fill=fill)
@@ -131,23 +131,23 @@ def _title(item: Item, visit: int) -> str:
     return f"{('first', 'second')[visit]} visit, object {item.id}: {times}{score}, seen in views {views}"
 
 
-def _item(parent: Element, frame: Frame, item: Item, visit: int, colours: Colours, labels: Labels) -> None:
+def _item(parent: Element, frame: PlanFrame, item: Item, visit: int, colours: Colours, labels: Labels) -> None:
     _mark(parent, frame, item, visit, "grounded" if item.grounded else "other", colours.of(item))
     if item.grounded:
         labels.keep(frame.at(*item.at), radius(item))
 
 
-def _track(parent: Element, frame: Frame, item: Item) -> None:
+def _track(parent: Element, frame: PlanFrame, item: Item) -> None:
     if len(item.track) > 1:
         svg.polyline(parent, [frame.at(*point) for point in item.track], "track", f"track of object {item.id}")
 
 
-def _name(parent: Element, frame: Frame, item: Item, labels: Labels, words: str, size: float) -> None:
+def _name(parent: Element, frame: PlanFrame, item: Item, labels: Labels, words: str, size: float) -> None:
     box = labels.place(frame.at(*item.at), radius(item), words, size)
     svg.text(parent, box.middle, words, "object-id", dy="0.35em")
 
 
-def _association(parent: Element, frame: Frame, reasoning: Reasoning, labels: Labels) -> None:
+def _association(parent: Element, frame: PlanFrame, reasoning: Reasoning, labels: Labels) -> None:
     colours = Colours(reasoning)
     by_id = [{item.id: item for item in reasoning.grounded(visit)} for visit in (0, 1)]
     for pair in reasoning.pairs:
@@ -175,7 +175,7 @@ def _association(parent: Element, frame: Frame, reasoning: Reasoning, labels: La
             _name(parent, frame, item, labels, str(item.id), 12.0)
 
 
-def _boxes(parent: Element, frame: Frame, static: Sequence[StaticRow]) -> None:
+def _boxes(parent: Element, frame: PlanFrame, static: Sequence[StaticRow]) -> None:
     group = svg.group(parent, "boxes")
     letters: dict[UniformBox, list[str]] = {}
     for row in static:
@@ -188,7 +188,7 @@ def _boxes(parent: Element, frame: Frame, static: Sequence[StaticRow]) -> None:
         svg.text(group, (u + 5.0, v + 14.0), " ".join(names), "box-label")
 
 
-def _predictions(parent: Element, frame: Frame, static: Sequence[StaticRow], labels: Labels) -> None:
+def _predictions(parent: Element, frame: PlanFrame, static: Sequence[StaticRow], labels: Labels) -> None:
     """Predicted points with the letters of the arms that predict them; the candidates of stochastic picks as small diamonds."""
     points: dict[tuple[float, float], list[StaticRow]] = {}
     for row in static:
@@ -208,7 +208,7 @@ def _predictions(parent: Element, frame: Frame, static: Sequence[StaticRow], lab
         _pill(parent, labels, at, 7.0, words, name)
 
 
-def _stops(parent: Element, frame: Frame, embodied: Sequence[EmbodiedRow], labels: Labels) -> None:
+def _stops(parent: Element, frame: PlanFrame, embodied: Sequence[EmbodiedRow], labels: Labels) -> None:
     places: dict[tuple[float, float, str], list[tuple[str, float, str]]] = {}
     for row in embodied:
         for stop in row.stops:

@@ -44,7 +44,7 @@ class Item:
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class MatchedPair:
     """An object of the first and one of the second visit, by id, taken for the same: Eq. cost in metres, and its first term."""
 
     first: int
@@ -60,7 +60,7 @@ class Reasoning:
     arm: str
     title: str
     items: tuple[tuple[Item, ...], tuple[Item, ...]]
-    pairs: tuple[Pair, ...]
+    pairs: tuple[MatchedPair, ...]
     looked: bool = True
 
     def grounded(self, visit: int) -> tuple[Item, ...]:
@@ -130,7 +130,7 @@ def of_maps(
             other.feature[None],
             feature_scale_m=settings.association.feature_scale_m,
         )
-        pairs.append(Pair(i, j, float(cost[0, 0]), float(np.hypot(*(one.position - other.position)))))
+        pairs.append(MatchedPair(i, j, float(cost[0, 0]), float(np.hypot(*(one.position - other.position)))))
     return Reasoning(arm.name, _title(arm), items, tuple(pairs), evidence.grounded_1 is not None)
 
 
@@ -162,7 +162,7 @@ def of_positions(arm: Arm, trial: Mapping[str, Any], settings: Any) -> Reasoning
     )
     gap = distances(*p)
     return Reasoning(
-        arm.name, _title(arm), items, tuple(Pair(i, j, float(gap[i, j]), float(gap[i, j])) for i, j in matched.pairs)
+        arm.name, _title(arm), items, tuple(MatchedPair(i, j, float(gap[i, j]), float(gap[i, j])) for i, j in matched.pairs)
     )
 
 

@@ -19,8 +19,8 @@ from ovman.evaluation import prediction
 from ovman.evaluation.prediction import Prediction
 from ovman.models.record import read_records, records
 from ovman.models.settings import Arm, Kind, of_kind
+from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
-from ovman.sim.visit import Visit
 
 MAKE = "make tables"
 """The command that makes all that is read here."""

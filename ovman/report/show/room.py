@@ -8,7 +8,7 @@ from typing import Any
 from xml.etree.ElementTree import Element
 
 from ovman.report.show import svg
-from ovman.report.show.frame import Frame
+from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels
 from ovman.report.show.reasoning import Reasoning
 
@@ -46,7 +46,7 @@ class Room:
         return [[(p["x"], p["z"]) for p in change["path"]] for change in self.episode["changes"] if change["path"]]
 
 
-def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest: float) -> Frame:
+def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest: float) -> PlanFrame:
     """The frame that both visits and what was made of them are drawn in."""
     cells = [(float(x), float(z)) for x, z in room.scene["reachable"]]
     (left, right), (low, high) = ((min(axis) - FARTHEST_M, max(axis) + FARTHEST_M) for axis in zip(*cells, strict=True))
@@ -62,10 +62,10 @@ def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest:
     x, z = room.answer
     half = SURROUNDINGS_M / 2
     near = [(x + dx, z + dz) for dx in (-half, half) for dz in (-half, half)]
-    return Frame.around([*about, *instances, *objects, *near, *sum(room.paths, [])], width, highest, half)
+    return PlanFrame.around([*about, *instances, *objects, *near, *sum(room.paths, [])], width, highest, half)
 
 
-def draw_room(parent: Element, frame: Frame, room: Room, visit: int) -> None:
+def draw_room(parent: Element, frame: PlanFrame, room: Room, visit: int) -> None:
     """The floor, the cells that the agent can reach, and the furniture as it stood in a visit."""
     floor = svg.group(parent, "room truth")
     here = {k["id"]: (k["x"], k["z"]) for k in room.world(visit)}
@@ -88,7 +88,7 @@ def draw_room(parent: Element, frame: Frame, room: Room, visit: int) -> None:
         svg.circle(cells, frame.at(x, z), 1.1, "cell")
 
 
-def draw_waypoints(parent: Element, frame: Frame, room: Room, labels: Labels) -> None:
+def draw_waypoints(parent: Element, frame: PlanFrame, room: Room, labels: Labels) -> None:
     group = svg.group(parent, "waypoints")
     for number, waypoint in enumerate(room.scene["waypoints"], start=1):
         at = frame.at(waypoint["x"], waypoint["z"])
@@ -97,7 +97,7 @@ def draw_waypoints(parent: Element, frame: Frame, room: Room, labels: Labels) ->
         labels.keep(at, 7.0)
 
 
-def draw_instances(parent: Element, frame: Frame, room: Room, visit: int, labels: Labels) -> None:
+def draw_instances(parent: Element, frame: PlanFrame, room: Room, visit: int, labels: Labels) -> None:
     """Crosses at the true instances of the category, the target and the distractor by name; the paths of movers."""
     group = svg.group(parent, "truth instances")
     episode = room.episode
@@ -114,7 +114,7 @@ def draw_instances(parent: Element, frame: Frame, room: Room, visit: int, labels
             svg.text(group, box.middle, called, "truth-label", dy="0.35em")
 
 
-def draw_paths(parent: Element, frame: Frame, room: Room) -> None:
+def draw_paths(parent: Element, frame: PlanFrame, room: Room) -> None:
     """Where movers went, with an arrowhead at the end."""
     for path in room.paths:
         points = [frame.at(x, z) for x, z in path]
@@ -123,7 +123,7 @@ def draw_paths(parent: Element, frame: Frame, room: Room) -> None:
             svg.circle(parent, (u, v), 1.6, "mover-step")
 
 
-def draw_change(parent: Element, frame: Frame, room: Room) -> None:
+def draw_change(parent: Element, frame: PlanFrame, room: Room) -> None:
     """From where each displaced instance was to where it was put."""
     for change in room.episode["changes"]:
         if change["before"] and change["after"]:
@@ -132,7 +132,7 @@ def draw_change(parent: Element, frame: Frame, room: Room) -> None:
             svg.circle(parent, ends[0], 2.2, "change-end")
 
 
-def draw_pin(parent: Element, frame: Frame, room: Room, labels: Labels) -> None:
+def draw_pin(parent: Element, frame: PlanFrame, room: Room, labels: Labels) -> None:
     """A star on a stem whose foot is the answer, so that it hides little of what is there."""
     foot = frame.at(*room.answer)
     top = foot[0], foot[1] - STEM
@@ -144,7 +144,7 @@ def draw_pin(parent: Element, frame: Frame, room: Room, labels: Labels) -> None:
     labels.keep(top, 11.0)
 
 
-def draw_surroundings(parent: Element, frame: Frame, room: Room, radius_m: float) -> None:
+def draw_surroundings(parent: Element, frame: PlanFrame, room: Room, radius_m: float) -> None:
     """The radius of success about the answer, the navigable cell nearest to it, and the spawn."""
     spawn, cell = room.episode["spawn"], room.episode["nearest_navigable"]
     at = frame.at(*room.answer)

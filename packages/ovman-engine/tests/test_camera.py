@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman_engine.paint import materials, textures
-from ovman_engine.picture import camera, corners, lights, painter, rays, scene_mesh, shading
+from ovman_engine.picture import camera, corners, lights, painter, rays, scene_mesh, shading, triangle_mesh
 from ovman_engine.picture.camera import Renderer, View
 from ovman_engine.plan import floorplan
 from ovman_engine.shapes import Part
@@ -276,20 +276,20 @@ def test_impossible_views_are_refused(bad):
         View(np.zeros(3), 0, **bad)
 
 
-def soup(rng: np.random.Generator, count: int) -> scene_mesh.SceneMesh:
+def soup(rng: np.random.Generator, count: int) -> triangle_mesh.TriangleMesh:
     """Triangles anywhere, each an instance of its own."""
     numbers = np.arange(count, dtype=np.int32)
     vertices = rng.uniform(-1, 1, (3 * count, 3)).astype(np.float32)
     corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
     flat = np.zeros((count, 3), np.float32)
     names = tuple(map(str, numbers))
-    return scene_mesh.SceneMesh(
+    return triangle_mesh.TriangleMesh(
         vertices, corners, np.zeros((count, 3, 3), np.float32), numbers, numbers, numbers, numbers,
         np.zeros((count, 3, 4), np.float32), flat, names, (),
     )  # fmt: skip
 
 
-def met(mesh: scene_mesh.SceneMesh, origins: np.ndarray, ways: np.ndarray) -> np.ndarray:
+def met(mesh: triangle_mesh.TriangleMesh, origins: np.ndarray, ways: np.ndarray) -> np.ndarray:
     """(N, T) distances at which rays meet triangles, infinite where they miss, by solving for each pair."""
     a, b, c = (mesh.vertices[mesh.triangles[:, k]].astype(float) for k in range(3))
     matrix = np.stack(np.broadcast_arrays(-ways[:, None].astype(float), (b - a)[None], (c - a)[None]), axis=-1)

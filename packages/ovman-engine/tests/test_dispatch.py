@@ -14,7 +14,7 @@ from ovman_engine.actions import TABLE, dispatch
 from ovman_engine.actions.registry import Action, Failed, Thrown, action
 from ovman_engine.actions.values import Inconvertible, Malformed, ObjectPose, PartialVector3, Vector3, converted
 from ovman_engine.plan.floorplan import load
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 
 @pytest.fixture

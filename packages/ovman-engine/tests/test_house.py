@@ -8,10 +8,11 @@ import copy
 import numpy as np
 import pytest
 
+from ovman_engine.bodies.body import Pose
 from ovman_engine.plan.assets import asset
 from ovman_engine.plan.house_json import InvalidHouse, read
 from ovman_engine.plan.houseplan import plan_of
-from ovman_engine.world.world import Pose, World
+from ovman_engine.world.world import World
 
 HEIGHT = 2.7
 WEST, EAST = [(0, 0), (0, 4), (5, 4), (5, 0)], [(5, 0), (5, 4), (9, 4), (9, 2), (7, 2), (7, 0)]

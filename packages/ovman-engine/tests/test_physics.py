@@ -10,7 +10,8 @@ from ovman_engine.physics.layout import Layout, Solid
 from ovman_engine.physics.physics import SLEEP_S, TICK_S, Model
 from ovman_engine.plan import floorplan
 from ovman_engine.plan.floorplan import Box, rotation_matrix
-from ovman_engine.world.world import Refused, World
+from ovman_engine.world.errors import Refused
+from ovman_engine.world.world import World
 
 SCENES = ["FloorPlan1", "FloorPlan201", "FloorPlan215", "FloorPlan301", "FloorPlan406"]
 PLANS = {name: floorplan.load(name) for name in SCENES}

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from ovman_engine.bodies.body import Body
 from ovman_engine.plan import floorplan
-from ovman_engine.world.world import Refused, World
+from ovman_engine.world.errors import Refused
+from ovman_engine.world.world import World
 
 SAMPLE = [
     "FloorPlan2",

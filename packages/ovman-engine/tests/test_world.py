@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from ovman_engine.bodies.arrangement import object_id
 from ovman_engine.plan import floorplan
-from ovman_engine.world.world import Refused, World
+from ovman_engine.world.errors import Refused
+from ovman_engine.world.world import World
 
 SCENES = ["FloorPlan3", "FloorPlan201", "FloorPlan215", "FloorPlan311", "FloorPlan413", "FloorPlan425"]
 PLANS = {name: floorplan.load(name) for name in SCENES}

@@ -10,17 +10,17 @@ import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import ovman
 import ovman_released
+from ovman.models.episode import Episode
 from ovman.models.note import Note
-from ovman.models.record import read_records
+from ovman.models.record import lines
+from ovman.models.run import Rollout
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 from ovman_engine import COMMAND, executable
 from ovman_released.clone import Clone
-from ovman_released.cow_episodes import Hidden
 from ovman_released.cow_process import Job
 from ovman_released.cow_results import collected
 from ovman_released.interpreter import Needs, environment, lacks, linked
@@ -69,13 +69,13 @@ def missing(constants: StageSettings, needs: Needs = NEEDS) -> str | None:
     return wrong or lacks(COW, settings.python, settings.device, needs, environment())
 
 
-def shares(episodes: Sequence[Hidden], processes: int) -> list[tuple[Hidden, ...]]:
+def shares(episodes: Sequence[Episode], processes: int) -> list[tuple[Episode, ...]]:
     """The episodes in as many runs of consecutive ones, of equal length but for one episode; fewer where there are fewer."""
     n = max(1, min(processes, len(episodes)))
     return [tuple(episodes[k * len(episodes) // n : (k + 1) * len(episodes) // n]) for k in range(n)]
 
 
-def call(share: Sequence[Hidden], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
+def call(share: Sequence[Episode], seed: int, constants: StageSettings, directory: Path) -> subprocess.Popen[bytes]:
     """The released runner at work on `share` in a process of its own, which ends with this one."""
     settings = released_cow(constants)
     root = Path(settings.root).absolute()
@@ -86,15 +86,15 @@ def call(share: Sequence[Hidden], seed: int, constants: StageSettings, directory
     return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(packages) | {COMMAND: executable()})
 
 
-def unit(share: Sequence[Hidden], seed: int, constants: StageSettings) -> str:
+def unit(share: Sequence[Episode], seed: int, constants: StageSettings) -> str:
     """Key of a call in the journal: all that it depends on, wherever the clone lies."""
     stage = json.loads(constants.canonical)
     stage["constants"] = {name: value for name, value in stage["constants"].items() if name not in OF_PLACE}
     return digest([episode.to_json() for episode in share], seed, stage)
 
 
-def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept: Journal) -> list[dict[str, Any]]:
-    """The records of one seed, in the order of the episodes.
+def passed(episodes: Sequence[Episode], seed: int, constants: StageSettings, kept: Journal) -> list[Rollout]:
+    """The rollouts of one seed, in the order of the episodes.
 
     The released agent carries state from one episode to the next, so a call of the runner is done whole or not at all.
     RuntimeError in one line where the runner fails.
@@ -112,17 +112,17 @@ def passed(episodes: Sequence[Hidden], seed: int, constants: StageSettings, kept
             for k, (process, directory) in working.items():
                 if status := process.wait():
                     raise RuntimeError(f"{SYSTEM}, seed {seed}: the runner ended with status {status}; the log has what it said")
-                kept.write(keys[k], collected(directory / "results", directory / "verdicts.jsonl", parts[k], seed))
+                rollouts = collected(directory / "results", directory / "verdicts.jsonl", parts[k], seed)
+                kept.write(keys[k], [rollout.to_json() for rollout in rollouts])
         finally:
             for process, _ in working.values():
                 process.kill()
                 process.wait()
-    return [record for key in keys for record in kept[key]]
+    return [Rollout.from_json(record, str(kept.path)) for key in keys for record in kept[key]]
 
 
 def run(
     episodes_file: Path,
-    trials_files: Sequence[Path],
     constants: StageSettings,
     outputs: Mapping[tuple[int, str], Path],
     note: Path,
@@ -130,21 +130,19 @@ def run(
 ) -> None:
     """Write the runs of every (seed, scene) of `outputs`, and to `note` whether there are any.
 
-    Records are "ovman-run/1" as measured, of all episodes of a scene; the files are empty where something is missing.
+    A file has the rollouts of all episodes of a scene; it is empty where something is missing.
     """
-    trials = {t["candidate"]["id"]: t for file in trials_files for t in read_records(file)}
-    episodes = [Hidden.of(trials[e["id"]]) for e in read_records(episodes_file)]
+    episodes = Episode.load(episodes_file)
     wrong = missing(constants)
-    records: dict[int, list[dict[str, Any]]] = {}
+    rollouts: dict[int, list[Rollout]] = {}
     if wrong is None:
         kept = Journal(journal)
         for seed in dict.fromkeys(seed for seed, _ in outputs):
-            records[seed] = passed(episodes, seed, constants, kept)
+            rollouts[seed] = passed(episodes, seed, constants, kept)
     else:
         print(f"{SYSTEM} is not run: {wrong}", flush=True)
-    scenes = {episode.episode: episode.scene for episode in episodes}
+    scenes = {episode.id: episode.scene for episode in episodes}
     for (seed, scene), output in outputs.items():
-        mine = [record for record in records.get(seed, ()) if scenes[record["episode"]] == scene]
         output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text("".join(json.dumps(record, separators=(",", ":")) + "\n" for record in mine))
+        output.write_text(lines(one for one in rollouts.get(seed, ()) if scenes[one.episode] == scene), encoding="utf-8")
     Note(system=SYSTEM, missing=wrong or "").write(note)

@@ -15,12 +15,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ovman.models.episode import Episode
 from ovman.models.settings import Settings
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.workflow import seeds
-from ovman_released.cow_episodes import Hidden
+from ovman_released.cow_episodes import assignment, runner_name
 
 ARM = "cow_released"
 IDENTITY = "robothorChallengeEpisodeId"
@@ -35,29 +36,31 @@ NO_WORD_OF = frozenset(
 
 Launch = Callable[..., Any]
 """From parameters of a Controller to one that runs."""
+Judged = Callable[[str, bool, Mapping[str, Any] | None], None]
+"""Takes the name of an episode in the runner, whether its agent stopped, and the terms at the stop (None without one)."""
 
 
 class EpisodeController:
     """A Controller for the released runner.
 
-    launch: starts the simulator with the parameters that are given here; hidden: the episodes by their names in the runner;
-    constants: a stage's view that owns benchmark.seed, camera.*, primitives.*, mover.* and success.sweep_deg; judged: is called
-    with (name of the episode, what was measured) once for each. Raises SimulatorError where the simulator refuses an episode.
+    launch: starts the simulator with the parameters that are given here; episodes: by their names in the runner; constants: those
+    of stage `released_cow`; judged: is called once for each episode, when the runner lets go of it.
+    Raises SimulatorError where the simulator refuses an episode.
     """
 
     def __init__(
         self,
         launch: Launch,
-        hidden: Mapping[str, Hidden],
+        episodes: Mapping[str, Episode],
         seed: int,
         constants: Settings,
-        judged: Callable[[str, Mapping[str, Any]], None],
+        judged: Judged,
         **parameters: Any,
     ) -> None:
-        self._hidden, self._seed, self._constants, self._judged = hidden, seed, constants, judged
+        self._episodes, self._seed, self._constants, self._judged = episodes, seed, constants, judged
         self.initialization_parameters: dict[str, Any] = {k: v for k, v in parameters.items() if k not in NO_WORD_OF}
         given = self.initialization_parameters | {"renderInstanceSegmentation": True}
-        first = next(iter(hidden.values())).scene
+        first = next(iter(episodes.values())).scene
         self._inner = launch(**{"scene": first} | given)
         body = Embodiment(
             int(given["width"]),
@@ -70,7 +73,7 @@ class EpisodeController:
         self._session = Session(first, constants, body, start=lambda backend, scene, embodiment: self._inner)
         self._session.reset()
         self._event = self._inner.last_event
-        self._running: Hidden | None = None
+        self._running: Episode | None = None
         self._stopped = False
         self._world: World | None = None
 
@@ -79,21 +82,22 @@ class EpisodeController:
 
     @property
     def last_event(self) -> Any:
+        """The event of the last request."""
         return self._event
 
     def reset(self, scene: str | None = None, **parameters: Any) -> Any:
         """The second visit of the episode that the runner has named, before the agent is put there. Its event has images."""
         self._let_go()
-        name = self.initialization_parameters.get(IDENTITY)
-        if name not in self._hidden:
-            raise ValueError(f"the released runner resets for {name!r}, which is none of its {len(self._hidden)} episodes")
-        episode = self._hidden[name]
+        name = str(self.initialization_parameters.get(IDENTITY))
+        if name not in self._episodes:
+            raise ValueError(f"the released runner resets for {name!r}, which is none of its {len(self._episodes)} episodes")
+        episode = self._episodes[name]
         if scene is not None and scene.removesuffix("_physics") != episode.scene:
             raise ValueError(f"{name}: the released runner resets {scene}, and the episode is in {episode.scene}")
         session = self._session
         session.scene = episode.scene
-        rng = seeds.generator(self._constants.benchmark.seed, "mover", ARM, episode.episode, self._seed)
-        self._world = episode.begun(session, self._constants, rng)
+        rng = seeds.generator(self._constants.benchmark.seed, "mover", ARM, episode.id, self._seed)
+        self._world = assignment(episode).begun(session, self._constants, rng)
         self._running, self._stopped = episode, False
         self._event = session.step("Pass", image=True)
         return self._event
@@ -102,7 +106,7 @@ class EpisodeController:
         """One request of the runner; its event has images. A body that does not fit where it is to start is a SimulatorError."""
         request = dict(action) if isinstance(action, Mapping) else {"action": action}
         request |= arguments
-        name = request.pop("action")
+        name = str(request.pop("action"))
         request.pop("renderImage", None)
         if name == FILTER:
             return self._event
@@ -124,6 +128,7 @@ class EpisodeController:
         return self._event
 
     def stop(self) -> None:
+        """Measures the running episode and ends the simulator."""
         self._let_go()
         self._inner.stop()
 
@@ -137,10 +142,10 @@ class EpisodeController:
         if self._running is None:
             return
         episode, self._running = self._running, None
-        measured: dict[str, Any] = {"stopped": self._stopped}
+        terms: dict[str, Any] | None = None
         if self._stopped and self._world is not None:
-            measured |= episode.at_stop(self._session, self._world, self._constants, any_instance=True)
-        self._judged(episode.name, measured)
+            terms = assignment(episode).at_stop(self._session, self._world, self._constants, any_instance=True)
+        self._judged(runner_name(episode), self._stopped, terms)
 
 
 def _asked(request: Mapping[str, Any]) -> AgentPose:

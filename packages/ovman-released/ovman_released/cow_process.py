@@ -13,32 +13,36 @@ import queue
 import sys
 import threading
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from inspect import signature
 from pathlib import Path
 from typing import Any
 
+from ovman.models.episode import Episode
+from ovman.models.run import Terms
 from ovman.models.settings import Settings
 from ovman.sim.controller import launched
 from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims
 from ovman_released.cow_controller import EpisodeController
-from ovman_released.cow_episodes import Hidden, exported, vocabulary
+from ovman_released.cow_episodes import exported, runner_name, vocabulary
+from ovman_released.cow_results import Verdict
 from ovman_released.settings import released_cow
 
 RUNNER, AGENT, LOCALIZATION = "robothor_challenge", "src.models.agent_fbe_owl", "src.models.localization.clip_owl"
 PROMPTS, SETTINGS = Path("prompt_templates", "imagenet_template.json"), Path("config_cow.yaml")
 SIZE = ("width", "height")
+_PLACES = ("root", "results", "verdicts")
 
 
 @dataclass(frozen=True)
 class Job:
     """One call of the released runner.
 
-    root: of the clone; results, verdicts: where to write; canonical: the stage's constants; seed: the runner's; hidden: the
-    episodes in their order.
+    root: of the clone; results, verdicts: where to write; canonical: the stage's parameter; seed: the runner's; episodes: in
+    their order.
     """
 
     root: Path
@@ -46,17 +50,22 @@ class Job:
     verdicts: Path
     canonical: str
     seed: int
-    hidden: tuple[Hidden, ...]
+    episodes: tuple[Episode, ...]
 
     def write(self, path: Path) -> None:
-        record = asdict(self) | {"hidden": [episode.to_json() for episode in self.hidden]}
-        path.write_text(json.dumps(record, default=str) + "\n", encoding="utf-8")
+        """Write the call to a file, as plain JSON."""
+        places = {name: str(getattr(self, name)) for name in _PLACES}
+        episodes = [episode.to_json() for episode in self.episodes]
+        record = {**places, "canonical": self.canonical, "seed": self.seed, "episodes": episodes}
+        path.write_text(json.dumps(record) + "\n", encoding="utf-8")
 
     @staticmethod
     def load(path: Path) -> Job:
+        """The call of a file."""
         given = json.loads(path.read_text(encoding="utf-8"))
-        places = {name: Path(given[name]) for name in ("root", "results", "verdicts")}
-        return Job(**given | places | {"hidden": tuple(map(Hidden.from_json, given["hidden"]))})
+        root, results, verdicts = (Path(given[name]) for name in _PLACES)
+        episodes = tuple(Episode.from_json(episode, str(path)) for episode in given["episodes"])
+        return Job(root, results, verdicts, str(given["canonical"]), int(given["seed"]), episodes)
 
 
 class _Results:
@@ -80,11 +89,12 @@ def run(job: Job) -> None:
     job.results.mkdir(parents=True, exist_ok=True)
     with job.verdicts.open("w", encoding="utf-8") as verdicts:
 
-        def judged(name: str, measured: Mapping[str, Any]) -> None:
-            verdicts.write(json.dumps({"name": name, **measured}, separators=(",", ":")) + "\n")
+        def judged(name: str, stopped: bool, terms: Mapping[str, Any] | None) -> None:
+            absent = dict.fromkeys(Terms.model_fields)
+            verdicts.write(Verdict.from_json({"name": name, "stopped": stopped, **absent, **(terms or {})}).to_line())
             verdicts.flush()
 
-        episodes = {episode.name: episode for episode in job.hidden}
+        episodes = {runner_name(episode): episode for episode in job.episodes}
         launch = partial(launched, original, constants.benchmark.backend)
         cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, constants, judged))
         _call(job, constants, factory, runner)
@@ -104,10 +114,10 @@ def _call(job: Job, constants: Settings, factory: Any, runner: Any) -> None:
     )
     # The released lists are of the same length where there are any; names of categories that it knows stay its own.
     known = dict(zip(arguments.get("classes") or (), arguments.get("classes_clip") or (), strict=False))
-    names = vocabulary([episode.category for episode in job.hidden], known)
+    names = vocabulary([episode.category for episode in job.episodes], known)
     arguments["classes"], arguments["classes_clip"] = names
     waiting: queue.Queue[dict[str, Any]] = queue.Queue()
-    for episode in job.hidden:
+    for episode in job.episodes:
         waiting.put(exported(episode))
     runner.RobothorChallenge.inference_worker(
         worker_ind=0,

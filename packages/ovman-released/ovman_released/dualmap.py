@@ -103,11 +103,11 @@ class Runs:
             (directory / _DONE).touch()
             said = dualmap_runner.report(directory)
             print(
-                f"{self.scene}: run {number}: {' and '.join(visits)}: {said['frames']} frames, {said['keyframes']} keyframes, "
-                f"{said['local_before_the_end']} objects before the end, saved {said['saved']}, {said['seconds']:.0f} s",
+                f"{self.scene}: run {number}: {' and '.join(visits)}: {said.frames} frames, {said.keyframes} keyframes, "
+                f"{said.local_before_the_end} objects before the end, saved {dict(said.saved)}, {said.seconds:.0f} s",
                 flush=True,
             )
-        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory)["keyframes"]
+        return read_objects(directory / "objects.npz"), dualmap_runner.report(directory).keyframes
 
     def _made(self, directory: Path, visits: Sequence[str]) -> Path:
         """Runs DualMap over `visits`; the directory of its last process."""
@@ -159,8 +159,9 @@ def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageS
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
     asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
     return {
-        name: [asked, one.candidate, *(one.recorded.record[key] for key in ("scene", "alterations", "mover", "views"))]
+        name: [asked, one.candidate, *(record[key] for key in ("scene", "alterations", "mover", "views"))]
         for name, one in of.items()
+        for record in [one.recorded.to_json()]
     }
 
 
@@ -189,7 +190,7 @@ def run(
     with Session(scene, constants, body) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.surviving(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
+            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], constants), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)

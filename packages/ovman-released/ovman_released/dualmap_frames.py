@@ -18,12 +18,12 @@ import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import yaml
 
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour import View
 from ovman.sim.visit import write_png
 
 DATASET = "self_collected"
@@ -77,7 +77,23 @@ def millimetres(depth: np.ndarray) -> np.ndarray:
     return np.round(np.where(there, depth, 0.0) * DEPTH_SCALE).astype(np.uint16)
 
 
-def write_visit(directory: Path, views: Iterable[View], floor_y: float) -> Lens:
+class Seen(Protocol):
+    """A view. rgb: (H, W, 3) uint8; depth: (H, W) metres along the optical axis."""
+
+    @property
+    def rgb(self) -> np.ndarray:
+        """The picture."""
+
+    @property
+    def depth(self) -> np.ndarray:
+        """The depth."""
+
+    @property
+    def camera(self) -> Camera:
+        """Where it was seen from."""
+
+
+def write_visit(directory: Path, views: Iterable[Seen], floor_y: float) -> Lens:
     """Writes the frames of a visit under `directory`, whole or not at all; views are read one after the other.
 
     floor_y: height of the floor in Unity's world, metres. FramesError for no view, or for views that differ in size or lens.

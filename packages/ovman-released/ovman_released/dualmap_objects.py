@@ -61,7 +61,8 @@ def unit(features: np.ndarray) -> np.ndarray:
     """Features (N, K) as float64 of unit length; DualMap's means of unit vectors are so up to rounding."""
     f = np.asarray(features, np.float64)
     length = np.linalg.norm(f, axis=-1, keepdims=True)
-    return np.divide(f, length, out=np.zeros_like(f), where=length > 0)
+    scaled: np.ndarray = np.divide(f, length, out=np.zeros_like(f), where=length > 0)
+    return scaled
 
 
 def read_objects(path: Path) -> Objects:

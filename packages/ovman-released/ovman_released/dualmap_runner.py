@@ -10,12 +10,12 @@ import os
 import shutil
 import signal
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
+from ovman.models.record import Count, Record
 from ovman_released import dualmap_process
 from ovman_released.dualmap_frames import DATASET
 from ovman_released.dualmap_objects import Objects, ObjectsError, read_objects
@@ -27,6 +27,20 @@ _SAVING = {
     GLOBAL: ("run_local_mapping_only=false", "save_local_map=false", "save_global_map=true"),
 }
 """Never both: each save empties the directory of the map, and one would be lost."""
+
+
+class RunReport(Record):
+    """What a run of DualMap says of itself.
+
+    frames, keyframes: numbers of both; local_before_the_end: objects of the local map before DualMap ends; saved: number of saved
+    objects by kind; seconds: duration.
+    """
+
+    frames: Count
+    keyframes: Count
+    local_before_the_end: Count
+    saved: Mapping[str, Count]
+    seconds: float
 
 
 class RunError(RuntimeError):
@@ -124,7 +138,7 @@ def run(
     except ObjectsError as error:
         raise RunError(scene_id, str(error), log) from None
     if not len(objects):
-        keyframes = report(directory)["keyframes"]
+        keyframes = report(directory).keyframes
         raise RunError(scene_id, f"no object stayed in its {policy.kind} map in {keyframes} keyframes; walk more densely", log)
     if preload is not None:
         lost = set(read_objects(preload / "objects.npz").anchors) - set(objects.anchors)
@@ -167,6 +181,7 @@ def _quoted(path: Path) -> str:
     return "'" + str(path).replace("\\", "\\\\").replace("'", "\\'") + "'"
 
 
-def report(directory: Path) -> dict[str, Any]:
-    """What a finished run says of itself: frames, keyframes, objects of each kind that were saved, seconds."""
-    return json.loads((directory / "run.json").read_text())
+def report(directory: Path) -> RunReport:
+    """What the finished run in a directory says of itself. RecordError for a file that is no report."""
+    path = directory / "run.json"
+    return RunReport.parse(path.read_text(), str(path))

@@ -13,7 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+
+from ovman.models.record import Record
 
 OLDEST = (3, 11)
 """This package's oldest Python; the runners import its simulator session."""
@@ -48,6 +49,17 @@ for repository, alternatives in asked["cached"].items():
     found["cached"][repository] = there
 print("OVMAN " + json.dumps(found))
 """
+
+
+class _Found(Record):
+    """What the program answers: Python's version, which modules are there, versions of packages, whether torch sees a GPU (None
+    where it was not asked), and which repositories of Hugging Face are downloaded."""
+
+    version: tuple[int, int]
+    modules: Mapping[str, bool]
+    versions: Mapping[str, str | None]
+    cuda: bool | None
+    cached: Mapping[str, bool]
 
 
 @dataclass(frozen=True)
@@ -93,25 +105,24 @@ def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping
     if not answers:
         said = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
         return f"{key}.python is {python}, which is no working Python interpreter ({said}); give the path of one"
-    return _first(key, python, device, needs, json.loads(answers[-1].removeprefix("OVMAN ")))
+    return _first(key, python, device, needs, _Found.parse(answers[-1].removeprefix("OVMAN "), python))
 
 
-def _first(key: str, python: str, device: str, needs: Needs, found: Mapping[str, Any]) -> str | None:
-    version = tuple(found["version"])
-    if version < needs.oldest:
-        wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, version))
+def _first(key: str, python: str, device: str, needs: Needs, found: _Found) -> str | None:
+    if found.version < needs.oldest:
+        wanted, has = ".".join(map(str, needs.oldest)), ".".join(map(str, found.version))
         return f"{key}.python is Python {has}; the wrapper needs {wanted} or newer"
     pip = f"{shlex.quote(python)} -m pip install"
-    absent = [package for module, package in needs.modules.items() if not found["modules"][module]]
+    absent = [package for module, package in needs.modules.items() if not found.modules[module]]
     if absent:
         return f"its environment lacks {', '.join(absent)}; run: {pip} {' '.join(absent)}"
     for package, wanted in needs.versions.items():
-        if found["versions"][package] != wanted:
-            return f"its environment has {package} {found['versions'][package]}; run: {pip} {package}=={wanted}"
+        if found.versions[package] != wanted:
+            return f"its environment has {package} {found.versions[package]}; run: {pip} {package}=={wanted}"
     for repository, (_, command) in needs.cached.items():
-        if not found["cached"][repository]:
+        if not found.cached[repository]:
             return f"the weights {repository} are not downloaded; run: {shlex.quote(python)} {command}"
-    if device == "cuda" and not found["cuda"]:
+    if device == "cuda" and not found.cuda:
         return f'its PyTorch sees no GPU; give this job one, or set {key}.device to "cpu"'
     return None
 

@@ -8,28 +8,26 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 from ai2thor.controller import Controller
+from episodes import released
 from settings_of import settings_of
 
 import ovman
 import ovman_released
 from ovman.models.note import Note, sentence
-from ovman.sim.change import Alteration
+from ovman.models.record import lines
 from ovman.sim.controller import launched
-from ovman.sim.mover import Lane
-from ovman.sim.session import AgentPose
-from ovman.task import Relation
 from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
-from ovman_released.cow_episodes import Hidden, exported, vocabulary
+from ovman_released.cow_episodes import assignment, exported, runner_name, vocabulary
+from ovman_released.cow_process import Job
 from ovman_released.interpreter import environment, linked
 
 ROOT = Path(__file__).parents[3]
@@ -37,44 +35,32 @@ STAND_INS = Path(__file__).parent / "stand_ins"
 SCENE = "FloorPlan429"
 GONE, MOVED, PAPER = "SideTable|-01.53|+00.00|-00.17", "SideTable|+00.79|+00.00|-01.82", "ToiletPaper|-00.04|+00.94|-03.87"
 
-REMOVED = Hidden(
-    episode=f"{SCENE}/removed/0000",
-    scene=SCENE,
-    relation=Relation.REMOVED,
-    category="SideTable",
-    target=GONE,
-    second=(Alteration("disable", GONE),),
-    spawn=AgentPose(-1.0, -2.75, 0.0),
-    answer=(-1.526, -0.1725),
-    navigable=(-1.5, -0.5),
-    shortest_m=2.75,
-    mover=None,
-)
-SHIFTED = Hidden(
-    episode=f"{SCENE}/moved/0002",
-    scene=SCENE,
-    relation=Relation.MOVED,
-    category="SideTable",
-    target=MOVED,
-    second=(Alteration("displace", MOVED, (-0.788, -1.98), 0.0494),),
-    spawn=AgentPose(-0.25, -0.5, 180.0),
-    answer=(-0.788, -1.98),
-    navigable=(-0.25, -2.0),
-    shortest_m=1.5,
-    mover=None,
-)
-MOVING = Hidden(
-    episode=f"{SCENE}/moving/0000",
-    scene=SCENE,
-    relation=Relation.MOVING,
+REMOVED = released(f"{SCENE}/removed/0000", spawn={"x": -1.0, "z": -2.75, "yaw_deg": 0.0})
+SHIFTED = released(f"{SCENE}/moved/0002", spawn={"x": -0.25, "z": -0.5, "yaw_deg": 180.0})
+NOW = {"id": PAPER, "category": "ToiletPaper", "x": 0.0, "z": -2.25, "track": []}
+MOTION = {
+    "instance": PAPER,
+    "kind": "motion",
+    "before": {"x": -0.0387, "y": 0.94, "z": -3.867},
+    "after": {"x": 0.0, "y": 0.9, "z": -2.25},
+    "path": [{"x": 0.0, "z": -2.75}, {"x": 0.0, "z": -2.25}],
+    "placement": None,
+    "height_m": 0.9,
+    "lane": {"x_0": 0.0, "z_0": -2.75, "x_1": 0.0, "z_1": -0.75},
+}
+MOVING = released(
+    f"{SCENE}/moved/0002",
+    id=f"{SCENE}/moving/0000",
+    relation="moving",
     category="ToiletPaper",
     target=PAPER,
-    second=(Alteration("motion", PAPER, None, 0.9, Lane(0.0, -2.75, 0.0, -0.75)),),
-    spawn=AgentPose(-0.5, -1.5, 90.0),
-    answer=(0.0, -2.25),
-    navigable=(-0.25, -2.25),
-    shortest_m=1.0,
-    mover={"along_m": 0.5, "direction": 1},
+    changes=[MOTION],
+    world_2=[NOW],
+    spawn={"x": -0.5, "z": -1.5, "yaw_deg": 90.0},
+    answer={"x": 0.0, "z": -2.25},
+    nearest_navigable={"x": -0.25, "z": -2.25},
+    shortest_path_m=1.0,
+    mover={"instance": PAPER, "along_m": 0.5, "direction": 1},
 )
 EPISODES = (SHIFTED, REMOVED, MOVING)
 
@@ -111,21 +97,11 @@ def set_up(tmp_path_factory):
     return root, git(root, "rev-parse", "HEAD"), str(python), site
 
 
-def trial(hidden: Hidden) -> dict:
-    given = hidden.to_json()
-    candidate = {name: given[name] for name in ("scene", "relation", "category", "target", "second", "spawn")}
-    answer, navigable = ({"x": x, "z": z} for x, z in (hidden.answer, hidden.navigable))
-    measured = {"answer": answer, "nearest_navigable": navigable, "shortest_path_m": hidden.shortest_m, "mover": hidden.mover}
-    return {"candidate": {"id": hidden.episode, **candidate}, "measured": measured}
-
-
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     place = tmp_path_factory.mktemp("files")
-    episodes, trials = place / "main.jsonl", place / "trials.jsonl"
-    episodes.write_text("".join(json.dumps({"id": h.episode, "scene": h.scene}) + "\n" for h in EPISODES))
-    trials.write_text("".join(json.dumps(trial(h)) + "\n" for h in EPISODES))
-    return episodes, trials
+    (place / "main.jsonl").write_text(lines(EPISODES), encoding="utf-8")
+    return place / "main.jsonl"
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +110,7 @@ def ran(set_up, files, tmp_path_factory):
     place = tmp_path_factory.mktemp("ran")
     outputs = {(seed, SCENE): place / f"seed{seed}.jsonl" for seed in (0, 1)}
     journal = place / "journal.jsonl"
-    cow.run(files[0], [files[1]], constants(*set_up[:3]), outputs, place / "status.json", journal)
+    cow.run(files, constants(*set_up[:3]), outputs, place / "status.json", journal)
     records = {seed: [json.loads(line) for line in path.read_text().splitlines()] for (seed, _), path in outputs.items()}
     return records, place / "status.json", journal
 
@@ -143,7 +119,7 @@ def test_every_episode_under_every_seed_in_the_order_given(ran):
     records, status, _ = ran
     assert Note.read(status).ran and sentence(status) is None
     for seed, of_seed in records.items():
-        assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.episode, ARM, seed) for h in EPISODES]
+        assert [(r["episode"], r["arm"], r["seed"]) for r in of_seed] == [(h.id, ARM, seed) for h in EPISODES]
 
 
 def test_a_stop_is_measured_where_it_was_made_and_a_spent_budget_is_not(ran):
@@ -154,7 +130,7 @@ def test_a_stop_is_measured_where_it_was_made_and_a_spent_budget_is_not(ran):
         stop = shifted["stop"]["x"], shifted["stop"]["z"]
         assert math.dist(stop, (-0.25, -0.5)) == pytest.approx(shifted["path_length_m"], abs=0.02)
         assert shifted["answer_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.answer), abs=1e-3)
-        assert shifted["navigable_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.navigable), abs=1e-3)
+        assert shifted["navigable_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.nearest_navigable), abs=1e-3)
         assert set(shifted["visible_px"]) == {"0", "30", "60"}
 
 
@@ -171,10 +147,10 @@ def test_the_runner_is_told_of_all_objects_of_the_changed_world():
     body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
     launch = partial(launched, Controller, "embedded")
     given = constants(ROOT, "0" * 40, sys.executable)
-    stands = EpisodeController(launch, {REMOVED.name: REMOVED}, 0, given, lambda *_: None, **body)
+    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, given, lambda *_: None, **body)
     try:
         untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
-        stands.initialization_parameters[IDENTITY] = REMOVED.name
+        stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)
         assert {o["objectId"] for o in stands.reset(SCENE).metadata["objects"]} == untouched
         stands.step("SetObjectFilter", objectIds=[MOVED])
         assert {o["objectId"] for o in stands.step("RotateLeft").metadata["objects"]} == untouched
@@ -206,10 +182,10 @@ def test_a_finished_call_is_not_made_again_wherever_the_clone_is_now(ran, set_up
     journal = tmp_path / "journal.jsonl"
     shutil.copy(ran[2], journal)
     outputs = {(1, SCENE): tmp_path / "seed1.jsonl"}
-    cow.run(files[0], [files[1]], constants(moved, set_up[1], str(python)), outputs, tmp_path / "status.json", journal)
+    cow.run(files, constants(moved, set_up[1], str(python)), outputs, tmp_path / "status.json", journal)
     assert [json.loads(line) for line in outputs[1, SCENE].read_text().splitlines()] == ran[0][1]
     with pytest.raises(RuntimeError, match="status 9"):
-        cow.run(files[0], [files[1]], constants(moved, set_up[1], str(python), budget=5), outputs, tmp_path / "s.json", journal)
+        cow.run(files, constants(moved, set_up[1], str(python), budget=5), outputs, tmp_path / "s.json", journal)
 
 
 def lacking(set_up, **changed) -> str:
@@ -263,30 +239,38 @@ def test_weights_that_are_not_there_are_named_with_the_command_that_brings_them(
 def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files, tmp_path):
     outputs = {(seed, SCENE): tmp_path / f"seed{seed}.jsonl" for seed in (0, 1)}
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
-    cow.run(files[0], [files[1]], given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
+    cow.run(files, given, outputs, tmp_path / "status.json", tmp_path / "journal.jsonl")
     assert [path.read_bytes() for path in outputs.values()] == [b"", b""]
     assert Note.read(tmp_path / "status.json").missing.startswith("there is no clone in")
     assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 
-@pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
-def test_what_the_evaluator_keeps_survives_a_file(hidden):
-    assert Hidden.from_json(json.loads(json.dumps(hidden.to_json()))) == hidden
-    assert Hidden.of(trial(hidden)) == hidden
+def test_a_call_survives_a_file(tmp_path):
+    call = Job(tmp_path / "clone", tmp_path / "results", tmp_path / "verdicts.jsonl", "{}", 3, EPISODES)
+    call.write(tmp_path / "job.json")
+    assert Job.load(tmp_path / "job.json") == call
 
 
-@pytest.mark.parametrize("hidden", EPISODES, ids=lambda h: str(h.relation))
-def test_an_exported_episode_has_what_the_runner_asks_for(hidden):
-    episode = exported(hidden)
-    assert episode["id"].split("_")[3] == hidden.category and "." not in episode["id"] and "/" not in episode["id"]
-    assert episode["object_id"] == hidden.target and episode["object_type"] == hidden.category
-    start = episode["initial_position"], episode["initial_orientation"]
-    assert (start[0]["x"], start[0]["z"], start[1]) == (hidden.spawn.x, hidden.spawn.z, hidden.spawn.yaw_deg)
+@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
+def test_what_the_evaluator_keeps_is_the_episodes(episode):
+    kept = assignment(episode)
+    assert (kept.relation, kept.category, kept.target) == (episode.relation, episode.category, episode.target)
+    assert (kept.answer, kept.navigable) == (episode.answer, episode.nearest_navigable)
+    assert kept.second == episode.alterations("second") and (kept.mover is not None) == (episode is MOVING)
+
+
+@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
+def test_an_exported_episode_has_what_the_runner_asks_for(episode):
+    given = exported(episode)
+    assert given["id"].split("_")[3] == episode.category and "." not in given["id"] and "/" not in given["id"]
+    assert given["object_id"] == episode.target and given["object_type"] == episode.category
+    start = given["initial_position"], given["initial_orientation"]
+    assert (start[0]["x"], start[0]["z"], start[1]) == (episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
 
 
 def test_names_in_the_runner_tell_episodes_apart():
-    numbers = [replace(SHIFTED, episode=f"{SCENE}/moved/{n:04d}") for n in range(3)]
-    assert len({h.name for h in (*numbers, REMOVED, MOVING)}) == 5
+    numbers = [released(SHIFTED.id, id=f"{SCENE}/moved/{n:04d}") for n in range(3)]
+    assert len({runner_name(episode) for episode in (*numbers, REMOVED, MOVING)}) == 5
 
 
 def test_released_names_stay_and_others_are_this_projects_nouns():

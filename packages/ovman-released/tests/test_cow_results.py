@@ -6,20 +6,17 @@ import json
 import math
 
 import pytest
+from episodes import released
 from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation.scores import judge
-from ovman.sim.session import AgentPose
-from ovman.task import RecordError, Relation
-from ovman_released.cow_episodes import Hidden
-from ovman_released.cow_results import Walk, collected, imported
+from ovman.models.record import RecordError
+from ovman_released.cow_results import Verdict, Walk, collected, imported
 
-SPAWN = AgentPose(0.0, 0.0, 0.0)
-HIDDEN = Hidden(
-    Relation.REMOVED, "Mug", "Mug|1", (), SPAWN, (1.0, 0.0), (1.0, 0.0), None, "FloorPlan1/removed/0003", "FloorPlan1", 1.0
-)
-EPISODE = {"relation": "removed", "shortest_path_m": 1.0}
+EPISODE = released("FloorPlan429/removed/0000")
+JUDGED = {"relation": "removed", "shortest_path_m": 1.0}
+NOWHERE = dict.fromkeys(("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px"))
 COORDINATE = st.floats(-9, 9, allow_nan=False).map(lambda x: round(x, 3))
 
 
@@ -71,8 +68,8 @@ def test_its_own_success_is_not_read(tmp_path):
     """A file that says success is judged by where the agent stopped."""
     walk = Walk.read(written(tmp_path / "walk.json", [(0.0, 0.0), (0.0, 3.0), (0.0, 3.0)], ["MoveAhead", "Stop"]))
     terms = {"box_distance_m": None, "visible_px": None, "answer_distance_m": 3.1623, "navigable_distance_m": 3.1623}
-    verdict = {"stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
-    run = imported(HIDDEN, 2, walk, verdict)
+    verdict = {"name": "a", "stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
+    run = imported(EPISODE, 2, walk, Verdict.from_json(verdict)).to_json()
     assert (run["arm"], run["seed"], run["outcome"], run["path_length_m"], run["actions"]) == (
         "cow_released",
         2,
@@ -80,12 +77,13 @@ def test_its_own_success_is_not_read(tmp_path):
         3.0,
         1,
     )
-    assert judge(run, EPISODE, Task(), own_task=True)["success"] is False
+    assert judge(run, JUDGED, Task(), own_task=True)["success"] is False
 
 
 def test_a_spent_budget_is_a_failure_on_either_task():
-    run = imported(HIDDEN, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), {"stopped": False})
-    judged = judge(run, EPISODE, Task(), own_task=True)
+    verdict = Verdict.from_json({"name": "a", "stopped": False, **NOWHERE})
+    run = imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict).to_json()
+    judged = judge(run, JUDGED, Task(), own_task=True)
     assert (judged["outcome"], judged["success"], judged["own_success"], judged["path_length_m"]) == (
         "budget",
         False,
@@ -94,13 +92,13 @@ def test_a_spent_budget_is_a_failure_on_either_task():
     )
 
 
-@pytest.mark.parametrize("verdict", [{"stopped": False}, {"stopped": True, "stop": {"x": 0.5, "z": 0.0}}])
+@pytest.mark.parametrize("verdict", [{"stopped": False}, {"stopped": True, "stop": {"x": 0.5, "z": 0.0, "yaw_deg": 0.0}}])
 def test_a_verdict_on_another_run_is_refused(verdict):
     with pytest.raises(ValueError, match="run it again"):
-        imported(HIDDEN, 0, Walk(((0.0, 0.0), (0.0, 0.0)), True), verdict)
+        imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.0)), True), Verdict.from_json({"name": "a", **NOWHERE, **verdict}))
 
 
 def test_an_episode_without_a_verdict_is_named(tmp_path):
     (tmp_path / "verdicts.jsonl").write_text("")
-    with pytest.raises(ValueError, match=HIDDEN.episode):
-        collected(tmp_path, tmp_path / "verdicts.jsonl", (HIDDEN,), 0)
+    with pytest.raises(ValueError, match=EPISODE.id):
+        collected(tmp_path, tmp_path / "verdicts.jsonl", (EPISODE,), 0)

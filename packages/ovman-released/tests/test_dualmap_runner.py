@@ -53,7 +53,7 @@ def test_from_frames_to_objects_in_our_world(tmp_path):
     assert objects.nouns.keys() == set(NOUNS)
     assert objects.nouns["sofa"].tolist() == np.eye(8)[4].tolist()
     assert np.linalg.norm(objects.mapped(12).object_map().f, axis=1) == pytest.approx(1)
-    assert report(tmp_path / "run")["keyframes"] == 12 and report(tmp_path / "run")["saved"]["local"] == 2
+    assert report(tmp_path / "run").keyframes == 12 and report(tmp_path / "run").saved["local"] == 2
 
 
 def test_keys_of_the_records(tmp_path):
@@ -95,7 +95,7 @@ def test_equal_seeds_give_equal_maps_though_ids_are_random(tmp_path):
 
 def test_one_map_through_two_visits_holds_both_places(tmp_path):
     objects = run(HERE, policy(), sequence(tmp_path, "s", BOXES, MOVED), "s", [], tmp_path / "run")
-    assert report(tmp_path / "run")["keyframes"] == 24, "time goes on from one visit to the next"
+    assert report(tmp_path / "run").keyframes == 24, "time goes on from one visit to the next"
     assert objects.columns["last_seen"].max() > 12
 
 

@@ -95,7 +95,10 @@ def test_the_parameter_of_a_core_stage_is_the_same_with_and_without_the_plugin()
         ({"plugins": {COW: "nowhere.at_all"}}, "plugins.released_cow is nowhere.at_all, which cannot be imported (No module "),
         ({"plugins": {"x": "ovman_released.plugin"}}, "plugins.x is ovman_released.plugin, which has no plug-in of that name; "),
         ({"plugins": {"x": 3}}, "plugins.x is 3; it must be a valid string"),
-        ({"arms": {"cow_released": {"made_by": "x"}}}, "arms.cow_released.made_by is x, which is not in section plugins; there"),
+        (
+            {"arms": {"cow_released": {"made_by": "x"}}},
+            "arms.cow_released.made_by is x, which is not in section plugins; the plug",
+        ),
     ],
 )
 def test_a_wrong_setting_of_a_plugin_is_one_line_with_file_key_and_remedy(tmp_path, sections, line):

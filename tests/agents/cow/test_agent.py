@@ -7,7 +7,7 @@ import math
 import pytest
 
 from ovman.agents.cow.agent import CowAgent, Mode
-from ovman.agents.cow.voxel_map import State
+from ovman.agents.cow.voxel_map import VoxelState
 from ovman.agents.interface import Action, Agent, CameraPose
 from tests.agents.cow.world import CONSTANTS, NOWHERE, PRIMITIVES, Room, Sight, walked
 
@@ -63,7 +63,7 @@ def test_what_is_free_on_its_map_is_free_in_the_room():
     free = 0
     for i in range(state.shape[0]):
         for j in range(state.shape[1]):
-            if state[i, j] in (State.FREE, State.FRONTIER):
+            if state[i, j] in (VoxelState.FREE, VoxelState.FRONTIER):
                 x, z = start[0] + (first_i + i) * reach, start[1] + (first_j + j) * reach
                 assert -reach <= x <= here.width + reach and -reach <= z <= here.depth + reach
                 assert not (TABLE[0] + reach < x < TABLE[1] - reach and TABLE[4] + reach < z < TABLE[5] - reach)

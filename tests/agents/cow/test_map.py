@@ -15,7 +15,7 @@ from ovman.agents.cow.odometry import Pose
 from ovman.agents.cow.paths import DIAGONAL, STRAIGHT, Paths
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, headings, steered
-from ovman.agents.cow.voxel_map import State, VoxelMap
+from ovman.agents.cow.voxel_map import VoxelMap, VoxelState
 from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, PRIMITIVES, SIDE, Room
 
@@ -53,12 +53,12 @@ def test_frontiers_are_free_and_border_on_what_is_unknown(scans):
     first_i, first_j = known.origin
     for i, j in np.argwhere(known.state > 0) + known.origin:
         beside = [known.at(cell) for cell in ((i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1))]
-        if known.at((i, j)) is State.FRONTIER:
-            assert State.UNKNOWN in beside
-        if known.at((i, j)) is State.FREE:
-            assert State.UNKNOWN not in beside
+        if known.at((i, j)) is VoxelState.FRONTIER:
+            assert VoxelState.UNKNOWN in beside
+        if known.at((i, j)) is VoxelState.FREE:
+            assert VoxelState.UNKNOWN not in beside
     targets = frontier_targets(known, (0, 0), CONSTANTS)
-    assert all(known.at(target) is State.FRONTIER for target in targets)
+    assert all(known.at(target) is VoxelState.FRONTIER for target in targets)
     assert [math.hypot(*t) for t in targets] == sorted(math.hypot(*t) for t in targets)
     assert len(set(targets)) == len(targets)
 
@@ -69,19 +69,23 @@ def test_obstacles_and_their_four_neighbours_are_occupied_whatever_else_was_seen
     floor, obstacles = scans[-1]
     known = mapped(*(seen(f, o) for f, o in scans))
     for i, j in obstacles:
-        assert all(known.at(c) is State.OCCUPIED for c in ((i, j), (i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)))
+        assert all(known.at(c) is VoxelState.OCCUPIED for c in ((i, j), (i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)))
 
 
 def test_floor_that_is_seen_again_frees_what_was_occupied():
     known = mapped(seen(obstacles=[(3, 3)]), seen(floor=square_of(6)))
-    assert known.at((3, 3)) is State.FREE and known.at((6, 0)) is State.FRONTIER
+    assert known.at((3, 3)) is VoxelState.FREE and known.at((6, 0)) is VoxelState.FRONTIER
 
 
 def test_the_arrays_grow_and_keep_what_they_had():
     known = mapped(seen(floor=square_of(2)), seen(obstacles=[(-150, 300)]), seen(obstacles=[(70, -90)]))
-    assert known.at((0, 0)) is State.FREE and known.at((-150, 301)) is State.OCCUPIED and known.at((70, -90)) is State.OCCUPIED
-    assert known.at((1000, 0)) is State.UNKNOWN
-    assert list(known.states(np.array([[0, 0], [1000, 0]]))) == [State.FREE, State.UNKNOWN]
+    assert (
+        known.at((0, 0)) is VoxelState.FREE
+        and known.at((-150, 301)) is VoxelState.OCCUPIED
+        and known.at((70, -90)) is VoxelState.OCCUPIED
+    )
+    assert known.at((1000, 0)) is VoxelState.UNKNOWN
+    assert list(known.states(np.array([[0, 0], [1000, 0]]))) == [VoxelState.FREE, VoxelState.UNKNOWN]
 
 
 def test_the_nearest_voxel_of_interest_becomes_a_region_and_keeps_its_greatest_relevance():
@@ -108,7 +112,7 @@ def test_ways_go_over_free_cells_from_one_to_the_next(scans, goal):
     if way is None:
         return
     assert way[0] == (0, 0) and way[-1] == goal
-    assert all(known.at(cell) in (State.FREE, State.FRONTIER) for cell in way[1:])
+    assert all(known.at(cell) in (VoxelState.FREE, VoxelState.FRONTIER) for cell in way[1:])
     assert all(max(abs(a[0] - b[0]), abs(a[1] - b[1])) == 1 for a, b in pairwise(way))
 
 
@@ -140,7 +144,7 @@ def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
     for action in actions:
         pose = pose.after(action, PRIMITIVES.step_m, PRIMITIVES.turn_deg)
         if action is Action.MOVE_AHEAD:
-            assert known.at((round(pose.x / CONSTANTS.voxel_m), round(pose.z / CONSTANTS.voxel_m))) is not State.OCCUPIED
+            assert known.at((round(pose.x / CONSTANTS.voxel_m), round(pose.z / CONSTANTS.voxel_m))) is not VoxelState.OCCUPIED
     assert math.hypot(pose.x / CONSTANTS.voxel_m - goal[0], pose.z / CONSTANTS.voxel_m - goal[1]) <= CONSTANTS.waypoint_voxels
 
 
@@ -172,8 +176,10 @@ def test_a_scan_knows_floor_from_obstacles_and_leaves_the_ceiling_out():
     assert np.abs(points.height[points.floor] + CONSTANTS.camera_height_m).max() <= CONSTANTS.floor_tolerance_m
     known = VoxelMap(CONSTANTS)
     known.update(points, (0, 0))
-    assert known.at((0, 0)) is State.FRONTIER and known.at((0, 3)) is State.FREE, "the floor that the camera does not see"
-    assert known.at((0, 16)) is State.OCCUPIED and known.at((0, 30)) is not State.FREE
+    assert known.at((0, 0)) is VoxelState.FRONTIER and known.at((0, 3)) is VoxelState.FREE, (
+        "the floor that the camera does not see"
+    )
+    assert known.at((0, 16)) is VoxelState.OCCUPIED and known.at((0, 30)) is not VoxelState.FREE
 
 
 def test_images_are_made_square_by_their_nearest_pixels():

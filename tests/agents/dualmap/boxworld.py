@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.observation import ObjectObservation
 from ovman.workflow.config import load
 
 CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap
@@ -44,11 +44,13 @@ def surface(box: Box, eye: np.ndarray, points: int, rng: np.random.Generator) ->
     return (centre + spots).astype(np.float32)
 
 
-def observation(box: Box, eye: np.ndarray, frame: int, rng: np.random.Generator, runs: int = 1, points: int = 400) -> Observation:
+def observation(
+    box: Box, eye: np.ndarray, frame: int, rng: np.random.Generator, runs: int = 1, points: int = 400
+) -> ObjectObservation:
     """What a keyframe shows of a box, in `runs` draws of its points."""
     clouds = tuple(surface(box, eye, points, rng) for _ in range(runs))
     every = np.concatenate(clouds)
-    return Observation(
+    return ObjectObservation(
         frame=frame,
         class_id=box.class_id,
         confidence=0.8,
@@ -59,7 +61,9 @@ def observation(box: Box, eye: np.ndarray, frame: int, rng: np.random.Generator,
     )
 
 
-def walk(boxes: list[Box], views: list[tuple[float, float, float]], seed: int = 0, runs: int = 1) -> list[list[Observation]]:
+def walk(
+    boxes: list[Box], views: list[tuple[float, float, float]], seed: int = 0, runs: int = 1
+) -> list[list[ObjectObservation]]:
     """The keyframes of a walk: views (x, z, yaw in degrees) of a camera at 0.9 m with a field of view of 90 degrees."""
     rng = np.random.default_rng(seed)
     frames = []

@@ -8,7 +8,7 @@ import pytest
 from ovman.agents.dualmap.cloud import Cloud
 from ovman.agents.dualmap.global_map import Anchor, GlobalMap, overlap
 from ovman.agents.dualmap.local_map import Departure, LocalMap
-from ovman.agents.dualmap.map_object import MapObject, Seen
+from ovman.agents.dualmap.map_object import MapObject, RunObservation
 from ovman.agents.dualmap.relation import lies_on, major_plane
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, feature, surface, walk
 
@@ -19,7 +19,7 @@ HALF_METRE = Box((2.0, 0.25, 1.0), (0.5, 0.5, 0.5), class_id=3)
 def thing(box: Box, uid: int = 0, points: int = 4000) -> MapObject:
     eye = np.array([box.centre[0] + 2, 3.0, box.centre[2] + 2])
     cloud = Cloud.of(surface(box, eye, points, np.random.default_rng(uid)))
-    one = Seen(box.class_id, 0.9, feature(box.class_id), cloud, box.low_mobility)
+    one = RunObservation(box.class_id, 0.9, feature(box.class_id), cloud, box.low_mobility)
     return MapObject.of(uid, [one] * 9, range(9), LOCAL)
 
 
@@ -96,7 +96,7 @@ def test_furniture_that_has_settled_leaves_the_local_map_with_what_is_on_it_and_
     ball = Box((4.0, 0.1, 2.0), (0.2, 0.2, 0.2), class_id=14, low_mobility=False)
     local = LocalMap(FEATURES, LOCAL, np.random.default_rng(0), handing_on=ANCHORS, unknown=4)
     for observations in walk([*TEN, table, cup, ball], DENSE):
-        local.observe([Seen.of(one, 0) for one in observations])
+        local.observe([RunObservation.of(one, 0) for one in observations])
     local.flush()
     left = {departure.object.class_id: [up.class_id for up in departure.related] for departure in local.departures}
     assert set(left) == {0, 1, 2, 3, 5, 6, 7, 8, 9, 12}, "all furniture but what is unknown"
@@ -108,7 +108,7 @@ def test_a_walk_that_shows_furniture_twice_hands_it_on_twice_and_it_is_one_ancho
     views = [*DENSE, *[(3.0, 9.0, 0.0)] * 40, *DENSE]
     local = LocalMap(FEATURES, LOCAL, np.random.default_rng(0), handing_on=ANCHORS)
     for observations in walk(TEN, views):
-        local.observe([Seen.of(one, 0) for one in observations])
+        local.observe([RunObservation.of(one, 0) for one in observations])
     local.flush()
     found = GlobalMap(LOCAL.voxel_m, ANCHORS)
     found.take(local.departures)

@@ -13,27 +13,27 @@ from hypothesis import strategies as st
 from ovman.agents.dualmap.cloud import Cloud, box_iou
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import LocalMap, matches
-from ovman.agents.dualmap.map_object import MapObject, Seen, parted, together
-from ovman.agents.dualmap.observation import Observation
+from ovman.agents.dualmap.map_object import MapObject, RunObservation, parted, together
+from ovman.agents.dualmap.observation import ObjectObservation
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, TOUR, Box, feature, observation, walk
 
 LOCAL = CONSTANTS.local_map
 
 
-def mapped(frames: Sequence[Sequence[Observation]], run: int = 0, flush: bool = True) -> LocalMap:
+def mapped(frames: Sequence[Sequence[ObjectObservation]], run: int = 0, flush: bool = True) -> LocalMap:
     local = LocalMap(FEATURES, LOCAL, np.random.default_rng(run))
     for observations in frames:
-        local.observe([Seen.of(one, run) for one in observations])
+        local.observe([RunObservation.of(one, run) for one in observations])
     if flush:
         local.flush()
     return local
 
 
-def seen(points: np.ndarray, look: np.ndarray, class_id: int = 0) -> Seen:
-    return Seen(class_id, 0.8, look, Cloud.of(points), True)
+def seen(points: np.ndarray, look: np.ndarray, class_id: int = 0) -> RunObservation:
+    return RunObservation(class_id, 0.8, look, Cloud.of(points), True)
 
 
-def thing_of(*observations: Seen, uid: int = 0) -> MapObject:
+def thing_of(*observations: RunObservation, uid: int = 0) -> MapObject:
     return MapObject.of(uid, observations, range(len(observations)), LOCAL)
 
 
@@ -81,7 +81,7 @@ def test_a_copy_grows_by_itself():
     before = [thing.columns.T.tobytes() for thing in local.objects]
     copy = local.copy(np.random.default_rng(5))
     for observations in walk([TEN[0].moved(1.0, 1.8), *TEN[1:]], DENSE, seed=1):
-        copy.observe([Seen.of(one, 0) for one in observations])
+        copy.observe([RunObservation.of(one, 0) for one in observations])
     assert len(copy.objects) == 11 and copy.frame == local.frame + len(DENSE)
     assert [thing.columns.T.tobytes() for thing in local.objects] == before
 
@@ -211,8 +211,8 @@ def test_two_classes_in_more_than_six_common_keyframes_are_two_objects():
     rng, eye = np.random.default_rng(0), np.array([3.0, 1.0, 3.0])
     like = 0.8 * feature(0) + 0.6 * feature(1)
 
-    def both(frame: int) -> list[Seen]:
-        one = Seen.of(observation(box, eye, frame, rng, points=600), 0)
+    def both(frame: int) -> list[RunObservation]:
+        one = RunObservation.of(observation(box, eye, frame, rng, points=600), 0)
         return [replace(one, class_id=k, feature=like) for k in (0, 1)]
 
     local = LocalMap(FEATURES, LOCAL, np.random.default_rng(0))

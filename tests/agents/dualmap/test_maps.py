@@ -12,7 +12,7 @@ import pytest
 from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
@@ -29,7 +29,9 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
     shots, taken = [], {}
     for name in visits:
         numbers = range(len(shots), len(shots) + len(FRAMES[name]))
-        shots += [Shot(tuple(Seen(o.class_id, o.confidence, o.feature, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]]
+        shots += [
+            Shot(tuple(FrameObject(o.class_id, o.confidence, o.feature, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]
+        ]
         taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
     paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "trials", "output")})
     write_walks(paths.walks, taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))

@@ -9,17 +9,19 @@ import numpy as np
 import pytest
 
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, read_walks, unpacked, write_walks
-from ovman.agents.dualmap.shot import Seen, Shot, without_ceiling
+from ovman.agents.dualmap.shot import FrameObject, Shot, without_ceiling
 from ovman.perception.array_file import ArrayFileError
 
 NAMES = ("chair", "sofa", "cup")
 
 
 def shot(rng, objects: int, runs: int = 3) -> Shot:
-    def seen() -> Seen:
+    def seen() -> FrameObject:
         feature = rng.standard_normal(8).astype(np.float32)
         clouds = tuple(rng.uniform(-9, 9, (rng.integers(1, 60), 3)).astype(np.float32) for _ in range(runs))
-        return Seen(int(rng.integers(len(NAMES))), feature / np.linalg.norm(feature), float(np.float32(rng.random())), clouds)
+        return FrameObject(
+            int(rng.integers(len(NAMES))), feature / np.linalg.norm(feature), float(np.float32(rng.random())), clouds
+        )
 
     return Shot(tuple(seen() for _ in range(objects)), float(rng.random()))
 
@@ -30,7 +32,7 @@ def shots():
     return [shot(rng, objects) for objects in (3, 0, 1)]
 
 
-def assert_same(read: Seen, written: Seen) -> None:
+def assert_same(read: FrameObject, written: FrameObject) -> None:
     assert read.class_id == written.class_id and read.confidence == pytest.approx(written.confidence)
     assert np.linalg.norm(read.feature) == pytest.approx(1.0, abs=1e-6)
     assert np.abs(read.feature - written.feature).max() < 1e-3
@@ -83,14 +85,14 @@ def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
 
 
 def test_what_lies_too_far_away_is_refused():
-    far = Seen(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
+    far = FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
     with pytest.raises(ValueError, match="no home"):
         packed([Shot((far,), 2.0)])
 
 
 def test_what_has_its_middle_at_the_height_of_the_ceiling_is_part_of_it():
-    def at(low: float, high: float) -> Seen:
-        return Seen(0, np.ones(1, np.float32), 0.5, (np.array([[0, low, 0], [0, high, 0]], np.float32),))
+    def at(low: float, high: float) -> FrameObject:
+        return FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[0, low, 0], [0, high, 0]], np.float32),))
 
     tall, lamp, cornice = at(0.0, 2.6), at(2.0, 2.2), at(2.4, 2.6)
     assert without_ceiling(Shot((tall, lamp, cornice), 2.6), 2.6, 0.2).seen == (tall, lamp)

@@ -10,7 +10,7 @@ import pytest
 
 from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
-from ovman.agents.dualmap.shot import Seen, Shot
+from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
 from ovman.perception.backprojection import Camera
 from ovman.sim.session import AgentPose
@@ -40,7 +40,11 @@ class Observer:
         self.looked_at += [int(f.rgb[0, 0, 0]) for f in frames]
         return [
             Shot(
-                (Seen(1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)),),
+                (
+                    FrameObject(
+                        1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)
+                    ),
+                ),
                 2.5,
             )
             for f, runs in zip(frames, draws, strict=True)

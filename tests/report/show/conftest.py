@@ -18,7 +18,7 @@ from ovman.language import noun
 from ovman.models.record import line
 from ovman.models.settings import Kind, Need, Settings, of_kind
 from ovman.perception import maps
-from ovman.perception.detected import Detected, Masks
+from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
 from ovman.workflow import config
@@ -102,7 +102,7 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Mapping[str, 
         feature=np.array([row[2] for row in rows]),
         pixels=np.array([row[3].sum() for row in rows]),
         confidence=np.full(len(rows), 0.9, np.float32),
-        packed=Masks.of(np.array([row[3] for row in rows])),
+        packed=PackedMasks.of(np.array([row[3] for row in rows])),
         content="",
     )
 

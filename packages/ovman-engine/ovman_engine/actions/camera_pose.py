@@ -15,7 +15,7 @@ from ovman_engine.actions.registry import Failed, action
 from ovman_engine.actions.values import Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.client.session import Session
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 LOOK_DEG = 30.0
 """Default angle of LookUp and LookDown."""

@@ -14,7 +14,7 @@ from ovman_engine.client.resolution import objection
 from ovman_engine.client.session import Session
 from ovman_engine.picture.map_view import MapView
 from ovman_engine.picture.third_party import ThirdPartyCamera, normal_angles
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 MAX_ORTHOGRAPHIC_M = 1000.0
 """Largest half height of an orthographic image, metres."""

@@ -13,7 +13,7 @@ from ovman_engine.actions import TABLE
 from ovman_engine.actions.registry import Action, Failed, Parameter
 from ovman_engine.actions.values import CLR_NAMES, NAMES, Inconvertible, Malformed, Vector3, converted, shown
 from ovman_engine.client.event import Outcome, thrown
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 if TYPE_CHECKING:
     from ovman_engine.client.session import Session

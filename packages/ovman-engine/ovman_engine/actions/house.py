@@ -6,7 +6,7 @@ from typing import Any
 
 from ovman_engine.actions.registry import action
 from ovman_engine.client.session import PROCEDURAL, Session
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 
 @action("CreateHouse")

@@ -15,7 +15,7 @@ from ovman_engine.actions.values import MAX_COMPONENT, Vector3
 from ovman_engine.bodies.embodiment import DEFAULT, LOCOBOT
 from ovman_engine.bodies.passage import heading
 from ovman_engine.client.session import Session
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 TOWARDS_DEG = {"MoveAhead": 0.0, "MoveBack": 180.0, "MoveLeft": 270.0, "MoveRight": 90.0}
 """Direction of a move relative to the agent's yaw."""

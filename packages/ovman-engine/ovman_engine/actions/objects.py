@@ -10,7 +10,7 @@ from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import ObjectPose, Vector3
 from ovman_engine.client.session import Session
 from ovman_engine.plan.floorplan import rotation_matrix
-from ovman_engine.world.world import Refused, Unsettled
+from ovman_engine.world.errors import Refused, Unsettled
 
 
 def _turned(rotation: Vector3 | None) -> np.ndarray | None:

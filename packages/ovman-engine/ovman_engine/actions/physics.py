@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ovman_engine.actions.registry import action
 from ovman_engine.client.session import Session
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 MAX_STEP_S = 0.05
 MAX_S = 60.0

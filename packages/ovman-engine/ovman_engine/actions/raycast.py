@@ -13,7 +13,7 @@ from ovman_engine.actions.registry import action, out_of_range
 from ovman_engine.actions.values import Vector3
 from ovman_engine.client.session import Session
 from ovman_engine.sight.visibility import Eye, axes
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 
 def _met(session: Session, x: float, y: float) -> tuple[str | None, np.ndarray]:

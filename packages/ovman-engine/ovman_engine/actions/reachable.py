@@ -10,7 +10,7 @@ import math
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import Vector3
 from ovman_engine.client.session import Session
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 MAX_AREA_M2 = 10_000
 """Default area, square metres, within which reachable positions are searched."""

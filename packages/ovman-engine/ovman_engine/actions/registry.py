@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 
 @dataclass(frozen=True)

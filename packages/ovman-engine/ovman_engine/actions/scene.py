@@ -11,7 +11,7 @@ from ovman_engine.client.resolution import objection
 from ovman_engine.client.session import PROCEDURAL, SCENE_SUFFIX, Session
 from ovman_engine.client.settings import Settings
 from ovman_engine.plan import floorplan
-from ovman_engine.world.world import Refused
+from ovman_engine.world.errors import Refused
 
 if TYPE_CHECKING:
     import numpy as np

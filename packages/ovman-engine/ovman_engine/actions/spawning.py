@@ -7,17 +7,10 @@ from typing import Any
 from ovman_engine.actions.registry import Thrown, action
 from ovman_engine.actions.values import Vector3
 from ovman_engine.client.session import Session
-from ovman_engine.world.world import Body, Refused
+from ovman_engine.world.errors import Refused
 
 MAX_COPIES = 100
 """Largest number of objects of one type that a scene may be given."""
-
-
-def _found(session: Session, object_id: str) -> Body:
-    body = session.world.bodies.get(object_id)
-    if body is None or body.removed:
-        raise Refused(f"Cannot find sim object with id '{object_id}'")
-    return body
 
 
 @action("GetSpawnCoordinatesAboveReceptacle")
@@ -26,7 +19,7 @@ def spawn_coordinates(session: Session, objectId: str, anywhere: bool = True) ->
     receptacle. They lie above its surfaces, where nothing stands; unless `anywhere`, only those that the agent sees."""
     from ovman_engine.world.spawn import points, seen
 
-    body = _found(session, objectId)
+    body = session.body(objectId)
     if not body.obj.record["receptacle"]:
         raise Refused(f"{objectId} is not a receptacle!")
     if not body.present:
@@ -64,7 +57,7 @@ def initial_random_spawn(
             raise Refused(f"invalid Object Type used in excludedReceptacles array: {kind}")
     for names in (excludedObjectIds, objectIds, receptacleObjectIds):
         for name in names or ():
-            _found(session, name)
+            session.body(name)
     wishes = SpawnOptions(
         seed=randomSeed,
         only_outside=forceVisible,

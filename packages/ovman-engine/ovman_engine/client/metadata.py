@@ -7,13 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from ovman_engine.bodies.body import Body
 from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.surfaces import VESSELS
 from ovman_engine.client.settings import Settings
 from ovman_engine.plan.floorplan import Box, euler_degrees
 from ovman_engine.plan.vector import vector
 from ovman_engine.sight.visibility import Eye, Sight, Spheres
-from ovman_engine.world.world import Body, World
+from ovman_engine.world.world import World
 
 ABOVE_M, BELOW_M = 0.05, 0.02
 """An object is on or in a receptacle if the middle of its underside is in the receptacle's box, or this far above or below it."""

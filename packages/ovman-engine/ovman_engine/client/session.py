@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from ovman_engine.bodies.embodiment import DEFAULT
 from ovman_engine.client.settings import Settings
+from ovman_engine.world.errors import Refused
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from ovman_engine.bodies.body import Body
     from ovman_engine.client.metadata import SceneMetadata
     from ovman_engine.picture.camera import Onlooker, View
     from ovman_engine.picture.map_view import MapView
@@ -76,8 +78,6 @@ class Session:
     def world(self) -> World:
         """The world of the scene. Raises Refused while no scene is loaded."""
         if self._world is None:
-            from ovman_engine.world.world import Refused
-
             raise Refused(f"No scene is loaded: {self._absence}")
         return self._world
 
@@ -91,6 +91,13 @@ class Session:
     def agent_mode(self) -> str:
         """agentMode of the agent, which selects among overloads of an action; the default while no scene is loaded."""
         return DEFAULT.mode if self._world is None else self._world.agent.embodiment.mode
+
+    def body(self, object_id: str) -> Body:
+        """The body of an object that is in the scene, enabled or not. Raises Refused for any other objectId."""
+        body = self.world.bodies.get(object_id)
+        if body is None or body.removed:
+            raise Refused(f"Cannot find sim object with id '{object_id}'")
+        return body
 
     def load(self, scene_name: str) -> None:
         """Loads the untouched scene ("FloorPlan201_physics"), with the settings that hold before any Initialize.

@@ -1,1 +1,1 @@
-"""What things are made of and how that looks: tones, finishes, materials, textures."""
+"""Materials of objects: tones, finishes, substances by type, textures."""

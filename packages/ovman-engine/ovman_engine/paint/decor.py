@@ -1,4 +1,4 @@
-"""How the look of a scene differs from the one that it comes with: finishes, colours and light drawn anew. Light to import."""
+"""Random finishes, colours and lights in place of a scene's own. This module imports little."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ Range = tuple[float, float]
 
 @dataclass(frozen=True)
 class Lighting:
-    """What RandomizeLighting draws the lights of a scene from."""
+    """Arguments of RandomizeLighting."""
 
     key: str
-    """Names the draw: the same key gives the same light."""
+    """Key of the draw: equal keys give equal light."""
     synchronized: bool = False
     """Whether all lights share one draw"""
     brightness: Range = (0.5, 1.5)
     """Range of the factor on each light's intensity"""
     tinted: bool = True
-    """Whether colours are drawn too"""
+    """Whether colours are drawn as well"""
     hue: Range = (0.0, 1.0)
     saturation: Range = (0.5, 1.0)
     """Ranges of the colours, HSV with value 1"""
@@ -26,11 +26,11 @@ class Lighting:
 
 @dataclass(frozen=True)
 class Decor:
-    """A scene's look. The default is how the scene comes."""
+    """The appearance of a scene; the default is the scene's own."""
 
     finishes: str = ""
-    """Names the draw of all finishes; empty: the scene's own"""
+    """Key of the draw of all finishes; empty for the scene's own"""
     colours: str = ""
-    """Names the draw of all colours, textures staying as they are; empty: as the finishes have them"""
+    """Key of the draw of all colours, with unchanged textures; empty for the finishes' own"""
     lighting: Lighting | None = None
     """None: the scene's own light"""

@@ -1,4 +1,4 @@
-"""Finishes: how wood, paint, cloth, metal, ceramic and the like look, each drawn from the tones that it comes in.
+"""Finishes: wood, paint, cloth, metal, ceramic and others, each drawn from its tones.
 
 A finish is a function of a `Style`, a reproducible source of choices. Tones are hue, saturation and lightness (HSL over sRGB).
 """
@@ -28,7 +28,7 @@ from ovman_engine.shapes.style import Style
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface looks."""
+    """The appearance of a surface."""
 
     colour: np.ndarray
     """(3,) linear RGB, 0 to 1"""
@@ -39,16 +39,16 @@ class Material:
     gloss: float = 0.1
     """0 dull to 1 mirror-like"""
     emission: float = 0.0
-    """0 to 1; what glows by itself"""
+    """0 to 1; light of its own"""
     clear: bool = False
-    """Glass: what is behind it is seen through it, not mirrored in it. Counts for a gloss from `optics.MIRROR` on."""
+    """Glass: the surface behind it is seen through it. Needs a gloss of at least `optics.MIRROR`."""
 
 
 Finish = Callable[[Style], Material]
 
 
 def linear(hue: float, saturation: float, lightness: float) -> np.ndarray:
-    """Linear RGB (3,) of an HSL colour given in [0, 1] with sRGB primaries."""
+    """Linear RGB (3,) of an HSL colour in [0, 1] with sRGB primaries."""
     k = (np.array([0.0, 8.0, 4.0]) + hue * 12.0) % 12.0
     display = lightness - saturation * min(lightness, 1 - lightness) * np.clip(np.minimum(k - 3, 9 - k), -1, 1)
     return np.where(display <= 0.04045, display / 12.92, ((display + 0.055) / 1.055) ** 2.4)
@@ -63,7 +63,7 @@ def toned(
     slack: float = 0.06,
     **fields: object,
 ) -> Material:
-    """A material of one of `tones`, a little off in hue, saturation and lightness (by up to `slack`)."""
+    """A material of one of `tones`, with random deviations of hue, saturation and lightness (up to `slack`)."""
     hue, saturation, lightness = s.choice("tone", tones)
     colour = linear(
         (hue + s.uniform("hue", -0.3, 0.3) * slack) % 1.0,
@@ -74,17 +74,17 @@ def toned(
 
 
 def of(*tones: Tone, **looks: object) -> Finish:
-    """The finish whose material comes in `tones`; the rest as in `toned`."""
+    """The finish with `tones`; other arguments as in `toned`."""
     return lambda s: toned(s, tones, **looks)
 
 
 def either(*finishes: Finish) -> Finish:
-    """One of some finishes; what is listed twice is twice as frequent."""
+    """One of several finishes; a finish that is listed twice is twice as likely."""
     return lambda s: s.choice("family", finishes)(s)
 
 
 def patterned(plain: Finish, often: float, patterns: tuple[tuple[str, float, float], ...]) -> Finish:
-    """`plain`, and as often as said with a pattern: (texture, least and greatest period in metres)."""
+    """`plain`, or with probability `often` a pattern: (texture, least and largest period in metres)."""
 
     def finish(s: Style) -> Material:
         made = plain(s)
@@ -143,7 +143,7 @@ casing = either(
     of((0.6, 0.04, 0.6), (0.6, 0.05, 0.72), texture="metal_brushed", gloss=(0.35, 0.6)),
     white_paint,
 )
-"""Of what the bodies of electronic things are made."""
+"""Housings of electronic devices."""
 
 stone = either(
     of(
@@ -178,7 +178,7 @@ wicker = of((0.09, 0.38, 0.54), (0.085, 0.34, 0.4), (0.1, 0.26, 0.7), (0.07, 0.3
 cardboard = of((0.085, 0.36, 0.52), (0.085, 0.34, 0.46), (0.08, 0.36, 0.58), texture="cardboard", gloss=(0.0, 0.05), slack=0.05)
 card = of(*WHITES, *PLASTICS, (0.6, 0.4, 0.4), gloss=(0.1, 0.4))
 binding = of(*CLOTHS, *LEATHERS, *PLASTICS, gloss=(0.05, 0.35))
-"""Of what books are bound in."""
+"""Covers of books."""
 paper = of((0.12, 0.08, 0.9), (0.1, 0.14, 0.86), gloss=(0.0, 0.04), slack=0.02)
 pages = of((0.12, 0.2, 0.84), (0.11, 0.26, 0.78), texture="pages", scale=(0.01, 0.01), gloss=(0.0, 0.0), slack=0.04)
 newsprint = of((0.12, 0.08, 0.78), (0.11, 0.14, 0.74), texture="text", scale=(0.009, 0.012), gloss=(0.0, 0.0), slack=0.03)
@@ -231,12 +231,13 @@ def shade(s: Style) -> Material:
 
 
 def outdoors(s: Style) -> Material:
-    """What a window shows: sky over greenery or roofs."""
+    """The view through a window: sky over greenery or roofs."""
     tone = linear(s.uniform("hue", 0.54, 0.61), s.uniform("saturation", 0.25, 0.6), s.uniform("lightness", 0.62, 0.78))
     return Material(tone, "outdoors", emission=s.uniform("light", 0.6, 0.75), gloss=0.1)
 
 
 def screen(s: Style) -> Material:
+    """A screen, on or off."""
     lit = s.chance("lit", 0.45)
     tone = linear(
         s.uniform("hue", 0.5, 0.68),
@@ -247,15 +248,17 @@ def screen(s: Style) -> Material:
 
 
 def picture(s: Style) -> Material:
+    """A picture."""
     return toned(s, (*PAINTS, *CLOTHS, (0.57, 0.4, 0.55)), "picture", (0.3, 0.3), (0.05, 0.15))
 
 
 def label(s: Style) -> Material:
+    """The printed label of a product."""
     return toned(s, (*WHITES, *GLAZES, *PLASTICS), "label", (0.3, 0.3), (0.05, 0.3))
 
 
 def display(s: Style) -> Material:
-    """Digits that glow."""
+    """Luminous digits."""
     tone = s.choice("tone", ((0.0, 0.8, 0.5), (0.36, 0.7, 0.5), (0.52, 0.7, 0.55), (0.1, 0.8, 0.55)))
     return Material(linear(*tone), emission=0.6, gloss=0.0)
 
@@ -266,17 +269,18 @@ def glow(s: Style) -> Material:
 
 
 def glass(s: Style) -> Material:
+    """Clear glass with a slight tint."""
     tone = linear(s.uniform("hue", 0.35, 0.6), s.uniform("saturation", 0.05, 0.2), s.uniform("lightness", 0.72, 0.86))
     return Material(tone, gloss=s.uniform("gloss", 0.97, 1.0), clear=True)
 
 
 def mirror(s: Style) -> Material:
-    """Silvered glass, clear or a little tinted, in the light that the room happens to throw on it."""
+    """A mirror: silvered glass, clear or slightly tinted."""
     return Material(linear(s.fraction("hue"), s.uniform("saturation", 0.0, 0.15), s.uniform("lightness", 0.5, 0.85)), gloss=1.0)
 
 
 def floor(s: Style) -> Material:
-    """Boards, tiles, stone or carpet in the tones that floors have."""
+    """A floor: boards, tiles, stone or carpet."""
     kind = s.choice("kind", ("wood", "wood", "wood", "tiles", "marble", "carpet"))
     if kind == "wood":
         return toned(s, WOODS, "wood", (0.1, 0.2), (0.1, 0.3), 0.05)

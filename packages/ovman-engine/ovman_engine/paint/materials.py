@@ -1,8 +1,8 @@
-"""Colour and texture of an instance's slots, drawn from a hash of its asset and its scene.
+"""Materials of an instance's palette slots, drawn from a hash of its asset and its scene.
 
-What a thing is made of goes by its type (`substances`), in which of the tones that this comes in by its asset and its scene. The
-scene is part of the key because many assets occur in all scenes; were they painted alike everywhere, colour would name them.
-What is built in matches: cabinet fronts, window frames, basins and counters of one scene are of one make.
+The type gives the substance (`substances`); the asset and the scene give the tone. The scene is part of the key because many
+assets occur in all scenes: painted alike everywhere, colour would name them. Built-in objects match: cabinet fronts, window
+frames, basins and counters of one scene share a make.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ MAKES = {
     "BathtubBasin": "tub",
     "Bathtub": "tub",
 }
-"""Types without assets of their own, and the make that all of a scene share."""
+"""Types without assets of their own -> the make that all of them in a scene share."""
 RELATED = {"second": ("main", 0.6), "cloth_second": ("cloth", 0.8), "leaf_second": ("leaf", 1.0)}
-"""Slots that are often of the same stuff as another: (which, how often). They then differ a little in lightness."""
+"""Slot -> (slot with which it often shares its substance, how often). They then differ slightly in lightness."""
 OWN = frozenset(
     {
         "Bed",
@@ -63,10 +63,10 @@ OWN = frozenset(
         "LightSwitch",
     }
 )
-"""Types whose parts differ in stuff."""
+"""Types whose parts differ in substance."""
 _SHADE = 0.16
 _APART = 0.1
-"""How far instances of one asset differ in lightness within a scene."""
+"""Range of lightness among instances of one asset in a scene."""
 _KEPT = 8
 _REPEATS: OrderedDict[int, tuple[FloorPlan, Counter]] = OrderedDict()
 
@@ -76,7 +76,7 @@ def _shaded(material: Material, share: float) -> Material:
 
 
 class _Slots(Mapping):
-    """Materials of slots, each made when it is first asked for: few things have parts of every slot."""
+    """Materials by slot, made when they are first needed: few objects have parts of every slot."""
 
     def __init__(self, make: Callable[[str], Material]) -> None:
         self._make, self._made = make, {}
@@ -120,7 +120,7 @@ def _repeats(plan: FloorPlan) -> Counter:
 
 
 def _maker(obj: SimObject, plan: FloorPlan) -> tuple[str, str]:
-    """Key of the finish of `obj`, and the type that says what it is made of."""
+    """Key of the finish of `obj`, and the type that gives its substance."""
     if obj.asset_id:
         return f"{plan.name}|{obj.asset_id}", "Basin" if obj.type == "Sink" and plan.kind == "bathroom" else obj.type
     owner = surroundings.host(obj, plan)
@@ -136,9 +136,9 @@ def make(obj: SimObject, plan: FloorPlan) -> str:
 
 
 def palette(obj: SimObject, plan: FloorPlan, kind: str | None = None) -> Mapping[str, Material]:
-    """Material of every slot of `obj`. Deterministic in (scene, asset, and instance where its asset repeats in the scene).
+    """Material of every slot of `obj`: a function of scene and asset, and of the instance if its asset repeats in the scene.
 
-    `kind`: what it is painted as, if not as its type: a stove takes its finish from its burner.
+    `kind`: type that gives the substance, if not its own: a stove takes its finish from its burner.
     """
     key, own_kind = _maker(obj, plan)
     kind = kind or own_kind

@@ -1,7 +1,7 @@
-"""What things are made of: for each type the finish of each of its slots.
+"""Substances of objects: for each type the finish of each palette slot.
 
-The type tells the stuff, not the colour: a chair is wood, paint or metal in any tone that those come in. Only what has a colour
-by nature (food, foliage) or by trade (washbasins, toilet paper) is bound to few tones.
+The type gives the substance, not the colour: a chair is of wood, paint or metal in any of their tones. Only types with a natural
+colour (food, foliage) or a customary one (washbasins, toilet paper) have few tones.
 """
 
 from __future__ import annotations
@@ -281,5 +281,5 @@ SUBSTANCES: Mapping[str, Mapping[str, Finish]] = MappingProxyType(
 
 
 def finish(kind: str, slot: str) -> Finish:
-    """What `slot` of a thing of this type is made of. KeyError for an unknown slot."""
+    """The finish of a palette slot of a type. Raises KeyError for an unknown slot."""
     return SUBSTANCES.get(kind, {}).get(slot) or COMMON[slot]

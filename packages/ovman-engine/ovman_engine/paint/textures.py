@@ -1,10 +1,10 @@
-"""Procedural textures, evaluated where a ray hits: what a point of a material looks like.
+"""Procedural textures, evaluated at the hits of rays.
 
-A texture lies in the frame of its part, so it moves with the thing. It has two coordinates (metres) on the face that the ray hit,
-the half extents of that face, the material's colour, scale and seed, and the footprint of the pixel there (metres): structure
-that is finer than the footprint fades to its mean instead of flickering. `scale_m` is the period of the pattern.
+A texture lies in the frame of its part, so it moves with the object. Its inputs are two coordinates (metres) on the hit face, the
+half extents of that face, the material's colour, scale and seed, and the footprint of the pixel (metres): detail finer than the
+footprint fades to its mean instead of flickering. `scale_m` is the period of the pattern.
 
-The file is self-contained on purpose: numba's cache watches the file of the compiled function alone.
+This file imports no other kernel: numba's cache watches the file of the compiled function only.
 """
 
 from __future__ import annotations
@@ -77,14 +77,14 @@ def _look(table, k, x, y):
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _fade(footprint, period):
-    """1 where a structure of this period is well resolved, 0 where pixels are as wide as it."""
+    """1 if a structure of this period is well resolved, 0 if pixels are as wide as it."""
     f = np.float32(1.6) - np.float32(2.0) * footprint / period
     return min(max(f, np.float32(0)), np.float32(1))
 
 
 @njit(cache=True, error_model="numpy")
 def _second(r, g, b, seed):
-    """A colour that goes with another one: lighter or darker, slightly turned in hue."""
+    """A second colour for a pattern: lighter or darker, slightly turned in hue."""
     turn = np.float32(0.25) * _hash(seed, 71, 5)
     r2, g2, b2 = r + (g - r) * turn, g + (b - g) * turn, b + (r - b) * turn
     mean = np.float32(0.33) * (r + g + b)
@@ -179,7 +179,7 @@ def _still_life(s, t, r, g, b, seed):
 
 @njit(cache=True, error_model="numpy")
 def _picture(s, t, r, g, b, seed):
-    """What hangs in frames, on the unit square: a landscape, a portrait, flowers or shapes; t upwards."""
+    """A framed picture on the unit square: a landscape, a portrait, flowers or shapes; t upwards."""
     one = np.float32(1)
     style = _hash(seed, 11, 0)
     if style < 0.4:
@@ -210,7 +210,7 @@ def _picture(s, t, r, g, b, seed):
 
 @njit(cache=True, error_model="numpy")
 def _outdoors(s, t, u, v, r, g, b, seed, table):
-    """What is seen through a window: clouds, far hills, trees, a lawn; s, t 0 to 1, t upwards; u, v metres."""
+    """The view through a window: clouds, far hills, trees, a lawn; s, t 0 to 1, t upwards; u, v metres."""
     one = np.float32(1)
     shift = np.float32(100) * _hash(seed, 50, 0)
     line = np.float32(0.24) + np.float32(0.16) * _hash(seed, 51, 0)
@@ -235,7 +235,7 @@ def _outdoors(s, t, u, v, r, g, b, seed, table):
 
 @njit(cache=True, error_model="numpy")
 def _ink(u, v, line, footprint, seed):
-    """How much ink there is at a point of lines of words, 0 to 1. `line`: from line to line, metres."""
+    """Ink, 0 to 1, at a point of lines of words. `line`: distance between lines, metres."""
     row = np.floor(v / line)
     y = v / line - row
     word = np.float32(3.2) * line
@@ -494,10 +494,10 @@ def albedo(
     table,
     out,
 ):
-    """Colours of N hits into out (N, 3) float32, linear RGB; untouched where prim is negative.
+    """Writes the colours of N hits to out (N, 3) float32, linear RGB; rows without a hit (prim negative) stay as they are.
 
     prim (N,) triangle, points (N, 3) world metres, footprint (N,) metres; triangle tables (T,), part tables frames (P, 3, 4) and
-    extents (P, 3) as in SceneMesh; material tables colours (M, 3), kinds, scales (metres), seeds, emissions (M,).
+    extents (P, 3) as in TriangleMesh; material tables colours (M, 3), kinds, scales (metres), seeds, emissions (M,).
     """
     for i in range(len(prim)):
         t = prim[i]

@@ -1,4 +1,4 @@
-"""Tones that wood, paint, cloth, metal and the like come in: hue, saturation and lightness (HSL over sRGB), each in [0, 1]."""
+"""Tones of wood, paint, cloth, metal and other finishes: hue, saturation and lightness (HSL over sRGB), each in [0, 1]."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What cameras see of a world."""
+"""Images: what cameras see of a world."""

@@ -1,7 +1,7 @@
-"""The agent's body as others see it: it drives on a base, carries its camera in its head, and shows which way it faces.
+"""The visible body of the agent: a base, a trunk, and a head around the camera with an arrow for its direction.
 
-Parts are in the agent's frame: origin at its position, y up, z ahead, metres. The body takes no part in collisions: those go by
-the capsule of the embodiment.
+Parts are in the agent's frame: origin at its position, y up, z ahead, metres. The body takes no part in collisions, which use the
+capsule of the embodiment.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ PALETTE = MappingProxyType(
 
 @dataclass(frozen=True)
 class _Build:
-    """Radii of what stands on the base, metres."""
+    """Radii of the parts above the base, metres."""
 
     trunk: float
     head: float
@@ -38,20 +38,20 @@ BASE_M = 0.16
 """Height of the base"""
 NECK_M = 0.03
 ABOVE_EYE_M = 0.15
-"""Height of what is above the camera, a little more."""
+"""Height of the head above the camera, with some margin"""
 MARK_M = 0.012
-"""Height of the arrow on the head, which is seen from above."""
+"""Height of the arrow on the head, which is visible from above"""
 
 
 def encloses(agent: Agent, point: np.ndarray) -> bool:
-    """Whether a point (3,) of the world is within the upright cylinder about an agent's body."""
+    """Whether a point (3,) of the world is within the upright cylinder around the agent's body."""
     away = point - agent.position
     top = agent.embodiment.camera_m(agent.standing) + ABOVE_EYE_M
     return bool(np.hypot(away[0], away[2]) < agent.embodiment.radius_m and agent.embodiment.foot_m < away[1] < top)
 
 
 def parts(embodiment: Embodiment, standing: bool) -> tuple[Part, ...]:
-    """The body, its head around the camera: it ducks when the agent crouches."""
+    """The parts of the body. The head follows the camera when the agent crouches."""
     build = BUILDS.get(embodiment.mode, BUILDS["default"])
     foot, eye, r = embodiment.foot_m, embodiment.camera_m(standing), build.head
     base = 0.95 * embodiment.radius_m

@@ -1,7 +1,7 @@
-"""What the robot sees of a world: RGB, planar depth, instance ids and normals.
+"""The camera: RGB, planar depth, instance ids and normals of a world.
 
-Source of the camera model: AI2-THOR 5.0.0 (contract, section 2). World frame: Unity's, left-handed, y up; yaw 0 looks along +z
-and 90 along +x; horizon is positive downwards. Images have row 0 at the top, pixel centres at +0.5.
+Source of the camera model: AI2-THOR 5.0.0 (contract, section 2). World frame: Unity's, left-handed, y up; yaw 0 is along +z and
+90 along +x; a positive horizon looks down. Images have row 0 at the top, and pixel centres at +0.5.
 """
 
 from __future__ import annotations
@@ -13,74 +13,77 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ovman_engine.paint.decor import Decor
-from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine
+from ovman_engine.picture import heap, lights, optics, rays, repaint, scene_mesh, sunshine, triangle_mesh
 from ovman_engine.picture.painter import Appearance, Painter
 from ovman_engine.picture.stage import Stage
 from ovman_engine.plan.floorplan import rotation_matrix
 
 FIXED_KEPT = 4
-"""Embree scenes kept per floor plan: one for each set of displaced objects seen lately."""
+"""Embree scenes cached for each floor plan: one for each of the last sets of displaced objects."""
 
 
 @dataclass(frozen=True)
 class Onlooker:
-    """What an eye that is not the agent's own sees besides the scene. It looks through the room's shell from behind."""
+    """What a camera other than the agent's own shows besides the scene. It looks through walls and ceiling from behind."""
 
     agent: bool = True
-    """The agent's body"""
+    """Whether the agent's body is visible"""
     ceiling: bool = True
-    """From below, that is"""
+    """Whether the ceiling is visible, from below"""
 
 
 @dataclass(frozen=True)
 class View:
-    """A camera. `orthographic_size`: half the height of the picture in metres; None for a perspective view. ValueError for a
-    field of view outside (0, 180) degrees or a picture without pixels."""
+    """A view of a camera. `orthographic_size` is half the height of the image in metres; None for a perspective view.
+
+    Raises ValueError for a field of view outside (0, 180) degrees, and for an image without pixels.
+    """
 
     position: np.ndarray
     yaw_deg: float
     horizon_deg: float = 0.0
     fov_deg: float = 90.0
-    """vertical"""
+    """Vertical"""
     width: int = 300
     height: int = 300
     near_m: float = 0.1
     far_m: float = 20.0
     orthographic_size: float | None = None
     roll_deg: float = 0.0
-    """about the view direction, applied before the other two; positive tilts the picture's right upwards"""
+    """About the view direction, applied before the other two; a positive roll tilts the right of the image upwards"""
     sky: tuple[int, int, int] | None = None
-    """sRGB, 0 to 255, where nothing is; None for the sky of all scenes"""
+    """sRGB, 0 to 255, of pixels without a hit; None for the default sky"""
     onlooker: Onlooker | None = None
     """None for the agent's own eye"""
 
     def __post_init__(self) -> None:
+        """Checks field of view and size."""
         if not 0 < self.fov_deg < 180:
             raise ValueError(f"a field of view lies in (0, 180) degrees, not {self.fov_deg}")
         if self.width < 1 or self.height < 1:
             raise ValueError(f"a picture of {self.width} x {self.height} pixels cannot be drawn")
 
     def axes(self) -> np.ndarray:
-        """Rows right, up, forward: unit vectors (3, 3) in the world frame."""
+        """Unit vectors (3, 3) in the world frame, in rows: right, up, forward."""
         return rotation_matrix(np.array([self.horizon_deg, self.yaw_deg, self.roll_deg])).T
 
 
 @dataclass(frozen=True)
 class Frame:
-    """What was asked for of one view; the rest is None. H x W pixels."""
+    """The requested images of one view, H x W pixels; the others are None."""
 
     rgb: np.ndarray | None = None
     """(H, W, 3) uint8, sRGB"""
     depth: np.ndarray | None = None
-    """(H, W) float32 metres along the view direction; far_m where nothing is"""
+    """(H, W) float32 metres along the view direction; far_m without a hit"""
     ids: np.ndarray | None = None
-    """(H, W) int32 into `Renderer.names`; -1 where nothing is"""
+    """(H, W) int32 into `Renderer.names`; -1 without a hit"""
     normals: np.ndarray | None = None
-    """(H, W, 3) float32 unit normals in the world frame, towards the viewer; 0 where nothing is"""
+    """(H, W, 3) float32 unit normals in the world frame, towards the viewer; 0 without a hit"""
 
 
 class _Plan:
-    """What renderers of one floor plan share: meshes, materials, and the Embree scenes of what stays where it was."""
+    """Shared by all renderers of one floor plan: meshes, materials, and the Embree scenes of undisplaced objects."""
 
     def __init__(self, world) -> None:
         self.meshes = scene_mesh.of_plan(world.plan, world.room)
@@ -96,7 +99,7 @@ class _Plan:
         return Stage(self.meshes, self.room)
 
     def painted(self, decor: Decor) -> Appearance:
-        """Materials under `decor`; the last one asked for is kept."""
+        """Materials under `decor`; the last one is cached."""
         key = (decor.finishes, decor.colours)
         if not any(key):
             return self.looks
@@ -105,10 +108,10 @@ class _Plan:
         return self._painted[1]
 
     def fixed(self, displaced: frozenset[str]):
-        """Embree scene of all that the plan has, without `displaced`."""
+        """Embree scene of the whole plan without the objects `displaced`."""
         if displaced not in self._scenes:
             without = [self.meshes.index(o) for o in displaced]
-            changed = scene_mesh.without(self.meshes.untouched, without) if without else None
+            changed = triangle_mesh.without(self.meshes.untouched, without) if without else None
             self._scenes[displaced] = rays.untouched(self.meshes) if changed is None else rays.committed(changed)
             while len(self._scenes) > FIXED_KEPT:
                 self._scenes.popitem(last=False)
@@ -137,9 +140,10 @@ def _centres(width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 class Renderer:
-    """Draws a world. Follows its changes by `world.version`; draws nothing until a frame is asked for."""
+    """Draws a world and follows its changes by `world.version`. Builds nothing before the first frame."""
 
     def __init__(self, world) -> None:
+        """Draws `world`, a world.World, in its own materials until `decor` is set."""
         self.world = world
         self.decor = Decor()
         self._drawn: int | None = None
@@ -148,7 +152,7 @@ class Renderer:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the numbers of `Frame.ids` stand for: objectIds, then structures."""
+        """Names of the numbers in `Frame.ids`: objectIds, then structures."""
         self._follow()
         return self._mesh.names
 
@@ -160,7 +164,7 @@ class Renderer:
         moved = self._shared.meshes.posed(now.placements)
         untouched = self._shared.meshes.untouched
         self._displaced, self._moved = now.displaced, moved
-        self._mesh = scene_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
+        self._mesh = triangle_mesh.joined(untouched, moved) if len(moved.triangles) else untouched
         self._caster = rays.Caster(self._shared.fixed(now.displaced), len(untouched.triangles), moved)
         self._drawn = self.world.version
 
@@ -175,15 +179,16 @@ class Renderer:
             self._lit = self.world.version, self.decor
         return self._rig
 
-    def _staged(self, view: View, looks: Appearance) -> tuple[scene_mesh.SceneMesh, Appearance, rays.Caster]:
-        """Mesh, looks and caster for the eye of an onlooker. What the shell shows depends on the view, so it is displaced."""
+    def _staged(self, view: View, looks: Appearance) -> tuple[triangle_mesh.TriangleMesh, Appearance, rays.Caster]:
+        """Mesh, materials and caster for a camera other than the agent's. The visible part of the shell depends on the view, so
+        the shell is a displaced object."""
         stage, untouched = self._shared.stage, self._shared.meshes.untouched
-        extra = scene_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
+        extra = triangle_mesh.joined(stage.set_for(view, self.world.agent), self._moved)
         caster = rays.Caster(self._shared.fixed(self._displaced | stage.names), len(untouched.triangles), extra)
-        return scene_mesh.joined(untouched, extra), stage.looks(looks), caster
+        return triangle_mesh.joined(untouched, extra), stage.looks(looks), caster
 
     def frame(self, view: View, rgb: bool = True, depth: bool = False, ids: bool = False, normals: bool = False) -> Frame:
-        """One picture of the world as it is now, with what is asked for."""
+        """The requested images of the world as it is now."""
         if not (rgb or depth or ids or normals):
             return Frame()
         self._follow()
@@ -203,7 +208,7 @@ class Renderer:
                 picture = painter.picture(hits, surface, self._light(), number, planar).reshape(*shape, 3)
                 if view.sky is not None:
                     picture[(hits.prim < 0).reshape(shape)] = view.sky
-        if self._fresh:  # what was made of a new scene took far more memory than its pictures will
+        if self._fresh:  # building a new scene takes far more memory than drawing it
             heap.trim()
             self._fresh = False
         return Frame(picture, planar.reshape(shape) if depth else None, number.reshape(shape) if ids else None, facing)

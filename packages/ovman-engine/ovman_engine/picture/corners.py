@@ -1,6 +1,6 @@
-"""Normals at the corners of triangles: smooth where faces meet at a small angle, sharp where they do not.
+"""Normals at the corners of triangles: smooth where faces meet at a small angle, sharp elsewhere.
 
-The file is self-contained on purpose: numba's cache watches the file of the compiled function alone.
+This file imports no other kernel: numba's cache watches the file of the compiled function only.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ from numba import njit
 CREASE_DEG = 40.0
 """Faces that meet at less than this angle are shaded as one smooth surface."""
 GRAIN_M = 1e-5
-"""Points are the same when their coordinates are, to this."""
+"""Coordinates that are equal to this precision are one point."""
 
 
 @njit(cache=True, error_model="numpy")
 def _places(vertices, part):
-    """One number for each vertex (V,) that it shares with the vertices of its part at the same place."""
+    """(V,): a number for each vertex that is equal for vertices of one part at one place; and how many numbers exist."""
     keys = np.empty(len(vertices), np.uint64)
     for i in range(len(vertices)):
         key = np.uint64(part[i]) * np.uint64(0xD6E8FEB86659FD93)

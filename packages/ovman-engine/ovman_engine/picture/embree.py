@@ -1,7 +1,7 @@
-"""Embree's own interface, from the library that embreex brings along: scenes over shared buffers, and what kernels need to cast.
+"""Embree's C interface, from the library that embreex ships: scenes over shared buffers, and the addresses that kernels call.
 
-embreex itself casts ray by ray. Rays of a view are coherent: sixteen at a time cost a fifth of what they cost one by one, and
-find the same triangles. Source of names and layouts: Embree 4, rtcore.h.
+embreex itself casts single rays. The rays of a view are coherent: sixteen at a time cost a fifth of the time, and hit the same
+triangles. Source of names and layouts: Embree 4, rtcore.h.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _INDEX, _VERTEX, _UINT3, _FLOAT3 = 0, 1, 0x5003, 0x9003
 _TRIANGLES = 0
 """RTC_GEOMETRY_TYPE_TRIANGLE"""
 _LOW = 0
-"""RTC_BUILD_QUALITY_LOW: half the time to build, and packets lose nothing by it"""
+"""RTC_BUILD_QUALITY_LOW: builds in half the time, and packets are as fast"""
 _BYTES = 64
 """Alignment of packets."""
 
 
 @cache
 def _library() -> ctypes.CDLL:
-    """The Embree that embreex is linked with: the dynamic linker finds it among the dependencies of embreex."""
+    """The Embree library that embreex is linked with; the dynamic linker finds it among the dependencies of embreex."""
     from embreex import rtcore_scene
 
     library = ctypes.CDLL(rtcore_scene.__file__)
@@ -59,7 +59,7 @@ def _library() -> ctypes.CDLL:
 
 @cache
 def _device() -> int:
-    """One for the process, without threads of its own: an engine has one core."""
+    """The device of the process, without threads of its own: an engine uses one core."""
     device = _library().rtcNewDevice(b"threads=1")
     if not device:
         raise RuntimeError(f"Embree does not start: error {_library().rtcGetDeviceError(None)}")
@@ -68,7 +68,7 @@ def _device() -> int:
 
 @cache
 def entry(name: str) -> int:
-    """Address of a function of Embree ("rtcIntersect16"), for kernels."""
+    """Address of one of Embree's functions ("rtcIntersect16"), for kernels."""
     return ctypes.cast(getattr(_library(), name), ctypes.c_void_p).value
 
 
@@ -76,8 +76,11 @@ class Scene:
     """A built Embree scene of one triangle mesh. `handle` is its address, for kernels; 0 for a mesh without triangles."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, number: int = 0) -> None:
-        """vertices (V, 3) float32, triangles (T, 3) int32; triangles with vertices that are not finite are left out.
-        `number`: what hits report as geomID. RuntimeError where Embree refuses."""
+        """Builds a scene of vertices (V, 3) float32 and triangles (T, 3) int32. Triangles with infinite or NaN vertices are left
+        out.
+
+        Hits report `number` as geomID. Raises RuntimeError if Embree reports an error.
+        """
         self.handle = 0
         if len(triangles) == 0:
             return
@@ -105,7 +108,7 @@ class Scene:
 
 
 def _aligned(words: int) -> np.ndarray:
-    """(words,) int32 at an address that packets may have."""
+    """(words,) int32 at an address aligned for packets."""
     raw = np.zeros(4 * words + _BYTES, np.uint8)
     start = -raw.ctypes.data % _BYTES
     return raw[start : start + 4 * words].view(np.int32)
@@ -113,8 +116,8 @@ def _aligned(words: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Packet:
-    """Memory of one packet of rays: which of its lanes count (LANES,) int32, -1 for yes; its rows (ROWS, LANES), as numbers
-    and as bits; and the arguments of a query whose rays are neighbours, or go all ways."""
+    """Memory of a packet of rays: its active lanes (LANES,) int32 (-1 for active), its rows (ROWS, LANES) as numbers and as bits,
+    and the arguments of queries for coherent and for scattered rays."""
 
     valid: np.ndarray
     numbers: np.ndarray
@@ -124,6 +127,7 @@ class Packet:
 
     @staticmethod
     def new() -> Packet:
+        """An empty packet."""
         bits = _aligned(ROWS * LANES).reshape(ROWS, LANES)
         coherent, scattered = np.zeros(32, np.uint32), np.zeros(32, np.uint32)
         coherent[0], scattered[0] = COHERENT, 0

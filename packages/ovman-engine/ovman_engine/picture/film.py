@@ -1,7 +1,7 @@
-"""From linear light to eight bits: what mirrors add, where edges need more samples, and the curve of the film.
+"""From linear light to eight bits: adds reflections, finds edges that need more samples, and applies the film curve.
 
-Everything is float32, in a fixed order and without fast-math. The file is self-contained on purpose: numba's cache watches the
-file of the compiled function alone.
+All numbers are float32, in a fixed order and without fast-math. This file imports no other kernel: numba's cache watches the file
+of the compiled function only.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from numba import njit
 CURVE = 4096
 """Entries of the table from linear light to eight bits."""
 BRIGHTEST = 4.0
-"""Linear light that the table ends at."""
+"""Largest linear light in the table."""
 OFFSET = 0.4
-"""How far from its centre a pixel on an edge is sampled once more, pixels along each axis."""
+"""Distance of the second sample of an edge pixel from its centre, in pixels along each axis."""
 CONTRAST = (0.15, 0.45)
-"""Least relative difference of two neighbours for their edge to be worth smoothing: between two instances, and within one."""
+"""Least relative difference of two neighbours at which an edge is smoothed: between instances, and within one."""
 
 
 @cache
@@ -33,7 +33,7 @@ def curve() -> np.ndarray:
 
 @njit(cache=True, error_model="numpy")
 def mirror(which, gloss, seen, linear):
-    """Lays what mirrors show, seen (M, 3), over linear (N, 3) at `which` (M,); the glossier (M,), the more of it."""
+    """Blends reflections, seen (M, 3), into linear (N, 3) at `which` (M,), in proportion to gloss (M,)."""
     for j in range(len(which)):
         share = (gloss[j] - np.float32(0.7)) / np.float32(0.3)
         share *= share * np.float32(0.85)
@@ -43,8 +43,8 @@ def mirror(which, gloss, seen, linear):
 
 @njit(cache=True, error_model="numpy")
 def edges(ids, depth, normals, linear, width, height, found, aside, down):
-    """Pixels where the picture breaks (another instance, another face, a step in depth) and one sees it, into found (H W,);
-    returns how many. aside, down (H W,) float32: from the pixel's centre towards what it differs from, pixels."""
+    """Finds pixels at visible edges (another instance, another face, a step in depth). Writes their numbers to found (H W,) and
+    returns their number. aside and down (H W,) float32: direction from the pixel's centre to its different neighbour, pixels."""
     marked = np.zeros((width * height, 2), np.int8)
     least, within = np.float32(CONTRAST[0]), np.float32(CONTRAST[1])
     for y in range(height):
@@ -67,7 +67,7 @@ def edges(ids, depth, normals, linear, width, height, found, aside, down):
                 if breaks:
                     marked[n, k] += 1
                     marked[m, k] -= 1
-                    if marked[n, k] == 0:  # differs on both sides: one of them has to do
+                    if marked[n, k] == 0:  # both neighbours differ: one of them is used
                         marked[n, k] = 1
                     if marked[m, k] == 0:
                         marked[m, k] = -1
@@ -82,8 +82,8 @@ def edges(ids, depth, normals, linear, width, height, found, aside, down):
 
 @njit(cache=True, error_model="numpy")
 def develop(linear, table, extra, pixels, out):
-    """Eight-bit picture (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3): second samples of `pixels`, which are
-    averaged with the first ones as they are shown, not as light, so that bright edges stay smooth."""
+    """Eight-bit image (N, 3) uint8 of linear light (N, 3). extra (len(pixels), 3) are second samples of `pixels`. They are
+    averaged with the first ones after the curve, not as light, so that bright edges stay smooth."""
     scale = np.float32((CURVE - 1) / BRIGHTEST)
     last = np.float32(CURVE - 1)
     for i in range(len(linear)):

@@ -1,4 +1,4 @@
-"""Memory that the allocator keeps for later, given back."""
+"""Returns free memory to the operating system."""
 
 from __future__ import annotations
 
@@ -9,11 +9,12 @@ from functools import cache
 
 @cache
 def _trim():
-    with contextlib.suppress(OSError, AttributeError):  # another C library than GNU's gives back what it will
+    with contextlib.suppress(OSError, AttributeError):  # a C library other than GNU's
         return ctypes.CDLL(None).malloc_trim
     return lambda _pad: 0
 
 
 def trim() -> None:
-    """Gives back what is free. Takes about a millisecond: for the end of work that needed much more than what comes after it."""
+    """Returns free memory of the allocator. Takes about a millisecond: call it after work that needed much more memory than what
+    follows."""
     _trim()(0)

@@ -1,6 +1,6 @@
-"""Where the light of a room comes from: ceiling lamps, windows and the lamps that are switched on.
+"""The lights of a scene: ceiling lamps, windows, and lamps that are switched on.
 
-Intensities are in arbitrary units; `Rig.exposure` scales them so that the middle of every room is equally bright.
+Intensities are in arbitrary units. `Rig.exposure` scales them so that the middle of every room is equally bright.
 """
 
 from __future__ import annotations
@@ -14,23 +14,23 @@ from ovman_engine.picture.sunshine import Sun
 from ovman_engine.plan.house import rectangles
 
 PHASES = 9
-"""Shadow samples that a neighbourhood shares among all lights; as many as `shading` has phases."""
+"""Number of shadow samples that a neighbourhood shares among all lights; `shading` has as many phases."""
 LAMPS = frozenset({"DeskLamp", "FloorLamp"})
 CEILING_AREA_M2 = 18.0
-"""One ceiling lamp for about so much floor."""
+"""Floor area of one ceiling lamp."""
 MAX_CEILING_LAMPS, MAX_WINDOWS, MAX_LAMPS, MAX_ROOMS = 2, 2, 2, 7
 BELOW_CEILING_M = 0.12
 MAX_LIGHT_M = 0.28
-"""Half extent of a light for its shadows. The few samples that they share resolve no wider penumbra."""
+"""Largest half extent of a light for its shadows. The few shared samples resolve no wider penumbra."""
 BELOW_LIGHT_M = 1.0
 DARK = 1e-5
 """If the middle of the scene gets less than this share of the light one metre below the lights, brightness is measured there
 instead: one object far outside the rooms of a house puts the middle of the scene outside as well."""
 MIDDLE_BRIGHTNESS = 1.1
-"""Linear light that a white card facing up in the middle of the room sends back."""
+"""Linear light of a white card in the middle of the room that faces up."""
 BOUNCE = (0.30, 0.32, 0.54)
-"""Light that surfaces facing up, sideways and down get from all around, as fractions of the direct light in the middle: a ceiling
-is lit by the floor alone."""
+"""Ambient light on surfaces that face up, sideways and down, as fractions of the direct light in the middle. A ceiling is lit by
+the floor alone."""
 
 
 @dataclass(frozen=True)
@@ -42,33 +42,33 @@ class Light:
     colour: np.ndarray
     """(3,) linear RGB intensity"""
     axis: np.ndarray
-    """(3,) unit: it shines there, as the cosine; everywhere alike where this is zero"""
+    """(3,) unit vector of the emission, which falls off as the cosine; zero for a light in all directions"""
     area: float
-    """Square metres of its surface: keeps what is near to it from burning out"""
+    """Area in square metres: softens the light on near surfaces"""
     spread: np.ndarray | None = None
-    """(3,) half extents of what throws its shadows; None: so wide that it throws none (windows)"""
+    """(3,) half extents for its shadows; None for a light without shadows (windows)"""
     clearance: float = 0.0
-    """What is nearer than this to its position throws no shadow: its own shade, metres"""
+    """Objects nearer than this to its position cast no shadow (its own shade), metres"""
 
 
 @dataclass(frozen=True)
 class Rig:
-    """All light of a scene as arrays. L lights; PHASES shadow samples."""
+    """All light of a scene as arrays: L lights, PHASES shadow samples."""
 
     lights: np.ndarray
-    """(L, 11) float32: position, colour, axis, softening radius squared, 1 if it shines along its axis alone"""
+    """(L, 11) float32: position, colour, axis, softening radius squared, 1 for a light with an axis"""
     shadowed: int
-    """How many of them, the first ones, throw shadows"""
+    """Number of lights with shadows, which come first"""
     samples: np.ndarray
-    """(PHASES, 6) float32: point on a light, clearance, index of the light, one over the light's number of samples"""
+    """(PHASES, 6) float32: point on a light, clearance, number of the light, one over the light's number of samples"""
     ambient: np.ndarray
-    """(3, 3) float32: light from above, from the sides and from below"""
+    """(3, 3) float32: ambient light from above, from the sides and from below"""
     exposure: float
     sun: Sun | None = None
 
 
 def _hash(text: str) -> float:
-    """A number in [0, 1) that only the text decides."""
+    """A number in [0, 1) that is a function of the text."""
     return int.from_bytes(hashlib.blake2b(text.encode(), digest_size=4).digest(), "little") / 2**32
 
 
@@ -77,7 +77,7 @@ def _on(obj) -> bool:
 
 
 def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]:
-    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> oriented box of what is drawn."""
+    """Lights of a floor plan whose room spans low..high (3,) metres. `boxes`: objectId -> oriented box of every drawn object."""
     size = high - low
     warm = 0.55 + 0.45 * _hash(plan.name + "light")
     bulb = np.array([1.0, 0.93 - 0.05 * warm, 0.83 - 0.14 * warm])
@@ -109,7 +109,7 @@ def of_plan(plan, low: np.ndarray, high: np.ndarray, boxes) -> tuple[Light, ...]
 
 
 def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
-    """Where the lamps of a room hang, side by side along its longer side."""
+    """Positions (3,) of the ceiling lamps of a room, along its longer side."""
     count = int(np.clip(round(size[0] * size[2] / CEILING_AREA_M2), 1, MAX_CEILING_LAMPS))
     long = 0 if size[0] >= size[2] else 2
     centres = []
@@ -122,7 +122,8 @@ def _ceiling(low: np.ndarray, size: np.ndarray) -> list[np.ndarray]:
 
 
 def _rooms(house) -> list[np.ndarray]:
-    """One lamp in each of the largest rooms of a house.House, over the middle of its largest rectangle."""
+    """Positions (3,) of ceiling lamps of a house.House: one in each of its largest rooms, over the middle of the largest
+    rectangle."""
     middles = []
     for room in house.rooms:
         a, b, c, d = max(rectangles(room), key=lambda r: (r[1] - r[0]) * (r[3] - r[2]))
@@ -132,7 +133,7 @@ def _rooms(house) -> list[np.ndarray]:
 
 
 def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """Unshadowed light (N, 3) that falls on points (N, 3) of surfaces facing `normal` (3,)."""
+    """Unshadowed light (N, 3) on points (N, 3) of surfaces that face `normal` (3,)."""
     total = np.zeros((len(points), 3))
     for light in lights:
         away = light[:3] - points
@@ -144,7 +145,8 @@ def irradiance(lights: np.ndarray, points: np.ndarray, normal: np.ndarray) -> np
 
 
 def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
-    """The lights, those with shadows first, as arrays; shadow samples in a fixed pattern; exposure of a room low..high (3,)."""
+    """The lights as arrays, those with shadows first, with a fixed pattern of shadow samples, and the exposure of a room
+    low..high (3,)."""
     table = np.array(
         [[*light.position, *light.colour, *light.axis, light.area / np.pi, float(np.any(light.axis))] for light in lights],
         dtype=np.float32,
@@ -163,11 +165,11 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     row = 0
     for k, light in enumerate(shadowed):
         for i in range(share[k]):
-            # the additive recurrence of the plastic number spreads any count of points evenly
+            # the additive recurrence of the plastic number spreads any number of points evenly
             offset = ((0.5 + (i + 1) * np.array([0.8191725134, 0.6710436067, 0.5497004779])) % 1.0) * 2 - 1
             samples[row] = [*(light.position + offset * light.spread), light.clearance, k, 1.0 / share[k]]
             row += 1
-    # neighbours should see different lights: a stride coprime to the count deals them out
+    # a stride that is coprime to the number of samples gives neighbours different lights
     samples = samples[(np.arange(PHASES) * 4) % PHASES]
     direct = irradiance(table, points, upward).mean(axis=0)
     fill = direct.mean()

@@ -1,4 +1,4 @@
-"""The view of a whole scene from above. World frame as in `floorplan`.
+"""The map view: a scene from above. World frame as in `floorplan`.
 
 Source: AI2-THOR 5.0.0, ToggleMapView and GetMapViewCameraProperties (contract, section 4).
 """
@@ -18,27 +18,27 @@ if TYPE_CHECKING:
 
 DOWN_DEG = 90.0
 CLEAR_M = 0.12
-"""How far the camera is above the scene: a little more than the distance within which it sees nothing."""
+"""Height of the camera above the scene: a little more than its near plane."""
 
 
 @dataclass(frozen=True)
 class MapView:
-    """A camera that looks straight down, +z up in its picture, without perspective."""
+    """An orthographic camera that looks straight down, with +z up in its image."""
 
     position: tuple[float, float, float]
     """metres"""
     half_m: float
-    """Half the height of the picture"""
+    """Half the height of the image, metres"""
 
     @staticmethod
     def of(world: World) -> MapView:
-        """The map view of a world: above the middle of its bounds, half as high as the larger of their sides."""
+        """The map view of a world: above the middle of its bounds, half as high as their longer side."""
         low, high = world.bounds()
         x, _, z = (low + high) / 2
         return MapView((float(x), float(high[1]) + CLEAR_M, float(z)), float(max(high[0] - low[0], high[2] - low[2])) / 2)
 
     def view(self, width: int, height: int, near_m: float, far_m: float, onlooker: Onlooker) -> View:
-        """What it looks at, in a picture of `width` x `height` pixels."""
+        """Its view in an image of `width` x `height` pixels."""
         from ovman_engine.picture.camera import View
 
         return View(
@@ -54,7 +54,7 @@ class MapView:
         )
 
     def properties(self) -> dict[str, Any]:
-        """In the terms of AddThirdPartyCamera."""
+        """Its properties as arguments of AddThirdPartyCamera."""
         return {
             "position": vector(*self.position),
             "rotation": vector(DOWN_DEG, 0.0, 0.0),

@@ -1,7 +1,7 @@
-"""Rays of a view, and the surfaces that they meet.
+"""The primary rays of a view, and the surfaces that they hit.
 
-Everything is float32, in a fixed order and without fast-math. The file is self-contained on purpose: numba's cache watches the
-file of the compiled function alone.
+All numbers are float32, in a fixed order and without fast-math. This file imports no other kernel: numba's cache watches the file
+of the compiled function only.
 """
 
 from __future__ import annotations
@@ -10,20 +10,20 @@ import numpy as np
 from numba import njit
 
 MIRROR = 0.85
-"""Gloss from which on a surface mirrors."""
+"""Least gloss of a surface that mirrors."""
 PANE_M = 0.02
-"""What is seen through glass begins this far behind its face."""
+"""A ray through glass starts this far behind its face."""
 LIFT_M = np.float32(0.004)
 """Rays from a surface start this far above it."""
 
 
 @njit(cache=True, error_model="numpy")
 def primary(right, up, forward, tan_x, tan_y, eye, near, flat, columns, rows, width, height, origins, rays):
-    """Rays through N image points into origins and rays (N, 3) float32.
+    """Writes the rays through N image points to origins and rays (N, 3) float32.
 
-    columns, rows (N,) float32: image points in pixels, row 0 at the top, centres at +0.5. A ray's length along `forward` is 1, so
-    distances along it are planar depths beyond `near`, where it starts. `flat`: all rays parallel (orthographic), and tan_x,
-    tan_y are half the width and height of the picture in metres.
+    columns, rows (N,) float32: image points in pixels, row 0 at the top, centres at +0.5. The length of a ray along `forward` is
+    1, so distances along it are planar depths beyond `near`, where it starts. `flat`: all rays are parallel (orthographic), and
+    tan_x and tan_y are half the width and height of the image in metres.
     """
     for i in range(len(columns)):
         x = (np.float32(2) * columns[i] / np.float32(width) - np.float32(1)) * tan_x
@@ -36,7 +36,7 @@ def primary(right, up, forward, tan_x, tan_y, eye, near, flat, columns, rows, wi
 
 @njit(cache=True, error_model="numpy")
 def identify(prim, distance, instance, near, far, ids, depth):
-    """Instance ids (N,) int32 (-1: nothing) and planar depth (N,) float32 metres (`far`: nothing) of N hits."""
+    """Writes instance ids (N,) int32 (-1 without a hit) and planar depth (N,) float32 metres (`far` without a hit) of N hits."""
     span = far - near
     for i in range(len(prim)):
         if prim[i] >= 0 and distance[i] <= span:
@@ -49,9 +49,9 @@ def identify(prim, distance, instance, near, far, ids, depth):
 
 @njit(cache=True, error_model="numpy")
 def surface(prim, u, v, distance, origins, rays, tri_normals, pixel, flat, points, normals, footprint):
-    """Points (N, 3), unit normals (N, 3) towards the viewer and pixel footprints (N,) metres of N hits.
+    """Writes points (N, 3), unit normals (N, 3) towards the viewer and pixel footprints (N,) metres of N hits.
 
-    `pixel`: width of a pixel one metre away, metres (everywhere, if the picture is orthographic: `flat`).
+    `pixel`: width of a pixel at a distance of one metre, metres (at any distance in an orthographic image: `flat`).
     """
     for i in range(len(prim)):
         t = prim[i]
@@ -80,7 +80,7 @@ def surface(prim, u, v, distance, origins, rays, tri_normals, pixel, flat, point
 
 @njit(cache=True, error_model="numpy")
 def mirrors(prim, tri_material, glosses):
-    """Numbers (M,) of the points whose material mirrors."""
+    """Numbers (M,) of the points whose material mirrors or is glass."""
     found = np.empty(len(prim), np.int64)
     count = 0
     for i in range(len(prim)):
@@ -92,7 +92,7 @@ def mirrors(prim, tri_material, glosses):
 
 @njit(cache=True, error_model="numpy")
 def mirrored(which, points, normals, rays, clear, starts, ways):
-    """Rays (M, 3) that leave the points `which` (M,) as mirrors send them, or straight on behind a pane where `clear` (M,)."""
+    """Writes the rays (M, 3) of the points `which` (M,): reflected, or straight on behind a pane where `clear` (M,)."""
     for j in range(len(which)):
         i = which[j]
         if clear[j]:

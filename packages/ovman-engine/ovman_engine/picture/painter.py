@@ -1,4 +1,4 @@
-"""From what the rays of a view hit to its picture: colour, light, shadow, mirrors and smooth edges."""
+"""Colours the hits of a view: textures, light, shadow, reflections and smooth edges."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ovman_engine.paint.materials import Material
 from ovman_engine.picture import film, optics, shading, sunshine
 from ovman_engine.picture.lights import Rig
 from ovman_engine.picture.rays import Caster
-from ovman_engine.picture.scene_mesh import SceneMesh
+from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 PANES = 2
-"""How many panes of glass one behind the other are seen through."""
+"""Number of panes of glass, one behind the other, that are seen through."""
 SKY = np.array([0.55, 0.65, 0.75], dtype=np.float32)
-"""Linear RGB where nothing is."""
+"""Linear RGB of the default sky."""
 
 
 @dataclass(frozen=True)
 class Appearance:
-    """Materials as arrays, M of them: linear RGB (M, 3), texture kinds, scales (metres), seeds, glosses, emissions (M,)."""
+    """M materials as arrays: linear RGB (M, 3), texture kinds, scales (metres), seeds, glosses, emissions (M,)."""
 
     colours: np.ndarray
     kinds: np.ndarray
@@ -31,10 +31,11 @@ class Appearance:
     glosses: np.ndarray
     emissions: np.ndarray
     clear: np.ndarray
-    """(M,) bool: seen through"""
+    """(M,) bool: glass"""
 
     @staticmethod
     def of(materials: Iterable[Material]) -> Appearance:
+        """The arrays of `materials`, in their order."""
         materials = tuple(materials)
         return Appearance(
             np.array([m.colour for m in materials], dtype=np.float32).reshape(-1, 3),
@@ -49,8 +50,8 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Hits:
-    """N image points (columns, rows in pixels), their rays, and what those hit: triangle (-1: none), distance in lengths of the
-    ray, barycentric coordinates."""
+    """N image points (columns and rows in pixels), their rays, and the hits of those: triangle (-1 for none), distance in lengths
+    of the ray, barycentric coordinates."""
 
     columns: np.ndarray
     rows: np.ndarray
@@ -64,8 +65,8 @@ class Hits:
 
 @dataclass(frozen=True)
 class Surface:
-    """Where N rays met the world: points (N, 3), unit normals (N, 3) towards the eye, width of a pixel (N,) metres. Where nothing
-    is the normal is 0 and the rest undefined."""
+    """The surface at N hits: points (N, 3), unit normals (N, 3) towards the eye, width of a pixel (N,) metres. Without a hit the
+    normal is 0, and the rest is undefined."""
 
     points: np.ndarray
     normals: np.ndarray
@@ -75,14 +76,14 @@ class Surface:
 class Painter:
     """Casts and colours the rays of one view of a mesh."""
 
-    def __init__(self, view, mesh: SceneMesh, looks: Appearance, caster: Caster) -> None:
+    def __init__(self, view, mesh: TriangleMesh, looks: Appearance, caster: Caster) -> None:
         """`view`: camera.View."""
         self._view, self._mesh, self._looks, self._caster = view, mesh, looks, caster
         self._flat = view.orthographic_size is not None
         self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)
 
     def _camera(self) -> tuple[object, ...]:
-        """The view as `optics.primary` and `Caster.view` take it, without its width and height."""
+        """The view as arguments of `optics.primary` and `Caster.view`, without width and height."""
         view = self._view
         return (
             *view.axes().astype(np.float32), np.float32(self._tall * view.width / view.height), np.float32(self._tall),
@@ -97,17 +98,18 @@ class Painter:
         return origins, ways
 
     def see(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """What the pixels see at their centres, which are given as `cast` takes them, row by row, up to the far plane."""
+        """The hits at all pixel centres, row by row, up to the far plane. The centres are given as to `cast`."""
         view = self._view
         met = self._caster.view(*self._camera(), np.float32(view.far_m - view.near_m), view.width, view.height)
         return Hits(columns, rows, *self._points(columns, rows), *met)
 
     def cast(self, columns: np.ndarray, rows: np.ndarray) -> Hits:
-        """What is seen at some image points, (N,) float32 pixels."""
+        """The hits at image points (N,) float32 pixels."""
         origins, ways = self._points(columns, rows)
         return Hits(columns, rows, origins, ways, *self._caster.closest(origins, ways))
 
     def surface(self, hits: Hits) -> Surface:
+        """The surface at the hits."""
         count = len(hits.prim)
         found = Surface(np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float32))
         optics.surface(
@@ -117,7 +119,8 @@ class Painter:
         return found
 
     def picture(self, hits: Hits, surface: Surface, rig: Rig, ids: np.ndarray, depth: np.ndarray) -> np.ndarray:
-        """(H W, 3) uint8 of the view's own pixels, in order: `hits` at their centres, with instance ids and depths (H W,)."""
+        """(H W, 3) uint8: the colours of all pixels in order. `hits` are those at their centres; instance ids and depths are (H
+        W,)."""
         view = self._view
         grid = self._grid(hits, surface, rig)
         linear = self._light(hits, surface, rig, grid)
@@ -132,7 +135,7 @@ class Painter:
         return picture
 
     def _grid(self, hits: Hits, surface: Surface, rig: Rig) -> np.ndarray:
-        """Light and shadow at every other pixel, as `shading.soften` leaves them."""
+        """Light and shadow at every other pixel, after `shading.soften`."""
         view = self._view
         wide, high = (view.width + 1) // 2, (view.height + 1) // 2
         total = wide * high
@@ -150,7 +153,7 @@ class Painter:
         return grid
 
     def _shine(self, sun: sunshine.Sun, wide: int, high: int, grid: np.ndarray) -> None:
-        """Adds the light of the sun to the coarse grid."""
+        """Adds sunlight to the coarse grid."""
         starts, ways = np.empty((wide * high, 3), np.float32), np.empty((wide * high, 3), np.float32)
         reach, which = np.empty(wide * high, np.float32), np.empty(wide * high, np.int64)
         count = sunshine.through(grid, sun.way, sun.panes, starts, ways, reach, which)
@@ -168,8 +171,8 @@ class Painter:
         return colour
 
     def _light(self, hits: Hits, surface: Surface, rig: Rig, grid: np.ndarray, panes: int = PANES) -> np.ndarray:
-        """Linear light (N, 3) float32 of image points. Mirrors show what they face, but not other mirrors in it; through glass
-        one sees what is behind it, also through the next `panes` - 1 panes."""
+        """Linear light (N, 3) float32 of image points. Mirrors show no other mirrors; through glass the surface behind it is
+        seen, also through the next `panes` - 1 panes."""
         view, looks, material = self._view, self._looks, self._mesh.material
         out = np.empty((len(hits.prim), 3), np.float32)
         shading.shade(

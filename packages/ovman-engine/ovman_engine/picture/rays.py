@@ -1,7 +1,7 @@
-"""Rays against a scene, on Embree: what lies where the floor plan has it in one Embree scene, what was displaced in a second.
+"""Casts rays on Embree against two scenes: one of all undisplaced objects, and one of the displaced objects.
 
-Moving a thing remakes only the second, small one; a packet of rays is cast into it at its heels, bounded by what it has hit.
-Kernels call Embree by the address of its function, so numba's cache may keep them.
+A movement rebuilds only the second, small scene. Each packet is cast into it directly afterwards, up to the hits in the first.
+Kernels call Embree by the address of its function, so numba can cache them.
 """
 
 from __future__ import annotations
@@ -14,21 +14,22 @@ from numba import njit, types
 from numba.extending import intrinsic
 
 from ovman_engine.picture import embree
-from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh
+from ovman_engine.picture.scene_mesh import PlanMeshes
+from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 FAR = np.float32(1e30)
 LANES = embree.LANES
 SIDE = 4
-"""Pixels along the side of the square that a packet of primary rays covers."""
+"""Side of the square of pixels that a packet of primary rays covers."""
 _ORIGIN, _NEAR, _WAY, _TIME, _REACH, _MASK, _NUMBER, _FLAGS, _U, _V, _TRIANGLE, _MESH = 0, 3, 4, 7, 8, 9, 10, 11, 15, 16, 17, 18
 """Rows of an RTCRayHit16."""
 _FIXED, _DISPLACED = 0, 1
-"""Numbers of the meshes of the two Embree scenes."""
+"""geomIDs of the two scenes."""
 
 
 @intrinsic
 def _query(_typing, function, valid, scene, packet, arguments):
-    """Calls rtcIntersect16 or rtcOccluded16, all by address."""
+    """Calls rtcIntersect16 or rtcOccluded16; all arguments are addresses."""
 
     def generate(context, builder, _signature, values):
         byte = ir.IntType(8).as_pointer()
@@ -42,7 +43,7 @@ def _query(_typing, function, valid, scene, packet, arguments):
 
 @njit(cache=True, error_model="numpy")
 def _clear(numbers, bits):
-    """What no cast changes of a packet."""
+    """Sets the fields of a packet that no cast changes."""
     for k in range(LANES):
         numbers[_NEAR, k], numbers[_TIME, k] = np.float32(0), np.float32(0)
         bits[_MASK, k], bits[_NUMBER, k], bits[_FLAGS, k] = -1, 0, 0
@@ -51,7 +52,7 @@ def _clear(numbers, bits):
 @njit(cache=True, error_model="numpy")
 def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
           reach, width, height, triangle, distance, u, v):  # fmt: skip
-    """What the pixels of a view see, in tiles. See optics.primary for the camera, Caster.closest for the rest."""
+    """The hits of all pixels of a view, in tiles. See optics.primary for the camera, Caster.closest for the results."""
     _clear(numbers, bits)
     (right_x, right_y, right_z), (up_x, up_y, up_z), (on_x, on_y, on_z) = right, up, forward
     eye_x, eye_y, eye_z = eye
@@ -94,7 +95,7 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _load(origins, ways, first, valid, numbers):
-    """Rays number first to first + LANES into a packet; those beyond the last do not count."""
+    """Loads the rays first to first + LANES into a packet; lanes beyond the last ray are inactive."""
     for k in range(LANES):
         i = min(first + k, len(origins) - 1)
         valid[k] = -1 if first + k < len(origins) else 0
@@ -137,8 +138,8 @@ def _occluded(function, fixed, displaced, valid, numbers, bits, arguments, origi
             blocked[first + k] = numbers[_REACH, k] < 0
 
 
-def committed(mesh: SceneMesh, number: int = _FIXED) -> embree.Scene:
-    """An Embree scene of a mesh, ready for rays."""
+def committed(mesh: TriangleMesh, number: int = _FIXED) -> embree.Scene:
+    """The Embree scene of a mesh."""
     return embree.Scene(mesh.vertices, mesh.triangles, number)
 
 
@@ -146,7 +147,7 @@ _untouched: WeakKeyDictionary[PlanMeshes, embree.Scene] = WeakKeyDictionary()
 
 
 def untouched(meshes: PlanMeshes) -> embree.Scene:
-    """The Embree scene of a floor plan that nothing was moved in: one, for the camera and for the agent's sight."""
+    """The Embree scene of an untouched floor plan, shared by the camera and the agent's visibility."""
     if meshes not in _untouched:
         _untouched[meshes] = committed(meshes.untouched)
     return _untouched[meshes]
@@ -155,7 +156,7 @@ def untouched(meshes: PlanMeshes) -> embree.Scene:
 class Caster:
     """Casts rays into a fixed and a displaced scene. Triangles of the second are numbered after those of the first."""
 
-    def __init__(self, fixed: embree.Scene, offset: int, displaced: SceneMesh) -> None:
+    def __init__(self, fixed: embree.Scene, offset: int, displaced: TriangleMesh) -> None:
         """`offset`: number of triangles of the fixed mesh."""
         self._fixed, self._displaced = fixed, committed(displaced, _DISPLACED)
         self._offset = np.int32(offset)
@@ -168,8 +169,8 @@ class Caster:
         return embree.entry(name), *scenes, packet.valid, packet.numbers, packet.bits, arguments
 
     def view(self, right, up, forward, tan_x, tan_y, eye, near, flat, reach, width, height):
-        """`closest` of the primary rays of a view (optics.primary), one for each pixel, in the order of the rows; what is farther
-        than `reach` lengths of its ray is not met."""
+        """`closest` of the primary rays of a view (optics.primary), one for each pixel, row by row. Hits farther than `reach`
+        lengths of the ray do not count."""
         count = width * height
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
@@ -180,8 +181,8 @@ class Caster:
         return triangle, distance, u, v
 
     def closest(self, origins: np.ndarray, directions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """First hit of each ray (N, 3) float32: triangle (N,) int32 (-1: none), distance in lengths of the direction
-        (N,) float32 (at least 1e30 where nothing is hit), and the two barycentric coordinates (N,) float32."""
+        """First hit of each ray (N, 3) float32: triangle (N,) int32 (-1 for none), distance in lengths of the direction (N,)
+        float32 (at least 1e30 for none), and two barycentric coordinates (N,) float32."""
         count = len(origins)
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
@@ -189,7 +190,7 @@ class Caster:
         return triangle, distance, u, v
 
     def occluded(self, origins: np.ndarray, directions: np.ndarray, reach: np.ndarray) -> np.ndarray:
-        """Whether anything lies on each ray (N, 3) float32 before `reach` (N,) float32, in lengths of the way: (N,) bool."""
+        """(N,) bool: whether each ray (N, 3) float32 has a hit before `reach` (N,) float32, in lengths of the direction."""
         blocked = np.empty(len(origins), bool)
         _occluded(*self._call("rtcOccluded16", False), origins, directions, reach, blocked)
         return blocked

@@ -1,7 +1,7 @@
-"""Finishes, colours and light of a scene, drawn anew. Nothing here moves anything: depth and ids stay as they are.
+"""Random finishes, colours and lights of a scene. Depth and instance ids do not change.
 
-A scene's own finishes are drawn from its name, so another name gives other finishes by the same rules: what is built in still
-matches, and what a thing is made of stays plausible.
+A scene's own finishes are drawn from its name, so another name gives other finishes by the same rules: built-in furniture still
+matches, and materials stay plausible.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from ovman_engine.room.room import Room
 from ovman_engine.shapes.style import Style
 
 MIN_COLOUR = 0.02
-"""Least linear component of a colour that was drawn: what is black in all light would be a hole."""
+"""Least linear component of a drawn colour: a black object would look like a hole."""
 
 
 def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Material]]:
-    """Palette of every instance of `plan` and structure of `room` by name, as if the scene were called otherwise."""
+    """Palette of every instance of `plan` and every structure of `room`, by name, as if the scene had another name."""
     renamed = replace(plan, name=f"{plan.name}~{key}")
     out = {o.object_id: palette(o, renamed) for o in plan.objects}
     out.update({name: colours for name, _, colours in structures(renamed, replace(room, plan=renamed))})
@@ -33,7 +33,7 @@ def finishes(plan: FloorPlan, room: Room, key: str) -> dict[str, Mapping[str, Ma
 
 
 def recoloured(material: Material, key: str) -> Material:
-    """The material in a colour drawn from `key`; its texture and gloss stay. What glows keeps how much it does."""
+    """The material in a colour drawn from `key`, with its own texture, gloss and emission."""
     style = Style(key)
     return replace(material, colour=np.array([style.uniform(channel, MIN_COLOUR, 0.9) ** 1.5 for channel in "rgb"]))
 
@@ -55,7 +55,7 @@ def _rgb(hue: float, saturation: float) -> np.ndarray:
 
 
 def relit(rig: Rig, lighting: Lighting) -> Rig:
-    """The rig with intensities multiplied and colours replaced by what `lighting` draws; what is reflected all around follows."""
+    """The rig with random intensities and colours; ambient light follows."""
     table = rig.lights.copy()
     for k in range(len(table)):
         style = Style(lighting.key if lighting.synchronized else f"{lighting.key}|{k}")

@@ -1,7 +1,7 @@
-"""Light on what the rays hit: soft shadows, contact darkening, highlights.
+"""Light on the hits of a view: soft shadows, contact darkening, highlights.
 
-Everything is float32, in a fixed order and without fast-math, so a frame is a function of its inputs to the byte. The file is
-self-contained on purpose: numba's cache watches the file of the compiled function alone.
+All numbers are float32, in a fixed order and without fast-math, so a frame is a function of its inputs to the byte. This file
+imports no other kernel: numba's cache watches the file of the compiled function only.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ import numpy as np
 from numba import njit
 
 PHASES = 9
-"""Rays that a neighbourhood of 3 x 3 coarse points shares."""
+"""Number of rays that a neighbourhood of 3 x 3 coarse points shares."""
 REACH_M = 0.55
-"""How far contact darkening looks."""
+"""Range of contact darkening."""
 GRID = 15
 """Columns of the coarse grid: point, normal, light (RGB), its mean direction, lit, open, flat."""
 LIFT_M = np.float32(0.004)
@@ -23,7 +23,7 @@ LIFT_M = np.float32(0.004)
 
 @cache
 def directions() -> np.ndarray:
-    """(PHASES, 3) float32: directions about +z, spread as the cosine, for contact darkening."""
+    """(PHASES, 3) float32: directions about +z, distributed as the cosine, for contact darkening."""
     k = np.arange(PHASES)
     radius, angle = np.sqrt((k + 0.5) / PHASES), 2.399963229728653 * k
     around = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.sqrt(1 - radius**2)], axis=1)
@@ -32,8 +32,8 @@ def directions() -> np.ndarray:
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _sum_lights(lights, shadowed, px, py, pz, nx, ny, nz):
-    """Unshadowed light on a point: (red, green, blue), its mean direction (x, y, z), not normalised, and the sum of the three
-    colours of the lights from number `shadowed` on."""
+    """Unshadowed light at a point: red, green, blue; its mean direction x, y, z, not normalised; and the sum of the colours of
+    all lights from number `shadowed` on."""
     zero = np.float32(0)
     red, green, blue, tx, ty, tz, even = zero, zero, zero, zero, zero, zero, zero
     for k in range(len(lights)):
@@ -66,12 +66,12 @@ def coarse(
     prim, points, normals, width, height, wide, high, lights, shadowed, samples, around, reach_m,
     starts, ways, reach, slots, weight, even, grid,
 ):  # fmt: skip
-    """Light and rays of the coarse grid (high x wide: every other pixel). Returns how many rays there are.
+    """Light and shadow rays of the coarse grid (high x wide: every other pixel). Returns the number of rays.
 
-    grid (H W, GRID) float32 gets point, normal, light and its direction of each coarse point; a normal of 0 where nothing is.
-    Rays go from each point to what is near, and to one of the first `shadowed` lights if it shines there: starts, ways
-    (2 H W, 3), reach (2 H W,) in lengths of the way. slots (H W, 2): the numbers of a point's rays to the light and to what is
-    near, -1 for none. weight (H W,): what the one light would bring; even (H W,): what the lights without shadows bring.
+    grid (H W, GRID) float32 receives point, normal, light and its direction of each coarse point; a normal of 0 without a hit.
+    Each point has one ray to its surroundings, and one to one of the first `shadowed` lights if that shines there: starts, ways
+    (2 H W, 3), reach (2 H W,) in lengths of the way. slots (H W, 2): numbers of a point's rays to the light and to its
+    surroundings, -1 for none. weight (H W,): light of that one lamp; even (H W,): light of the lamps without shadows.
     """
     rays = 0
     for j in range(high):
@@ -109,7 +109,7 @@ def coarse(
                 reach[rays] = max(np.float32(1) - samples[phase, 3] / max(far, np.float32(1e-3)), np.float32(0))
                 slots[q, 0] = rays
                 rays += 1
-            # a frame about the normal that has no seam where a coordinate changes its sign but one
+            # a frame about the normal, continuous except at one sign change of a coordinate
             sign = np.float32(1) if nz >= 0 else np.float32(-1)
             a = np.float32(-1) / (sign + nz)
             b = nx * ny * a
@@ -126,7 +126,7 @@ def coarse(
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _alike(grid, p, q, slack):
-    """Whether two coarse points lie on one surface: similar normals, and q at most `slack` off the plane of p."""
+    """Whether two coarse points are on one surface: similar normals, and q at most `slack` off the plane of p."""
     if grid[p, 3] * grid[q, 3] + grid[p, 4] * grid[q, 4] + grid[p, 5] * grid[q, 5] < np.float32(0.5):
         return False
     off = (grid[q, 0] - grid[p, 0]) * grid[p, 3] + (grid[q, 1] - grid[p, 1]) * grid[p, 4] + (grid[q, 2] - grid[p, 2]) * grid[p, 5]
@@ -135,12 +135,12 @@ def _alike(grid, p, q, slack):
 
 @njit(cache=True, error_model="numpy")
 def soften(blocked, slots, weight, even, grid, eye, wide, high):
-    """Writes lit and open of the grid: the fraction of the light that arrives and of the near surroundings that is free, averaged
-    over those of its neighbours that lie on the same surface; dims the light by it. Then marks as `flat` the cells, from each
-    point to the next one right and down, whose four corners lie on one plane.
+    """Writes lit and open of the grid: the fractions of arriving light and of free surroundings, averaged over neighbours on the
+    same surface; and dims the light by them. Then marks as `flat` the cells, from each point to the next one right and down,
+    whose four corners are on one plane.
 
-    Neighbours weigh 1 2 3 2 1 along rows, then along columns: every one of the 3 x 3 phases counts the same everywhere, and what
-    one phase sees is interpolated linearly between the points that have it.
+    Neighbours weigh 1 2 3 2 1 along rows, then along columns: each of the 3 x 3 phases counts the same everywhere, and what one
+    phase sees is interpolated linearly between its points.
     """
     total = wide * high
     sums = np.zeros((total, 4), np.float32)
@@ -178,7 +178,7 @@ def soften(blocked, slots, weight, even, grid, eye, wide, high):
                 free += w * sums[p, 2]
                 count += w * sums[p, 3]
             grid[q, 12] = got / whole if whole > 0 else np.float32(1)
-            # a point with few of its kind around has seen too few directions to be called dark
+            # a point with few neighbours on its surface has seen too few directions to be called dark
             grid[q, 13] = (free + np.float32(7)) / (count + np.float32(10))
     for q in range(total):
         for k in range(6, 9):
@@ -202,12 +202,12 @@ def soften(blocked, slots, weight, even, grid, eye, wide, high):
 @njit(cache=True, error_model="numpy")
 def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, tri_material, glosses, emissions, lights, ambient,
           exposure, sky, out):  # fmt: skip
-    """Linear light (N, 3) float32 that N image points send to the eye.
+    """Writes the linear light (N, 3) float32 that N image points send to the eye.
 
-    prim, points, normals, rays, colour: of the points; columns, rows (N,): where they are in the image, pixels; grid, wide, high:
-    as `soften` left it; lights (L, 11), ambient (3, 3) as in lights.Rig; sky (3,): what is seen where nothing is.
-    The light of a point is that of the coarse points around it on the same surface, turned to its own normal; a point that has
-    none, or that is turned far, gets its own light in their shadow.
+    prim, points, normals, rays, colour: of the points; columns, rows (N,): their place in the image, pixels; grid, wide, high: as
+    `soften` left them; lights (L, 11) and ambient (3, 3) as in lights.Rig; sky (3,): colour without a hit. A point takes its
+    light from the coarse points around it on the same surface, turned to its own normal. Without such a point, or with a very
+    different normal, it gets its own light in their shadow.
     """
     one, zero = np.float32(1), np.float32(0)
     for i in range(len(prim)):
@@ -305,7 +305,7 @@ def shade(prim, points, normals, rays, colour, columns, rows, grid, wide, high, 
             dx, dy, dz = rays[i, 0], rays[i, 1], rays[i, 2]
             inverse = one / np.sqrt(dx * dx + dy * dy + dz * dz)
             vx, vy, vz = -dx * inverse, -dy * inverse, -dz * inverse
-            # a glossy skin mirrors the room's light at grazing angles
+            # a glossy surface reflects the room's light at grazing angles
             rim = one - max(vx * nx + vy * ny + vz * nz, zero)
             rim = gloss * (np.float32(0.04) + np.float32(0.4) * rim * rim * rim * rim)
             strength = tx * tx + ty * ty + tz * tz

@@ -1,7 +1,6 @@
-"""A scene as cameras other than the agent's eye see it: with the agent in it, and open on the side that they look from.
+"""A scene for cameras other than the agent's: it shows the agent, and is open on the side of the camera.
 
-AI2-THOR's walls and ceilings are sheets that have a face on the inside alone; whoever looks from outside looks through them.
-World frame as in `floorplan`.
+AI2-THOR's walls and ceilings have faces on the inside only; a camera outside looks through them. World frame as in `floorplan`.
 """
 
 from __future__ import annotations
@@ -13,15 +12,16 @@ import numpy as np
 from ovman_engine.bodies.embodiment import DEFAULT
 from ovman_engine.picture import agent_body
 from ovman_engine.picture.painter import Appearance
-from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh, figure, joined, subset
+from ovman_engine.picture.scene_mesh import PlanMeshes
+from ovman_engine.picture.triangle_mesh import TriangleMesh, figure, joined, subset
 from ovman_engine.plan.floorplan import Box, rotation_matrix
 
 SHELL = frozenset({"wall", "door", "ceiling"})
-"""Kinds of structures that enclose the room."""
+"""Structures that enclose the room."""
 BEYOND_M = 1e-3
-"""What faces away from the room this far beyond its limits is the back of a wall."""
+"""A face that looks away from the room this far beyond its limits is the back of a wall."""
 THICKEST_M = 0.1
-"""Behind the face of a wall inside the room there is nothing to be seen from this depth on."""
+"""Depth behind the face of a wall inside the room from which nothing is visible."""
 
 
 class Stage:
@@ -44,14 +44,14 @@ class Stage:
         self._centres, self._normals = centres[shell], normals[shell]
         ceilings = [i for i in numbers if names[i].startswith("ceiling|")]
         self._ceiling = np.isin(self._mesh.instance[self._triangles], ceilings)
-        self._last_body: tuple[tuple, SceneMesh] | None = None
+        self._last_body: tuple[tuple, TriangleMesh] | None = None
         slots = dict.fromkeys(part.slot for part in agent_body.parts(DEFAULT, standing=True))
         self._paint = Appearance.of(agent_body.PALETTE[slot] for slot in slots)
 
-    def set_for(self, view, agent) -> SceneMesh:
-        """What the shell shows to a camera.View, and the body of a body.Agent, which has no number: its instance is -1.
+    def set_for(self, view, agent) -> TriangleMesh:
+        """The visible part of the shell for a camera.View, and the body of a body.Agent, whose instance is -1.
 
-        Its materials, which follow those of the plan, are given by `looks`. A camera within the body sees out of it.
+        The body's materials, which `looks` gives, follow those of the plan. A camera within the body does not see it.
         """
         if view.orthographic_size is None:
             facing = ((np.asarray(view.position) - self._centres) * self._normals).sum(axis=1) > 0
@@ -63,11 +63,11 @@ class Stage:
         return joined(shell, self._body(agent))
 
     def looks(self, plan: Appearance) -> Appearance:
-        """The looks of the plan, followed by those of the body."""
+        """The materials of the plan, followed by those of the body."""
         pairs = ((getattr(plan, f.name), getattr(self._paint, f.name)) for f in fields(Appearance))
         return Appearance(*(np.concatenate(pair) for pair in pairs))
 
-    def _body(self, agent) -> SceneMesh:
+    def _body(self, agent) -> TriangleMesh:
         key = (agent.embodiment, agent.standing, *np.round(agent.position, 6).tolist(), agent.yaw_deg)
         if self._last_body is None or self._last_body[0] != key:
             box = Box(np.asarray(agent.position, dtype=float), np.ones(3), rotation_matrix(np.array([0.0, agent.yaw_deg, 0.0])))
@@ -77,7 +77,7 @@ class Stage:
 
 
 def _is_back(centres: np.ndarray, normals: np.ndarray, room) -> np.ndarray:
-    """Which triangles (N, 3) of the shell nobody in the room could see: (N,) bool."""
+    """(N,) bool: which triangles (N, 3) of the shell cannot be seen from inside the room."""
     x_0, z_0, x_1, z_1 = room.outline
     low, high = np.array([x_0, room.floor_y, z_0]), np.array([x_1, room.ceiling_y, z_1])
     back = ((normals > 0.5) & (centres > high + BEYOND_M)).any(axis=1)
@@ -94,5 +94,5 @@ def _is_back(centres: np.ndarray, normals: np.ndarray, room) -> np.ndarray:
 
 
 def _on_end(centres: np.ndarray, along: int, block) -> np.ndarray:
-    """Whether triangles lie on the sides of a block, which are seen from the room beside it: (N,) bool."""
+    """(N,) bool: whether triangles are on the sides of a block, which are visible from the room beside it."""
     return np.minimum(np.abs(centres[:, along] - block.low), np.abs(centres[:, along] - block.high)) < BEYOND_M

@@ -1,7 +1,7 @@
-"""Sunlight that falls through windows: patches on floors and furniture, with shadows of glazing bars and of what stands there.
+"""Sunlight through windows: patches on floors and furniture, with the shadows of glazing bars and objects.
 
-Everything is float32, in a fixed order and without fast-math. The kernels call nothing from other files on purpose: numba's cache
-watches the file of the compiled function alone.
+All numbers are float32, in a fixed order and without fast-math. The kernels call nothing from other files: numba's cache watches
+the file of the compiled function only.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from ovman_engine.shapes import surroundings
 from ovman_engine.shapes.style import Style
 
 SUNNY = 0.8
-"""Share of the scenes that the sun shines into."""
+"""Fraction of the scenes with sunlight."""
 HEIGHT_DEG, ASIDE_DEG = (26.0, 48.0), 38.0
-"""Range of the sun's height, and how far it is at most to the side of the largest window's axis."""
+"""Range of the sun's height, and its largest angle to the axis of the largest window."""
 BRIGHTNESS = 2.4
-"""Light of the sun on a surface that faces it, in terms of what a white card in the middle of the room sends back."""
+"""Light of the sun on a surface that faces it, relative to that of a white card in the middle of the room."""
 CASING_M = 0.03
 LIFT_M = np.float32(0.004)
 
 
 @dataclass(frozen=True)
 class Sun:
-    """The sun and the panes that it shines through."""
+    """The sun, and the panes through which it shines."""
 
     way: np.ndarray
-    """(3,) float32 unit, towards the sun"""
+    """(3,) float32 unit vector towards the sun"""
     colour: np.ndarray
     """(3,) float32 linear RGB intensity"""
     panes: np.ndarray
@@ -38,9 +38,9 @@ class Sun:
 
 
 def of_plan(plan: FloorPlan, low: np.ndarray, high: np.ndarray, present, exposure: float) -> Sun | None:
-    """The sun of a floor plan whose room spans low..high (3,) metres, as its name has it; None where it does not shine in.
+    """The sun of a floor plan whose room spans low..high (3,) metres, drawn from the plan's name; None without sunlight.
 
-    `present`: the objectIds that are there; exposure as in `lights.Rig`.
+    `present`: objectIds of present objects; exposure as in `lights.Rig`.
     """
     style = Style(f"{plan.name}|sun")
     windows = sorted(
@@ -71,8 +71,8 @@ def of_plan(plan: FloorPlan, low: np.ndarray, high: np.ndarray, present, exposur
 
 @njit(cache=True, error_model="numpy")
 def through(grid, way, panes, starts, ways, reach, which):
-    """Rays to the panes of the points of the coarse `grid` (N, GRID) that the sun may reach: starts, ways (N, 3), reach (N,) in
-    lengths of the way, and the numbers of their points, which (N,). Returns how many there are."""
+    """Writes the rays from points of the coarse `grid` (N, GRID) to the panes: starts, ways (N, 3), reach (N,) in lengths of the
+    way, and the numbers of their points, which (N,). Returns the number of rays."""
     count = 0
     for q in range(len(grid)):
         if grid[q, 3] * way[0] + grid[q, 4] * way[1] + grid[q, 5] * way[2] <= np.float32(0.02):
@@ -96,8 +96,8 @@ def through(grid, way, panes, starts, ways, reach, which):
 
 @njit(cache=True, error_model="numpy")
 def add(blocked, which, way, colour, wide, high, grid):
-    """Adds sunlight to the light of the coarse grid (high x wide points) where the ways of the points `which` (M,) are not
-    `blocked` (M,), spread over the neighbours on the same surface with weights 1 2 1."""
+    """Adds sunlight to the coarse grid (high x wide points) at the points `which` (M,) that are not `blocked` (M,), spread over
+    neighbours on the same surface with weights 1 2 1."""
     lit = np.zeros(wide * high, np.float32)
     for i in range(len(which)):
         if blocked[i]:

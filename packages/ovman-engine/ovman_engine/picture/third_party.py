@@ -1,4 +1,4 @@
-"""Cameras that a client puts up in a scene besides the agent's own. World frame as in `floorplan`.
+"""Third-party cameras. World frame as in `floorplan`.
 
 Source: AI2-THOR 5.0.0, AddThirdPartyCamera and UpdateThirdPartyCamera (contract, section 4).
 """
@@ -19,31 +19,31 @@ if TYPE_CHECKING:
 Triple = tuple[float, float, float]
 
 ORTHOGRAPHIC_M = 5.0
-"""Half the height of an orthographic picture that was given no size: Unity's own."""
+"""Default half height of an orthographic image: Unity's."""
 EULER_DIGITS = 6
-"""Digits of a degree that angles keep: matrices give them back with the noise of double precision."""
+"""Decimals of reported angles in degrees: angles from matrices have the noise of double precision."""
 
 
 @dataclass(frozen=True)
 class ThirdPartyCamera:
-    """One camera. Two are equal if they take the same picture."""
+    """One camera. Equal cameras draw equal images."""
 
     position: Triple
     """metres"""
     rotation: Triple
     """Unity's Euler angles (x, y, z) in degrees, applied in the order z, x, y; each in [0, 360), x within 90 of 0"""
     field_of_view_deg: float
-    """vertical"""
+    """Vertical"""
     near_m: float
     far_m: float
     orthographic: bool = False
     orthographic_m: float = ORTHOGRAPHIC_M
-    """Half the height of the picture while it is orthographic"""
+    """Half the height of an orthographic image, metres"""
     sky: tuple[int, int, int] | None = None
-    """sRGB, 0 to 255, where nothing is; None for the sky that the agent sees"""
+    """sRGB, 0 to 255, of pixels without a hit; None for the agent's sky"""
 
     def view(self, width: int, height: int, onlooker: Onlooker) -> View:
-        """What it looks at, in a picture of `width` x `height` pixels."""
+        """Its view in an image of `width` x `height` pixels."""
         from ovman_engine.picture.camera import View
 
         pitch, yaw, roll = self.rotation
@@ -63,7 +63,7 @@ class ThirdPartyCamera:
         )
 
     def metadata(self, number: int) -> dict[str, Any]:
-        """Its entry in an event's thirdPartyCameras."""
+        """Its entry in the metadata's thirdPartyCameras."""
         return {
             "thirdPartyCameraId": number,
             "position": vector(*self.position),
@@ -73,6 +73,6 @@ class ThirdPartyCamera:
 
 
 def normal_angles(degrees: np.ndarray) -> Triple:
-    """Euler angles (3,) as Unity reports those of the same rotation."""
+    """Euler angles (3,) as Unity reports them for the same rotation."""
     x, y, z = np.round(euler_degrees(rotation_matrix(degrees)), EULER_DIGITS) % 360.0
     return float(x), float(y), float(z)

@@ -52,6 +52,7 @@ class Rect(NamedTuple):
         return common if common.x1 > common.x0 and common.z1 > common.z0 else None
 
     def holds(self, x: float, z: float, margin: float = 0.0) -> bool:
+        """Whether the point (x, z) is inside, or at most `margin` metres outside."""
         return self.x0 - margin < x < self.x1 + margin and self.z0 - margin < z < self.z1 + margin
 
 
@@ -72,6 +73,7 @@ _RUNS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Rect, ...]]] = WeakKeyDictio
 
 
 def footprint(obj: SimObject) -> Rect:
+    """The axis-aligned box around an object, in plan."""
     low, high = obj.box.bounds()
     return Rect(float(low[0]), float(low[2]), float(high[0]), float(high[2]))
 

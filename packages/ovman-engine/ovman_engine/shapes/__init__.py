@@ -1,4 +1,4 @@
-"""Forms: one table takes an object's type to a compound of parts fitted to its oriented box, for drawing and collision alike."""
+"""Shapes: one table from an object's type to a compound of parts in its oriented box, for drawing and collision alike."""
 
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ for _module in (
     FORMS.update(_module.FORMS)
 
 LOOSE = frozenset({"Shelf", "CounterTop"})
-"""Types that do not fill their box: the box of a shelf includes the room above the board, that of a counter what it encloses."""
+"""Types that do not fill their box: that of a shelf includes the space above the board, that of a counter the space it
+encloses."""
 _SMALLEST_M = 1e-3
 
 
@@ -86,7 +87,7 @@ def _plain(s: Subject) -> tuple[Part, ...]:
 def _compound(
     kind: str, size: tuple[float, ...], key: str, inserts: tuple[Insert, ...], hung: bool, quarter: int
 ) -> tuple[Part, ...]:
-    """The compound of one asset; cached, because every world of a floor plan asks for the same."""
+    """The compound of one asset, cached: every world of a floor plan needs the same."""
     width, height, depth = size if quarter % 2 == 0 else (size[2], size[1], size[0])
     subject = Subject(kind, width, height, depth, Style(key), inserts, hung)
     if kind in LOOSE:
@@ -99,8 +100,8 @@ def _compound(
 def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
     """Parts of `obj` in the frame of its oriented box: origin at its centre, metres.
 
-    What is drawn touches all six faces of the box and stays within it to 1 mm, but for the types in `LOOSE`.
-    Deterministic in the asset (in the name where there is none) and, for what is built in, in its surroundings.
+    The drawn parts touch all six faces of the box and stay within it to 1 mm, except for the types in `LOOSE`. The result is a
+    function of the asset (of the name without one) and, for built-in objects, of the surroundings.
     """
     if obj.type == "CounterTop":
         return built_in.counter(obj, plan)
@@ -116,5 +117,5 @@ def compound(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
 
 
 def drawn(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """Those parts of `compound` that are the object to the eye: of a counter the slab; see `bodies` for what it stands on."""
+    """The parts of `compound` that are drawn with the object: of a counter only the slab; `bodies` gives what it stands on."""
     return built_in.slab(obj, plan) if obj.type == "CounterTop" else compound(obj, plan)

@@ -10,6 +10,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def fridge(s: Subject) -> Iterator[Part]:
+    """A fridge with one or two doors."""
     st = s.style
     reach = 0.05
     face = s.z - reach
@@ -60,6 +61,7 @@ def fridge(s: Subject) -> Iterator[Part]:
 
 
 def microwave(s: Subject) -> Iterator[Part]:
+    """A microwave oven."""
     st = s.style
     reach = 0.03
     face = s.z - reach
@@ -112,6 +114,7 @@ def toaster(s: Subject) -> Iterator[Part]:
 
 
 def coffee_machine(s: Subject) -> Iterator[Part]:
+    """A coffee machine."""
     st = s.style
     foot = 0.05 * s.h
     front = s.z - 0.03

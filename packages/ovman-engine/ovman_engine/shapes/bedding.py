@@ -1,4 +1,4 @@
-"""What is soft: pillows, cloths, towels, a bear."""
+"""Soft objects: pillows, cloths, towels, a bear."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def pillow(s: Subject) -> Iterator[Part]:
+    """A pillow."""
     yield span(
         (-s.x, 0, -s.z),
         (s.x, s.h, s.z),

@@ -9,16 +9,16 @@ from ovman_engine.shapes.seating import legs
 from ovman_engine.shapes.subject import Subject
 
 USUAL_M = 0.57
-"""Height that one lies at, where nothing lies on the bed to tell."""
+"""Height of the lying surface if nothing lies on the bed."""
 BUNK_M = 1.2
-"""From this height on there is nothing but posts below."""
+"""From this height on, a bed is a bunk: it has only posts below."""
 POSTER_M = 1.2
-"""What rises so far above the mattress are posts."""
+"""Parts that rise this far above the mattress are posts."""
 GUARD_M = 0.22
 
 
 def bed(s: Subject) -> Iterator[Part]:
-    """A bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk where it is tall."""
+    """A bed: frame and legs, headboard, mattress, duvet; a four-poster or a bunk if it is tall."""
     lying = min((i.y0 for i in s.inserts if i.kind == "rest"), default=min(USUAL_M, 0.64 * s.h))
     lying = min(max(lying, 0.25 * s.h), s.h - 0.03)
     if lying > BUNK_M:
@@ -78,8 +78,8 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
 
 
 def _bedding(s: Subject, lying: float, frame: float, first: float, last: float) -> Iterator[Part]:
-    """Mattress, duvet with its edge turned back, a throw; pillows of its own where none lies on the bed. From `first` to `last`
-    along z; one lies at height `lying`."""
+    """Mattress, duvet with its edge turned back, a throw, and pillows if none lies on the bed, from `first` to `last` along z;
+    `lying` is the height of the lying surface."""
     st = s.style
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying, last), drawn=False)
     yield span((-s.x + 0.03, frame, first), (s.x - 0.03, lying - 0.03, last), "pale", kind="cushion", ratio=0.12, solid=False)

@@ -47,6 +47,7 @@ def stick(s: Subject) -> Iterator[Part]:
 
 
 def credit_card(s: Subject) -> Iterator[Part]:
+    """A credit card."""
     yield span((-s.x, 0, -s.z), (s.x, 0.9 * s.h, s.z), "main", bevel=0.3 * s.h)
     yield span((-0.72 * s.x, 0.5 * s.h, -0.2 * s.z), (-0.45 * s.x, s.h, 0.2 * s.z), "metal", solid=False)
     yield span((-0.99 * s.x, 0.5 * s.h, 0.4 * s.z), (0.99 * s.x, 0.95 * s.h, 0.75 * s.z), "dark", solid=False)
@@ -112,6 +113,7 @@ def boots(s: Subject) -> Iterator[Part]:
 
 
 def baseball_bat(s: Subject) -> Iterator[Part]:
+    """A baseball bat."""
     profile = [
         (0, 0),
         (0.5, 0.0),
@@ -139,6 +141,7 @@ def baseball_bat(s: Subject) -> Iterator[Part]:
 
 
 def basketball(s: Subject) -> Iterator[Part]:
+    """A basketball."""
     yield span(
         (-0.996 * s.x, 0.002 * s.h, -0.996 * s.z), (0.996 * s.x, 0.998 * s.h, 0.996 * s.z), "main", kind="ellipsoid", segments=32
     )

@@ -1,4 +1,4 @@
-"""Hampers, garbage cans, bags and boxes: what things are thrown into."""
+"""Hampers, garbage cans, bags and boxes."""
 
 from __future__ import annotations
 
@@ -62,6 +62,7 @@ def _tub(s: Subject, taper: float, high: float, wall: float, slot: str) -> Itera
 
 
 def garbage_can(s: Subject) -> Iterator[Part]:
+    """A garbage can."""
     st = s.style
     form = st.choice("form", ("open", "open", "pedal", "swing"))
     round_form = abs(s.w - s.d) < 0.06 * (s.w + s.d)
@@ -99,6 +100,7 @@ def garbage_can(s: Subject) -> Iterator[Part]:
 
 
 def garbage_bag(s: Subject) -> Iterator[Part]:
+    """A tied garbage bag."""
     neck = 0.78 * s.h
     yield lathe(
         [

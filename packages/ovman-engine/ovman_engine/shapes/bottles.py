@@ -1,4 +1,4 @@
-"""Bottles, shakers and cans that one pours or sprays from."""
+"""Bottles, shakers, and cans that pour or spray."""
 
 from __future__ import annotations
 
@@ -22,12 +22,14 @@ def _bottle(s: Subject, profile: Profile, cap: tuple[float, float, float], label
 
 
 def bottle(s: Subject) -> Iterator[Part]:
+    """A bottle."""
     yield from _bottle(
         s, [(0.9, 0), (0.995, 0.04), (0.995, 0.55), (0.7, 0.7), (0.34, 0.8), (0.3, 0.93)], (0.36, 0.9, 1.0), (0.14, 0.5)
     )
 
 
 def wine_bottle(s: Subject) -> Iterator[Part]:
+    """A wine bottle."""
     yield from _bottle(
         s, [(0.92, 0), (0.995, 0.03), (0.995, 0.58), (0.85, 0.66), (0.42, 0.74), (0.34, 0.96)], (0.38, 0.8, 1.0), (0.14, 0.44)
     )
@@ -80,6 +82,7 @@ def spray_bottle(s: Subject) -> Iterator[Part]:
 
 
 def shaker(s: Subject) -> Iterator[Part]:
+    """A salt or pepper shaker."""
     st = s.style
     form = st.choice(
         "form",

@@ -1,4 +1,4 @@
-"""Counters and stoves: what is fitted to the room rather than to a box of its own."""
+"""Counters and stoves, which are fitted to the room rather than to a box of their own."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from ovman_engine.shapes.style import Style
 from ovman_engine.shapes.subject import Subject
 
 SLAB_M = 0.03
-"""Thickness of a counter's slab; the recorded ones are often thinner than any stone."""
+"""Least thickness of a counter's slab; recorded slabs are often thinner than any stone."""
 LIP_M = 0.015
-"""How far below its recorded box a counter's slab goes at most."""
+"""How far a counter's slab may extend below its recorded box."""
 RECESS_M = 0.09
-"""How far the body under a counter stays behind its front edge, so that doors and drawers stand before it."""
+"""Distance of a counter's body from its front edge, so that doors and drawers stand in front of it."""
 OVERHANG_M = 0.25
-"""How far a counter without base units overhangs its body: room for knees."""
+"""Overhang of a counter without base units: room for knees."""
 TOE_M = 0.09
 _COUNTERS: WeakKeyDictionary[FloorPlan, dict[str, tuple[Part, ...]]] = WeakKeyDictionary()
 
@@ -37,16 +37,16 @@ def counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
 
 
 BODY_SLOTS = frozenset({"second", "dark"})
-"""What the body of a counter is made of; its slab is "main"."""
+"""Slots of a counter's body; the slab is "main"."""
 
 
 def slab(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
-    """The part of a counter that its recorded box is a box of, in the frame of that; metres."""
+    """The slab of a counter, in the frame of its recorded box, metres."""
     return tuple(part for part in counter(obj, plan) if part.slot not in BODY_SLOTS)
 
 
 def bodies(plan: FloorPlan) -> tuple[tuple[SimObject, tuple[Part, ...]], ...]:
-    """Counters of a plan, and what stands under their slabs in the world frame, metres: no part of the recorded objects."""
+    """Counters of a plan, and the bodies under their slabs in the world frame, metres. Bodies are no part of recorded objects."""
     found = []
     for obj in plan.objects:
         if obj.type == "CounterTop":
@@ -93,7 +93,7 @@ def _counter(obj: SimObject, plan: FloorPlan) -> tuple[Part, ...]:
 
 
 def _bodies(plan: FloorPlan, rect: Rect, rects: tuple[Rect, ...], units: list[SimObject]) -> Iterator[Rect]:
-    """What closes the space under a run, kept back from the edges where people stand."""
+    """The parts that close the space under a run, set back from open edges."""
     prints = [(u, counters.footprint(u)) for u in units if u.type in ("Cabinet", "Drawer")]
     here = [(u, f) for u, f in prints if rect.overlap(f)]
     if not here and rect.x1 - rect.x0 > 2 * OVERHANG_M and rect.z1 - rect.z0 > 2 * OVERHANG_M and len(rects) == 1:

@@ -1,4 +1,4 @@
-"""Convex pieces that physics collides with, from the parts that the camera draws.
+"""Convex collision pieces of parts.
 
 A piece is a tuple in the frame of the oriented box, metres; the axis of cylinders and capsules is y of their rotation:
 
@@ -35,7 +35,7 @@ def _hollow(profile: np.ndarray) -> bool:
 
 
 def _shell(part: Part) -> list[Piece]:
-    """Wall segments, and the bottom of what has one."""
+    """Segments of the wall, and the bottom if the profile has one."""
     profile = part.points
     scale = part.size / [2 * profile[:, 0].max(), 1.0, 2 * profile[:, 0].max()]
     scale[1] = 1.0

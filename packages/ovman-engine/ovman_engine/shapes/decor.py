@@ -1,4 +1,4 @@
-"""Vases and what else stands about for its looks."""
+"""Vases and other ornaments."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ VASES: tuple[Profile, ...] = (
 
 
 def vase(s: Subject) -> Iterator[Part]:
+    """A vase."""
     st = s.style
     flat: tuple[Profile, ...] = (
         [(0.35, 0), (0.4, 0.1), (0.8, 0.4), (1.0, 1.0)],

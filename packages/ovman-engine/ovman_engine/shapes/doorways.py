@@ -18,9 +18,9 @@ TYPES = frozenset(["Doorway", "Doorframe"])
 
 
 def doorway(obj: SimObject) -> tuple[Part, ...]:
-    """Frame, and leaves if it is a door. Those of an open one stand out from the wall at right angles and block nothing.
+    """Frame, and leaves if it is a door. Leaves of an open door stand at right angles to the wall and do not collide.
 
-    The box is the hole that it stands in: x along the wall, z through it.
+    The box is the hole in the wall: x along the wall, z through it.
     """
     x, y, z = (float(v) for v in obj.box.half)
     jamb = min(JAMB_M, 0.2 * x)

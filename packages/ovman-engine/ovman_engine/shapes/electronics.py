@@ -1,4 +1,4 @@
-"""Screens, telephones, clocks and other things with a switch. Front at +z."""
+"""Screens, telephones, clocks and other devices. Front at +z."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def television(s: Subject) -> Iterator[Part]:
+    """A television."""
     st = s.style
     rim = st.uniform("rim", 0.012, 0.03)
     flat = s.d < 0.13
@@ -103,6 +104,7 @@ def desktop(s: Subject) -> Iterator[Part]:
 
 
 def cell_phone(s: Subject) -> Iterator[Part]:
+    """A telephone."""
     rim = 0.05 * s.w
     yield span((-s.x, 0, -s.z), (s.x, 0.88 * s.h, s.z), "main", bevel=min(0.3 * s.h, 0.004))
     yield span((-s.x + rim, 0.8 * s.h, -s.z + 2 * rim), (s.x - rim, 0.95 * s.h, s.z - 2 * rim), "screen", solid=False)
@@ -110,6 +112,7 @@ def cell_phone(s: Subject) -> Iterator[Part]:
 
 
 def remote_control(s: Subject) -> Iterator[Part]:
+    """A remote control."""
     yield span((-s.x, 0, -s.z), (s.x, 0.75 * s.h, s.z), "main", bevel=0.25 * s.h)
     yield Part("cylinder", (0, 0.85 * s.h, 0.25 * s.d), (0.5 * s.w, 0.3 * s.h, 0.5 * s.w), slot="second", solid=False)
     yield Part("cylinder", (-0.26 * s.w, 0.85 * s.h, 0.43 * s.d), (0.2 * s.w, 0.3 * s.h, 0.2 * s.w), slot="accent", solid=False)
@@ -126,7 +129,7 @@ def remote_control(s: Subject) -> Iterator[Part]:
 
 
 SEGMENTS = ("abcdef", "bc", "abdeg", "abcdg", "bcfg", "acdfg", "acdefg", "abc", "abcdefg", "abcdfg")
-"""Which of the seven strokes a digit has: top, right upper, right lower, bottom, left lower, left upper, middle."""
+"""Strokes of each digit: a top, b upper right, c lower right, d bottom, e lower left, f upper left, g middle."""
 
 
 def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: str) -> Iterator[Part]:
@@ -144,12 +147,13 @@ def _digit(s: Subject, x: float, wide: float, low: float, high: float, strokes: 
 
 
 def alarm_clock(s: Subject) -> Iterator[Part]:
+    """An alarm clock with digits."""
     st = s.style
     if s.w > 1.25 * s.h or st.chance("digital", 0.35):
         yield prism([(-s.x, 0), (s.x, 0), (0.92 * s.x, s.h * 0.94), (-0.92 * s.x, s.h * 0.94)], -s.z, s.z * 0.94, "main")
         yield span((-0.78 * s.x, 0.16 * s.h, 0.9 * s.z), (0.78 * s.x, 0.8 * s.h, 0.97 * s.z), "dark", solid=False)
         hour, minute = st.whole("hour", 10, 23), st.whole("minute", 10, 59)
-        # who looks at the face has +x on the left
+        # seen from the front, +x is on the left
         for x, digit in zip((0.52, 0.2, -0.2, -0.52), f"{hour}{minute}", strict=True):
             yield from _digit(s, x * s.x, 0.24 * s.x, 0.26 * s.h, 0.7 * s.h, SEGMENTS[int(digit)])
         for y in (0.38, 0.56):
@@ -192,6 +196,7 @@ def watch(s: Subject) -> Iterator[Part]:
 
 
 def compact_disc(s: Subject) -> Iterator[Part]:
+    """A compact disc."""
     ring = [(0.16, 0), (1, 0), (1, 0.9), (0.16, 0.9), (0.16, 0)]
     yield Part("cylinder", (0, s.h / 2, 0), (s.w, s.h, s.d), drawn=False)
     yield lathe([(r * s.x, y * s.h) for r, y in ring], slot="metal", stretch=(1.0, s.z / s.x), solid=False, segments=32)

@@ -1,4 +1,4 @@
-"""Fits a form to its box: asks for a slightly other size until the bounds of what is drawn are those of the box."""
+"""Fits a form to its box: varies the requested size until the bounds of the drawn parts are those of the box."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ovman_engine.shapes.tessellation import mesh
 Form = Callable[[Subject], Iterable[Part]]
 
 _FREE = frozenset({"tube", "leaf"})
-"""Kinds that need not touch the sides of their size."""
+"""Kinds of parts that need not touch the sides of their size."""
 _ALIGNED = 1 - 1e-9
 
 TOLERANCE_M = 2e-4
 ROUNDS = 9
 UNDAMPED = 3
-"""Rounds that ask for the full correction; later ones ask for less, so that forms whose sides are coupled settle."""
+"""Number of rounds with the full correction; later ones use less, so that forms with coupled sides converge."""
 
 
 def bounds(parts: Iterable[Part], drawn_only: bool = True) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +62,7 @@ def fitted(form: Form, subject: Subject) -> tuple[Part, ...]:
 
 
 def _within(part: Part, half: np.ndarray) -> Part:
-    """A part that stands in for others in collisions is cut to the box; what is drawn is inside already."""
+    """The part, cut to the box if it stands in for others in collisions; drawn parts are inside already."""
     if part.drawn or part.points is not None or part.rotation is not IDENTITY:
         return part
     low, high = np.maximum(part.centre - part.size / 2, -half), np.minimum(part.centre + part.size / 2, half)

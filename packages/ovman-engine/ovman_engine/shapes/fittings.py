@@ -1,4 +1,4 @@
-"""Taps, shower heads and what towels and paper hang on. The wall is at -z."""
+"""Taps, shower heads, towel rails and paper hangers. The wall is at -z."""
 
 from __future__ import annotations
 

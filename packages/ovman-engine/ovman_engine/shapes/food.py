@@ -10,6 +10,7 @@ from ovman_engine.shapes.vessel import turned
 
 
 def apple(s: Subject) -> Iterator[Part]:
+    """An apple."""
     top = 0.86
     profile = [(0, 0.07), (0.3, 0.0), (0.62, 0.06), (0.88, 0.28), (1.0, 0.52), (0.92, 0.74), (0.6, top), (0.3, 0.85), (0.0, 0.72)]
     yield turned(s, profile, segments=24)
@@ -21,6 +22,7 @@ def apple(s: Subject) -> Iterator[Part]:
 
 
 def tomato(s: Subject) -> Iterator[Part]:
+    """A tomato."""
     yield turned(
         s, [(0, 0.02), (0.4, 0.0), (0.82, 0.16), (1.0, 0.46), (0.9, 0.76), (0.5, 0.93), (0.2, 0.9), (0, 0.86)], segments=24
     )
@@ -31,6 +33,7 @@ def tomato(s: Subject) -> Iterator[Part]:
 
 
 def potato(s: Subject) -> Iterator[Part]:
+    """A potato."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, s.z), "main", kind="cushion", ratio=0.85)
     for i in range(5):
         y, side = s.style.uniform(f"eye {i}", 0.3, 0.8), s.style.uniform(f"side {i}", -0.6, 0.6)
@@ -44,6 +47,7 @@ def potato(s: Subject) -> Iterator[Part]:
 
 
 def egg(s: Subject) -> Iterator[Part]:
+    """An egg."""
     yield turned(
         s, [(0, 0), (0.45, 0.04), (0.8, 0.18), (1.0, 0.42), (0.93, 0.62), (0.7, 0.83), (0.36, 0.96), (0, 1.0)], segments=20
     )

@@ -1,4 +1,4 @@
-"""Fronts of case furniture: drawers, doors, panels, handles, and the body behind fronts that are objects of their own."""
+"""Fronts of furniture: drawers, doors, panels, handles, and the body behind fronts that are objects of their own."""
 
 from __future__ import annotations
 

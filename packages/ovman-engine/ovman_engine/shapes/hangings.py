@@ -1,4 +1,4 @@
-"""What hangs on walls: windows, blinds, curtains, mirrors, pictures. They face +z, the room; the wall is at -z."""
+"""Objects on walls: windows, blinds, curtains, mirrors, pictures. They face +z; the wall is at -z."""
 
 from __future__ import annotations
 
@@ -101,6 +101,7 @@ def curtains(s: Subject) -> Iterator[Part]:
 
 
 def mirror(s: Subject) -> Iterator[Part]:
+    """A mirror in a frame."""
     st = s.style
     width = min(st.uniform("frame", 0.02, 0.07), 0.16 * min(s.w, s.h))
     back = -s.z
@@ -139,6 +140,7 @@ def painting(s: Subject) -> Iterator[Part]:
 
 
 def poster(s: Subject) -> Iterator[Part]:
+    """A poster."""
     yield span((-s.x, 0, -s.z), (s.x, s.h, 0.5 * s.z), "second")
     edge = 0.03 * min(s.w, s.h)
     yield span((-s.x + edge, edge, -s.z), (s.x - edge, s.h - edge, 0.7 * s.z), "picture", solid=False)

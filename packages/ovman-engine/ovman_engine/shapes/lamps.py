@@ -43,6 +43,7 @@ def shade(
 
 
 def desk_lamp(s: Subject) -> Iterator[Part]:
+    """A desk lamp."""
     st = s.style
     jointed = s.elongation > 1.35
     if jointed:
@@ -91,6 +92,7 @@ def _jointed(s: Subject) -> Iterator[Part]:
 
 
 def floor_lamp(s: Subject) -> Iterator[Part]:
+    """A floor lamp."""
     st = s.style
     radius = min(s.x, s.z)
     form = st.choice("form", ("straight", "straight", "tripod", "uplight", "column"))
@@ -153,6 +155,7 @@ def floor_lamp(s: Subject) -> Iterator[Part]:
 
 
 def candle(s: Subject) -> Iterator[Part]:
+    """A candle."""
     radius = min(s.x, s.z)
     top = 0.86 * s.h
     wax = [(0, 0), (radius, 0), (radius, top * 0.97), (radius * 0.93, top), (radius * 0.6, top * 0.95), (0, top * 0.94)]
@@ -171,6 +174,7 @@ def candle(s: Subject) -> Iterator[Part]:
 
 
 def light_switch(s: Subject) -> Iterator[Part]:
+    """A light switch."""
     plate = 0.4 * s.d
     yield span((-s.x, 0, -s.z), (s.x, s.h, -s.z + plate), "main", bevel=0.2 * plate)
     count = 1 if s.w < 0.13 else 2 if s.w < 0.19 else 3

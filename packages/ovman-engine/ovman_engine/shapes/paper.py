@@ -40,6 +40,7 @@ def newspaper(s: Subject) -> Iterator[Part]:
 
 
 def tissue_box(s: Subject) -> Iterator[Part]:
+    """A tissue box."""
     body = 0.6 * s.h
     yield span((-s.x, 0, -s.z), (s.x, body, s.z), "main", bevel=0.004)
     yield span((-0.995 * s.x - 0.0004, 0.15 * body, -1.002 * s.z), (0.995 * s.x, 0.8 * body, 1.002 * s.z), "picture", solid=False)

@@ -43,7 +43,7 @@ _PLACE = {"centre", "rotation"}
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One primitive. See the module for the kinds. ValueError for an unknown kind or a size that is not positive."""
+    """One primitive. See the module for the kinds. Raises ValueError for an unknown kind or a size that is not positive."""
 
     kind: str
     centre: np.ndarray
@@ -53,11 +53,11 @@ class Part:
     rotation: np.ndarray = field(default_factory=lambda: IDENTITY)
     """(3, 3) from the part's axes to those of the box"""
     slot: str = "main"
-    """Which material of the object's palette it is made of."""
+    """Slot of the object's palette"""
     solid: bool = True
-    """Whether it takes part in collisions."""
+    """Whether it takes part in collisions"""
     drawn: bool = True
-    """Whether the camera sees it. A solid part that is not drawn stands in for a group of drawn parts that are not solid."""
+    """Whether it is drawn. A solid part that is not drawn stands in for a group of drawn parts that are not solid"""
     bevel: float = 0.0
     """box: metres cut off every edge"""
     ratio: float = 1.0
@@ -68,6 +68,7 @@ class Part:
     """Facets around the axis; 0 chooses them by size."""
 
     def __post_init__(self) -> None:
+        """Checks kind and size."""
         if self.kind not in KINDS:
             raise ValueError(f"unknown kind of part {self.kind!r}; known: {', '.join(KINDS)}")
         for name in ("centre", "size", "rotation"):
@@ -82,7 +83,7 @@ class Part:
         """The same part with some fields replaced."""
         if changes.keys() - _PLACE:
             return replace(self, **changes)
-        # a form is fitted by placing its parts many times over, and a place needs no checks
+        # a form places its parts many times over, and a pose needs no checks
         made = object.__new__(Part)
         made.__dict__.update(self.__dict__)
         for name, value in changes.items():

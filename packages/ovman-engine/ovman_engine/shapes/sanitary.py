@@ -12,6 +12,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def toilet(s: Subject) -> Iterator[Part]:
+    """A toilet: foot, bowl, seat and tank."""
     st = s.style
     tank = 0.26 * s.d
     seat = min(0.44, 0.46 * s.h)
@@ -128,7 +129,7 @@ def basin(s: Subject) -> Iterator[Part]:
 
 
 def sink(s: Subject) -> Iterator[Part]:
-    """A rim around an opening; what is tall stands on a pedestal or a vanity with doors. The bowl belongs to the basin."""
+    """A rim around an opening; a tall sink stands on a pedestal or a vanity with doors. The bowl belongs to the basin."""
     st = s.style
     bowl = min(0.16, 0.85 * s.h)
     rim = 0.022

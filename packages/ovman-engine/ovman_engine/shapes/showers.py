@@ -1,4 +1,4 @@
-"""What closes a shower: panes in frames, curtains in pleats."""
+"""Shower doors and shower curtains."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Dressers, shelves, cabinets, drawers, safes: furniture that holds things. Front at +z."""
+"""Dressers, shelves, cabinets, drawers and safes. Front at +z."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from ovman_engine.shapes.subject import Subject
 
 
 def dresser(s: Subject) -> Iterator[Part]:
+    """A dresser."""
     st = s.style
     foot = st.uniform("foot", 0.04, 0.15)
     top = st.uniform("top", 0.02, 0.035)
@@ -44,6 +45,7 @@ def dresser(s: Subject) -> Iterator[Part]:
 
 
 def shelving(s: Subject) -> Iterator[Part]:
+    """A shelving unit."""
     st = s.style
     thick = st.uniform("thick", 0.016, 0.03)
     levels = sorted({round(i.y0, 2) for i in s.inserts if i.kind == "shelf"})
@@ -81,7 +83,7 @@ def shelving(s: Subject) -> Iterator[Part]:
 
 
 def shelf(s: Subject) -> Iterator[Part]:
-    """A board at the bottom of its box: what is above is the room for things. A shelf on a wall has brackets."""
+    """A board at the bottom of its box, which includes the space above. A shelf on a wall has brackets."""
     thick = min(0.022, s.h)
     yield span((-s.x, 0, -s.z), (s.x, thick, s.z), "main", bevel=0.002)
     if s.hung and s.h > 0.06:
@@ -142,6 +144,7 @@ def drawer(s: Subject) -> Iterator[Part]:
 
 
 def safe(s: Subject) -> Iterator[Part]:
+    """A safe."""
     face = s.z - 0.045
     yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.012)
     yield span((-s.x * 0.84, 0.1 * s.h, face), (s.x * 0.84, 0.9 * s.h, face + 0.012), "second", bevel=0.006, solid=False)

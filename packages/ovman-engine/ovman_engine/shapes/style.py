@@ -1,6 +1,6 @@
-"""Reproducible choices: every number of an asset's form or finish is drawn from a hash of its name, not from a stream.
+"""Reproducible random choices: every number of an asset's form or finish is a hash of its name, not the next of a stream.
 
-A stream would change all later choices when one is added; a hash of (key, what is chosen) does not.
+In a stream, an added choice would change all later ones; a hash of (key, name of the choice) does not.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ class Style:
         return int.from_bytes(hashlib.blake2b(f"{self.key}|{what}".encode(), digest_size=8).digest(), "big")
 
     def uniform(self, what: str, low: float, high: float) -> float:
+        """Uniform in [low, high)."""
         return low + (high - low) * self.fraction(what)
 
     def whole(self, what: str, low: int, high: int) -> int:
@@ -35,7 +36,9 @@ class Style:
         return low + self.integer(what) % (high - low + 1)
 
     def chance(self, what: str, probability: float) -> bool:
+        """True with the given probability."""
         return self.fraction(what) < probability
 
     def choice(self, what: str, options: Sequence[Option]) -> Option:
+        """One of `options`, all equally likely."""
         return options[self.integer(what) % len(options)]

@@ -1,4 +1,4 @@
-"""What a form is made for: type, size, asset and the evidence of its surroundings, without the floor plan itself."""
+"""The input of a form: type, size, asset and evidence of its surroundings, without the floor plan itself."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from ovman_engine.shapes.style import Style
 
 
 class Insert(NamedTuple):
-    """A drawer, door or shelf that is an object of its own within a piece of furniture, a sink that hangs into it, or a thing
-    that rests on it; metres, in the frame of `Subject`."""
+    """A drawer, door or shelf of a piece of furniture that is an object of its own, a sink that hangs into it, or an object that
+    rests on it; metres, in the frame of `Subject`."""
 
     kind: str
     """drawer, door, shelf, sink or rest"""
@@ -33,9 +33,9 @@ class Subject:
     style: Style
     inserts: tuple[Insert, ...] = ()
     hung: bool = False
-    """It does not reach the floor, so no legs carry it."""
+    """Whether the object does not reach the floor, so that it has no legs"""
     true: tuple[float, float, float] | None = None
-    """Width, height, depth of the object itself. A form asked for in a slightly other size must not change its mind."""
+    """Width, height, depth of the object itself. A form of a slightly other size must not choose another variant"""
 
     @property
     def along_x(self) -> bool:

@@ -1,4 +1,4 @@
-"""Evidence from the floor plan that a form needs: which way it faces, what is set into it, whether it reaches the floor."""
+"""Evidence from the floor plan for a form: its front, its inserts, and whether it reaches the floor."""
 
 from __future__ import annotations
 
@@ -13,32 +13,32 @@ from ovman_engine.shapes.subject import Insert
 WALL_TYPES = frozenset(
     {"Window", "Painting", "Poster", "Mirror", "Blinds", "Curtains", "ShowerDoor", "ShowerGlass", "ShowerCurtain"}
 )
-"""What lies flat against a wall: its front is across its thinner side, towards the room."""
+"""Types that lie flat against a wall: the front is across the thinner side, towards the room."""
 FITTED_TYPES = frozenset({"Cabinet", "Drawer", "TVStand", "Shelf", "StoveKnob", "SinkBasin", "ShelvingUnit"})
-"""What has no reliable rotation: its front is found from what stands before it."""
+"""Types without a reliable rotation: the front is found from the objects before it."""
 HOSTS = frozenset({"Dresser", "Desk", "SideTable", "TVStand", "ShelvingUnit", "CoffeeTable", "DiningTable", "Sink"})
 """Furniture that drawers, doors and shelves may be set into."""
 UNDER_SINKS = frozenset({"Cabinet", "Drawer"})
-"""What a sink may hang into from above."""
+"""Types that a sink may hang into from above."""
 SEATS = frozenset({"Bed", "Sofa", "ArmChair"})
-"""What lies on these tells how high one sits or lies on them."""
+"""Types for which objects on them tell the height of the seat or the lying surface."""
 INSERTS = {"Drawer": "drawer", "Cabinet": "door", "Shelf": "shelf"}
 PILLOW_SIDE = 0.15
-"""Pillows so far from the middle of a bed, in half its length, are at its head."""
+"""Pillows this far from the middle of a bed, in half its length, are at its head."""
 
 REACH_M = (0.08, 0.3)
-"""Distances before a front at which something fixed blocks it."""
+"""Distances before a front at which a fixed object blocks it."""
 ASIDE_M = 0.1
-"""What is nearer than this to the plane of a face is neither before nor behind it."""
+"""An object nearer than this to the plane of a face is neither before nor behind it."""
 SLACK_M = 0.03
-"""How far a drawer may stick out of the furniture that it belongs to."""
+"""How far a drawer may stick out of its furniture."""
 
 _KEPT = 8
 _OUTLINES: OrderedDict[int, tuple] = OrderedDict()
 
 
 def direction(quarter: int) -> np.ndarray:
-    """(3,) unit vector that +z becomes after `quarter` quarter turns about y."""
+    """(3,) unit vector of +z after `quarter` quarter turns about y."""
     return np.array([(0, 0, 1), (1, 0, 0), (0, 0, -1), (-1, 0, 0)][quarter % 4], dtype=float)
 
 
@@ -108,7 +108,8 @@ def _boxes(plan: FloorPlan) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[Si
 
 
 def _room_side(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
-    """How much of the room lies before a face: objects before it minus objects behind it, the agent's start counting most."""
+    """Score of how much of the room lies before a face: objects before it minus objects behind it; the agent's start counts
+    most."""
     low, high, _, _ = _boxes(plan)
     normal = obj.box.rotation @ direction(quarter)
     ahead = ((low + high) / 2 - obj.box.centre) @ normal
@@ -142,14 +143,14 @@ def _openness(obj: SimObject, plan: FloorPlan, quarter: int) -> float:
 
 
 def _overlap(first: SimObject, second: SimObject) -> bool:
-    """Whether the boxes around two objects have room in common."""
+    """Whether the boxes around two objects overlap."""
     (low, high), (other_low, other_high) = first.box.bounds(), second.box.bounds()
     return bool((np.minimum(high, other_high) > np.maximum(low, other_low)).all())
 
 
 def inserts(obj: SimObject, plan: FloorPlan, quarter: int) -> tuple[Insert, ...]:
-    """Drawers, doors and shelves set into `obj`, sinks that hang into it, what rests on it if it is a seat: in the frame of its
-    `Subject`, its front at +z."""
+    """Drawers, doors and shelves set into `obj`, sinks that hang into it, and objects that rest on a seat: in the frame of its
+    `Subject`, with its front at +z."""
     if obj.type not in HOSTS | UNDER_SINKS | SEATS:
         return ()
     found = []

@@ -1,4 +1,4 @@
-"""Tables and desks. What is an object of its own inside them (drawers, doors, shelves) is left to that object."""
+"""Tables and desks. Drawers, doors and shelves that are objects of their own are left to those."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def _apron(s: Subject, top: float, inset: float, height: float, slot: str = "tri
 
 
 def _support(s: Subject, top: float, inset: float, width: float) -> Iterator[Part]:
-    """What carries a table top: four legs, a pedestal, trestles or a sled."""
+    """The support of a table top: four legs, a pedestal, trestles or a sled."""
     form = s.style.choice("support", ("legs", "legs", "legs", "splayed", "trestle", "sled", "pedestal"))
     if s.inserts and form in ("pedestal", "trestle"):
         form = "legs"
@@ -120,6 +120,7 @@ def _case(s: Subject, top: float) -> Iterator[Part]:
 
 
 def side_table(s: Subject) -> Iterator[Part]:
+    """A side table."""
     st = s.style
     if s.inserts or st.chance("plain", 0.45) or s.h < 0.35 or _round(s):
         yield from table(s)
@@ -139,6 +140,7 @@ def side_table(s: Subject) -> Iterator[Part]:
 
 
 def desk(s: Subject) -> Iterator[Part]:
+    """A desk."""
     st = s.style
     thick = st.uniform("thick", 0.02, 0.038)
     if s.h < 0.3:

@@ -17,6 +17,7 @@ BOWLS: tuple[Profile, ...] = (
 
 
 def bowl(s: Subject) -> Iterator[Part]:
+    """A bowl."""
     profile = scaled(s.style.choice("profile", BOWLS), s.x, s.h)
     yield lathe(vessel(profile, min(0.006, 0.06 * s.x + 0.001), 0.12 * s.h), slot="main", stretch=(1.0, s.z / s.x), segments=32)
     if s.style.chance("band", 0.5):
@@ -42,6 +43,7 @@ def bowl(s: Subject) -> Iterator[Part]:
 
 
 def plate(s: Subject) -> Iterator[Part]:
+    """A plate."""
     rim = s.style.uniform("rim", 0.6, 0.75)
     profile = [
         (0.0, 0.0),
@@ -79,6 +81,7 @@ def plate(s: Subject) -> Iterator[Part]:
 
 
 def cup(s: Subject) -> Iterator[Part]:
+    """A cup."""
     st = s.style
     forms: tuple[Profile, ...] = (
         [(0.72, 0), (0.8, 0.04), (1.0, 1.0)],

@@ -16,6 +16,7 @@ def vessel(outside: Profile, wall: float, floor: float) -> Profile:
 
 
 def scaled(profile: Profile, radius: float, height: float) -> Profile:
+    """A profile in unit radius and height, scaled."""
     return [(r * radius, y * height) for r, y in profile]
 
 

@@ -12,7 +12,8 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ovman_engine.picture import rays, scene_mesh
-from ovman_engine.picture.scene_mesh import PlanMeshes, SceneMesh
+from ovman_engine.picture.scene_mesh import PlanMeshes
+from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 NOTHING, GONE = -1, -2
 """Owners of rays that hit nothing, and of triangles that are no longer there."""
@@ -44,7 +45,7 @@ class Surface:
     """(P,) int instance of each part; -1 for parts without triangles"""
 
     @staticmethod
-    def of(mesh: SceneMesh) -> Surface:
+    def of(mesh: TriangleMesh) -> Surface:
         """The surface of `mesh`."""
         part_owner = np.full(len(mesh.frames), NOTHING)
         part_owner[mesh.part] = mesh.instance
@@ -64,7 +65,7 @@ class Surface:
         return np.sqrt(gap)
 
 
-def _spread(mesh: SceneMesh) -> np.ndarray:
+def _spread(mesh: TriangleMesh) -> np.ndarray:
     """Points (N, POINTS, 3) on the surfaces of the instances, evenly spread over the triangles in their order."""
     points = np.full((len(mesh.names), POINTS, 3), np.nan, dtype=np.float32)
     if len(mesh.triangles) == 0:

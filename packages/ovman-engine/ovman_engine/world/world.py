@@ -18,12 +18,11 @@ from ovman_engine.bodies.passage import Obstacles
 from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.dynamics import Dynamics
 from ovman_engine.plan.floorplan import Box, FloorPlan
+from ovman_engine.world.errors import Refused, Unsettled
 from ovman_engine.world.locomotion import Locomotion
 
 if TYPE_CHECKING:
     from ovman_engine.physics.physics import Model
-
-__all__ = ["Agent", "Body", "Pose", "Refused", "World"]
 
 DROP_M = 10.0
 """How far below a point a surface is searched."""
@@ -37,14 +36,6 @@ SETTLE_S = 1.0
 
 RESTLESS = 0.01
 """v**2 + w**2 (m/s and rad/s) above which a placed object has not come to rest."""
-
-
-class Refused(Exception):
-    """An action failed. The message is AI2-THOR's."""
-
-
-class Unsettled(Refused):
-    """A placed object did not come to rest."""
 
 
 class World:

@@ -68,7 +68,7 @@ def _record(
     feature: Any,
     low: np.ndarray,
     high: np.ndarray,
-    seen: dict,
+    seen: dict[str, int],
 ) -> dict[str, Any]:
     if not 0 <= class_id < len(names):
         raise ObjectsError(f"object {uid} has class {class_id}, and the list has {len(names)}; use one list for both visits")
@@ -108,9 +108,9 @@ def write(path: Path, found: list[dict[str, Any]], nouns: dict[str, np.ndarray])
     arrays = {"schema": np.array(SCHEMA), "nouns": np.array(list(nouns), dtype=str)}
     arrays["noun_ft"] = np.array(list(nouns.values()), np.float32).reshape(len(nouns), size)
     for name, (kind, length) in COLUMNS.items():
-        column = np.array([record[name] for record in found], dtype=kind)
+        column: np.ndarray = np.array([record[name] for record in found], dtype=kind)
         arrays[name] = column if length == 0 else column.reshape(len(found), size if length is None else length)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     with partial.open("wb") as file:
-        np.savez(file, **arrays)
+        np.savez(file, **arrays)  # type: ignore[arg-type]  # NumPy 2's stubs have a flag that NumPy 1 would save
     partial.replace(path)

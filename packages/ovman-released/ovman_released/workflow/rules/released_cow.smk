@@ -15,7 +15,6 @@ if workflow.is_main_process:
 rule released_cow:
     input:
         episodes="results/episodes/main.jsonl",
-        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
     output:
         executions=expand("results/executions/cow_released/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
         note="results/notes/released_cow.json",

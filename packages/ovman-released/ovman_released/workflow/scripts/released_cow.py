@@ -12,7 +12,6 @@ with job(snakemake) as work:
     runs = [(int(place.parent.name.removeprefix("seed")), place.stem) for place in places]
     cow.run(
         work.input("episodes"),
-        work.inputs("trials"),
         work.constants,
         dict(zip(runs, work.outputs("executions"), strict=True)),
         work.output("note"),

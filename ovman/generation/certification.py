@@ -1,0 +1,67 @@
+"""Stage `certified`: the oracle agent runs every admissible trial, once for feasibility, then to certify. Measured only."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman.agents.interface import Visit
+from ovman.agents.oracle import Oracle
+from ovman.agents.pilot import Pilot
+from ovman.evaluation.assignment import assignment_of
+from ovman.evaluation.rollout import execute, handed
+from ovman.models.certification import Certification, OracleRun
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.run import Measured
+from ovman.models.trial import Trial, Verdict
+from ovman.sim.session import Session
+from ovman.workflow import seeds
+from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
+
+
+def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettings) -> Measured:
+    """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the mover.
+
+    ValueError for a trial that ended early, SimulatorError if the simulator refuses.
+    """
+    assignment = assignment_of(trial)
+    assert trial.measured.visits is not None
+    paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
+    name_of = partial(handed, trial.measured.visits.second)
+    moving = assignment.relation is Relation.MOVING
+    agent = Oracle(Pilot(constants.primitives, paths), assignment.answer, name_of(assignment.target) if moving else None)
+    return execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
+
+
+def certify(session: Session, trial: Trial, constants: StageSettings) -> Certification:
+    """The measured runs of a trial: run 0 is the feasibility run, the others certify."""
+    name = trial.candidate.id
+    runs = []
+    for number in range(1 + constants.admissibility.runs):
+        seed = seeds.integer(constants.benchmark.seed, "certification", name, number)
+        runs.append(OracleRun(run=number, seed=seed, **dict(oracle_run(session, trial, seed, constants))))
+    return Certification(id=name, runs=tuple(runs))
+
+
+def run(admissible_file: Path, trials_file: Path, constants: StageSettings, output: Path, journal: Path) -> None:
+    """Certify the admissible trials of a scene; `journal` keeps finished ones, and a job that finds all of them there starts no
+    simulator."""
+    trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
+    admitted = [verdict.id for verdict in Verdict.read(admissible_file) if verdict.rejected is None]
+    kept = Journal(journal)
+    done = []
+    with Session(trials_file.stem, constants) as session:
+
+        def measured(trial: Trial) -> dict[str, Any]:
+            return session.with_restarts(lambda: certify(session, trial, constants).to_json())
+
+        for name in admitted:
+            key = digest(trials[name].to_json(), constants.canonical)
+            done.append(Certification.from_json(kept.unit(key, partial(measured, trials[name]))))
+            print(f"{name}: {', '.join(run.outcome for run in done[-1].runs)}", flush=True)
+    output.write_text(lines(done), encoding="utf-8")

@@ -1,0 +1,35 @@
+"""World states as a tour recorded them, and as they truly were."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ovman.models.change import MoverRecord
+from ovman.models.geometry import Point
+from ovman.models.sighting import Sighting
+from ovman.models.world_state import Instance, WorldState
+
+
+def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: int) -> WorldState:
+    """The instances of `category` with a mask of at least `min_mask_px` pixels in some view of a tour, sorted by id.
+
+    sightings: of instances of that category, in the order of the tour. An instance is where it was last recorded; its track holds
+    its floor-plane positions in metres at all its recorded views, in the order of the tour.
+    """
+    tracks: dict[str, list[Point]] = {}
+    for seen in sightings:
+        if seen.px >= min_mask_px:
+            tracks.setdefault(seen.instance, []).append((seen.x, seen.z))
+    return WorldState(tuple(Instance.tracked(k, category, tuple(track)) for k, track in sorted(tracks.items())))
+
+
+def true_world(world: WorldState, mover: MoverRecord | None) -> WorldState:
+    """The world state with the whole path of the mover as its track. mover: of the visit, None where nothing moves."""
+    if mover is None:
+        return world
+    return WorldState(
+        tuple(
+            Instance.tracked(instance.id, instance.category, mover.path) if instance.id == mover.instance else instance
+            for instance in world
+        )
+    )
