@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.generation.audit import audit
-from ovman.generation.release import episode, known, rejection, run, select, sightings, trial_digest
+from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
 from ovman.generation.verdict import reasons, verdict
 from ovman.models.certification import Certification, OracleRun
 from ovman.models.record import lines
@@ -333,11 +333,11 @@ def test_the_audit_counts_what_was_drawn_rejected_certified_and_released() -> No
     ]
 
 
-def write_split(tmp_path: Path, wanted: int) -> None:
-    """Releases a split of `wanted` episodes a relation."""
-    split = CONFIG.benchmark.split.model_copy(update=dict.fromkeys((r.value for r in Relation), wanted))
-    config = CONFIG.model_copy(update={"benchmark": CONFIG.benchmark.model_copy(update={"split": split})})
-    verdicts = [tmp_path / f"{scene}.jsonl" for scene in SCENES]
+def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) -> None:
+    """Releases a split of so many episodes of each relation, and of none where it is not named."""
+    split = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
+    benchmark = CONFIG.benchmark.model_copy(update={"split": split, "allow_short_split": allow_short_split})
+    verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
     for scene, file in zip(SCENES, verdicts, strict=True):
         file.write_text(lines(verdict(t, CONFIG) for t in TRIALS.values() if t.candidate.scene == scene))
     run(
@@ -345,17 +345,17 @@ def write_split(tmp_path: Path, wanted: int) -> None:
         [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
         verdicts,
         [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],
-        config,
-        *(tmp_path / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
+        CONFIG.model_copy(update={"benchmark": benchmark}),
+        *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
     )
 
 
-def test_a_relation_that_falls_short_is_named_with_the_setting_to_raise(tmp_path, capsys) -> None:
-    certified = sum(k in RUNS and t.candidate.relation is Relation.MOVED for k, t in TRIALS.items())
-    write_split(tmp_path, certified)
-    assert "SHORT: moved" not in capsys.readouterr().out
-    write_split(tmp_path, certified + 1)
-    assert (
-        f"SHORT: moved has {certified} certified episodes of {certified + 1}; raise candidates.draws.moved in config.yaml"
-        in capsys.readouterr().out
-    )
+def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_that_falls_short(tmp_path: Path) -> None:
+    certified = {r: sum(k in RUNS and t.candidate.relation is r for k, t in TRIALS.items()) for r in Relation}
+    moved, stable = certified[Relation.MOVED], certified[Relation.STABLE]
+    write_split(tmp_path, moved=moved, stable=stable)
+    assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
+    with pytest.raises(ShortSplitError, match=rf"\(moved {moved} of {moved + 1}, stable {stable} of {stable + 9}\)"):
+        write_split(tmp_path, moved=moved + 1, stable=stable + 9)
+    write_split(tmp_path, allow_short_split=True, moved=moved + 1, stable=stable + 9)
+    assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
