@@ -37,9 +37,9 @@ include: "workflow/rules/language.smk"
 include: "workflow/rules/perception.smk"
 include: "workflow/rules/backprojection.smk"
 include: "workflow/rules/tables.smk"
-include: "workflow/rules/static.smk"
+include: "workflow/rules/static_tables.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/findings.smk"
+include: "workflow/rules/paper_comparison.smk"
 include: "workflow/rules/models.smk"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,7 +11,9 @@ from ovman.agents.reference.reasoning import Evidence, ReferenceConstants, two_v
 from ovman.evaluation.perceived import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
-from ovman.task import Relation
+from ovman.models.episode import Episode
+from ovman.models.relation import Relation
+from ovman.models.sighting import VisitPair
 from ovman.workflow.seeds import generator
 
 SCHEMA = "ovman-sentence/1"
@@ -54,17 +55,16 @@ class Asked:
                 return record | {"failure": str(failure)}
 
 
-def ask(episode: Mapping[str, Any], held_out: HeldOut, seed: int) -> Asked:
+def ask(episode: Episode, held_out: HeldOut, seed: int) -> Asked:
     """A held-out sentence for an episode, drawn by seed and episode alone, and what is understood of it."""
-    relation = Relation(episode["relation"])
-    noun, sentence = held_out.drawn(relation, episode["category"], generator(seed, "language", episode["id"]))
-    return Asked(episode["id"], sentence, noun, relation, parse(sentence))
+    noun, sentence = held_out.drawn(episode.relation, episode.category, generator(seed, "language", episode.id))
+    return Asked(episode.id, sentence, noun, episode.relation, parse(sentence))
 
 
 def answer(
-    noun_phrase: str, relation: str, visits: Mapping[str, str], perceived: Perceived, constants: ReferenceConstants
+    noun_phrase: str, relation: str, visits: VisitPair[str], perceived: Perceived, constants: ReferenceConstants
 ) -> tuple[Answer | Abstention, Evidence]:
-    """What the arm two_visits answers to a query of any noun phrase and relation.
+    """What the reference agent with two visits answers to a query of any noun phrase and relation.
 
     visits: the names of the "first" and the "second" visit of the episode. Raises ValueError as ``Perceived`` does for a visit
     without a map or a noun phrase without an embedding.

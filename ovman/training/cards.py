@@ -6,7 +6,6 @@ curve for each network. The results on the benchmark's scenes are those of the m
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
@@ -16,12 +15,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.analysis.scores import ALL, CATEGORIES, SIZE
+from ovman.analysis.frames import read_rows
+from ovman.analysis.scores import ALL, CATEGORIES, SIZE, Score
 from ovman.models.settings import Settings
 from ovman.perception.overlap import LEAST_IOU
-from ovman.report.cells import Record
-from ovman.report.markdown import EMPTY, pipe_table
-from ovman.report.perception import SYNONYMS_BELOW, bars, by_category
+from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
+from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.training import captions, crops, detector, outlines, pictures
 from ovman.workflow.config import load
 
@@ -145,13 +144,12 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     )
     environment.filters["zip"] = lambda one, other: zip(one, other, strict=True)
     facts = json.loads((models / "training.json").read_text(encoding="utf-8"))
-    with perception.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_rows(perception, Score)
     common = {
         "config": config.perception.detector,
         "facts": facts,
         "set": facts["settings"],
-        "rows": {group: [row for row in rows if row["group"] == group] for group in (ALL, CATEGORIES, SIZE)},
+        "rows": {group: [row for row in rows if row.group == group] for group in (ALL, CATEGORIES, SIZE)},
         "bars": bars(rows),
         "pictures": pictures,
         "crops": crops,
@@ -165,11 +163,11 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "bytes": lambda name: f"{(models / name).stat().st_size:,}",
         "least_iou": LEAST_IOU,
         "synonyms_below": SYNONYMS_BELOW,
-        "worst": min((row for row in rows if row["group"] == SIZE and row["recall"]), key=lambda row: float(row["recall"])),
+        "worst": min((row for row in rows if row.group == SIZE and row.recall is not None), key=lambda row: row.recall or 0.0),
         "percent": lambda share: f"{100 * share:.3g} %",
-        "rate": lambda text: _number(float(text) if text else None, 3),
+        "rate": lambda value: _number(value, 3),
         "bar_table": lambda names: _bar_table(rows, names),
-        "size_table": lambda columns: _group_table([row for row in rows if row["group"] == SIZE], "pixels", columns),
+        "size_table": lambda columns: _group_table([row for row in rows if row.group == SIZE], "pixels", columns),
         "category_table": lambda columns: _group_table(by_category(rows), "category", columns),
     }
     texts = {}
@@ -183,18 +181,19 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     return texts
 
 
-def _bar_table(rows: Sequence[Record], names: Mapping[str, str]) -> str:
+def _bar_table(rows: Sequence[Score], names: Mapping[str, str]) -> str:
     """What was measured on the benchmark's scenes against the bars."""
     found = bars(rows)
     body = [[title, _number(found[n].reached, 3), f"≥ {found[n].least:.3f}", found[n].verdict] for n, title in names.items()]
     return pipe_table(["measure", "measured", "bar", "verdict"], body, [False, True, True, False]).rstrip()
 
 
-def _group_table(rows: Sequence[Record], title: str, columns: Mapping[str, str]) -> str:
-    def cell(row: Record, key: str) -> str:
-        return (row[key] if row[key].isdigit() else _number(float(row[key]), 3)) if row[key] else EMPTY
+def _group_table(rows: Sequence[Score], title: str, columns: Mapping[str, str]) -> str:
+    def cell(row: Score, key: str) -> str:
+        value: float | None = getattr(row, key)
+        return str(value) if isinstance(value, int) else _number(value, 3)
 
-    body = [[row["value"], *(cell(row, key) for key in columns)] for row in rows]
+    body = [[row.value, *(cell(row, key) for key in columns)] for row in rows]
     return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "There are none."
 
 

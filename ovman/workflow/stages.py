@@ -14,6 +14,10 @@ _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "s
 _PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.min_mask_px", "success.radius_m")
 _METRICS = (
     "arms",
+    "comparisons.agent",
+    "comparisons.rungs",
+    "comparisons.pairs",
+    "comparisons.pairings",
     "benchmark.seed",
     "success.radius_m",
     "single_visit.samples",
@@ -97,8 +101,9 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "executions": (*_RUNNING, "admissibility.min_mask_px"),
     "runs": ("success.*",),
     "metrics": _METRICS,
-    "static": _METRICS,
+    "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (
+        "comparisons.agent",
         "benchmark.seed",
         "grounding.*",
         "association.*",
@@ -109,7 +114,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "perception": ("perception.detector.min_mask_px",),
     "backprojection": ("camera.field_of_view_deg", "perception.detector.min_mask_px"),
     "figures": ("camera.*", "admissibility.min_mask_px"),
-    "findings": (
+    "paper_comparison": (
+        "arms",
+        "comparisons.agent",
+        "paper.*",
         "benchmark.backend",
         "perception.detector.architecture",
         "perception.detector.weights",
@@ -119,6 +127,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
+        "comparisons.agent",
+        "comparisons.difficulty",
         "tour.*",
         "success.*",
         "candidates.delta_min_m",

@@ -11,7 +11,7 @@ from ovman.analysis.dualmap_objects import ALL, Objects
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.analysis.rows import csv_of
+from ovman.analysis.frames import frame_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
 from ovman.models.settings import Kind, Source

@@ -12,7 +12,7 @@ from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.rates import static_rates
-from ovman.analysis.rows import csv_of
+from ovman.analysis.frames import frame_of
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
 from ovman.report.budget import budget_table
