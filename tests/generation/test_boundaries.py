@@ -108,6 +108,13 @@ def test_one_pitch_has_to_see_the_answer_of_a_current_relation(relation: Relatio
     assert judged(trial, visible_px=None) == hidden
 
 
+def test_a_target_that_was_not_measured_is_not_visible_whatever_is_asked_for() -> None:
+    one_pixel = CONFIG.model_copy(update={"success": SUCCESS.model_copy(update={"visible_px": 1})})
+    for relation in Relation:
+        unseen = list(reasons(measured(admitted(relation), visible_px=None), one_pixel))
+        assert unseen == ([Rejection.ANSWER_NOT_VISIBLE] if relation.current else [])
+
+
 # --- observation ----------------------------------------------------------------------------------
 
 
@@ -188,6 +195,14 @@ def test_a_bystander_that_the_tours_saw_move_has_moved(relation: Relation) -> No
     }
     against = judged(trial, sightings=trial.measured.sightings.model_copy(update={"second": second}))
     assert against == ([Rejection.BYSTANDER_MOVED] if in_both - changed - {trial.candidate.target} else [])
+
+
+@pytest.mark.parametrize("relation", [Relation.MOVED, Relation.FORMER, Relation.APPEARED, Relation.REMOVED, Relation.MOVING])
+def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
+    trial = admitted(relation)
+    candidate = trial.candidate.model_copy(update={"target": other(trial).id})
+    against = list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
+    assert against and set(against) == {Rejection.REFERENT_NOT_TARGET}
 
 
 # --- the verdict as a whole -----------------------------------------------------------------------
