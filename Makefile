@@ -67,7 +67,7 @@ bench: $(READY)
 lint: $(READY)
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
-	@.venv/bin/snakefmt --check Snakefile workflow
+	@.venv/bin/snakefmt --check Snakefile workflow packages/ovman-released
 	@.venv/bin/lint-imports --no-cache
 
 # opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.

@@ -16,7 +16,10 @@ check_file(os.path.join(workflow.basedir, "config.yaml"))
 configfile: os.path.join(workflow.basedir, "config.yaml")
 
 
-include: "workflow/rules/settings.smk"
+report: "workflow/report/workflow.rst"
+
+
+include: "workflow/rules/common.smk"
 include: "workflow/rules/simulator.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/candidates.smk"

@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from ovman.models.scene import Scene
 from ovman.models.visit import Visit
+from ovman.perception.tour_files import picture
 from ovman.sim.visit import MILLIMETRES
 
 SHELL = frozenset({"Floor"})
@@ -71,17 +71,10 @@ class TrueScene:
 
 
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:
-    """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. FileNotFoundError names an image that is not there."""
-    return scene.ids(_image(directory / f"{view:02d}_ids.png"), visit.views[view].instances)
+    """(H, W) int32 of a view of a recorded visit, as `TrueScene.ids`. TourError names an image that is missing or damaged."""
+    return scene.ids(picture(directory / f"{view:02d}_ids.png"), visit.views[view].instances)
 
 
 def depth_m(directory: Path, view: int) -> np.ndarray:
-    """(H, W) of a view of a recorded visit, metres along the optical axis. FileNotFoundError as `true_ids`."""
-    return _image(directory / f"{view:02d}_depth.png") / MILLIMETRES
-
-
-def _image(path: Path) -> np.ndarray:
-    image: np.ndarray | None = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    if image is None:
-        raise FileNotFoundError(f"{path}: no such image; record the visit again: remove its directory and make the trials again")
-    return image
+    """(H, W) of a view of a recorded visit, metres along the optical axis. TourError as `true_ids`."""
+    return picture(directory / f"{view:02d}_depth.png") / MILLIMETRES

@@ -131,8 +131,8 @@ def expected_range(runs: Sequence[Sequence[float]], confidence: float) -> tuple[
     # From the far end inwards, so that small tails are added before large ones.
     tails = [*np.minimum(np.cumsum(distribution[::-1])[::-1], 1.0).tolist(), 0.0]
     tails[0] = 1.0
-    low = max(k for k in range(n + 1) if tails[k] >= 1.0 - outside)
-    high = min(k for k in range(n + 1) if tails[k + 1] <= outside)
+    low = max(k for k, at_least in enumerate(tails) if at_least >= 1.0 - outside)
+    high = min(k for k, more in enumerate(tails[1:]) if more <= outside)
     return low / n, high / n
 
 

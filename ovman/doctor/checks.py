@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from enum import Enum
 from pathlib import Path
 
+from ovman.perception.libraries import cache
 from ovman.sim import unity
 
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
@@ -178,10 +179,9 @@ def perception(config: Path | None = None) -> Finding:
 
 def weights() -> Finding:
     """The paper's networks, where they are kept once they have been downloaded."""
-    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    hub = Path(os.environ.get("HF_HOME") or cache / "huggingface") / "hub"
+    hub = Path(os.environ.get("HF_HOME") or cache().with_name("huggingface")) / "hub"
     wanted = {
-        "yolov8m-seg": any((cache / "ovman").glob("*/yolov8m-seg.pt")),
+        "yolov8m-seg": any(cache().glob("*/yolov8m-seg.pt")),
         "ViT-B-16 laion2b_s34b_b88k": (hub / "models--laion--CLIP-ViT-B-16-laion2B-s34B-b88K").exists(),
     }
     if all(wanted.values()):

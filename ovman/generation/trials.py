@@ -24,6 +24,7 @@ from ovman.models.scene import Scene
 from ovman.models.sighting import VisitPair
 from ovman.models.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
 from ovman.models.visit import Visit
+from ovman.models.visit_files import VisitFiles, VisitManifest, damages
 from ovman.models.world_state import Instance, WorldState
 from ovman.navigation import geodesic_m
 from ovman.sim import measurement, visit
@@ -66,8 +67,7 @@ class Trials:
         if name not in self._visits:
             directory = self._visits_dir / name
             key = digest(self._constants.canonical, [a.to_json() for a in alterations], seed)
-            stamp = directory / "key"
-            if stamp.exists() and stamp.read_text() == key:
+            if _kept(directory, key):
                 self._visits[name] = Visit.load(directory)
             else:
                 world = self._world(alterations, candidate)
@@ -75,6 +75,14 @@ class Trials:
                     self._session, world, name, alterations, self._views, self._constants.measurement.min_mask_px, directory, key
                 )
         return self._visits[name]
+
+    def tours(self, trial: Trial) -> Mapping[str, str]:
+        """Digests of content of the recorded tours of a trial, by name; what is missing or damaged is recorded again."""
+        candidate = trial.candidate
+        if trial.measured.visits is None:
+            return {}
+        names = [self._visit(alterations, candidate.id).visit for alterations in (candidate.first, candidate.second)]
+        return {name: VisitFiles.load(self._visits_dir / name).content for name in names}
 
     def measure(self, candidate: Candidate) -> Trial:
         """The trial of a candidate. A refusal of the simulator ends the trial early; its field `ended` names the reason."""
@@ -174,6 +182,16 @@ class Trials:
         draft.mover = after.mover
 
 
+def _kept(directory: Path, key: str) -> bool:
+    """Whether a whole recording of that key lies in `directory`. Says what is damaged."""
+    if not directory.exists() or VisitFiles.keyed(directory) != key:
+        return False
+    wrong = damages(directory)
+    for line in wrong:
+        print(line, flush=True)
+    return not wrong
+
+
 def _made(value: T | None) -> T:
     assert value is not None
     return value
@@ -200,8 +218,20 @@ def _truth(recorded: Visit, category: str) -> WorldState:
     )
 
 
-def run(candidates_file: Path, scene_file: Path, constants: StageSettings, output: Path, visits_dir: Path, journal: Path) -> None:
-    """Measure every candidate of a scene and write the trials; `journal` keeps finished ones."""
+def run(
+    candidates_file: Path,
+    scene_file: Path,
+    constants: StageSettings,
+    output: Path,
+    manifest_out: Path,
+    visits_dir: Path,
+    journal: Path,
+) -> None:
+    """Measure every candidate of a scene; write the trials and the manifest of their recorded tours.
+
+    journal: keeps finished trials. visits_dir: keeps the scene's tours; those that are missing or damaged are recorded again,
+    also where the trial was kept.
+    """
     (scene,) = Scene.read(scene_file)
     waypoints = [{"x": x, "z": z} for x, z in scene.waypoints]
     kept = Journal(journal)
@@ -209,11 +239,16 @@ def run(candidates_file: Path, scene_file: Path, constants: StageSettings, outpu
     with Session(scene.scene, constants) as session:
         trials = Trials(session, scene, constants, visits_dir)
 
+        tours: dict[str, str] = {}
+
         def measured(candidate: Candidate) -> dict[str, Any]:
             return session.with_restarts(lambda: trials.measure(candidate).to_json())
 
         for candidate in Candidate.read(candidates_file):
             key = digest(candidate.to_json(), waypoints, constants.canonical)
             done.append(Trial.from_json(kept.unit(key, partial(measured, candidate))))
+            tours |= session.with_restarts(partial(trials.tours, done[-1]))
             print(f"{candidate.id}: {done[-1].measured.ended or 'measured'}", flush=True)
     output.write_text(lines(done), encoding="utf-8")
+    manifest = VisitManifest(scene=scene.scene, visits=dict(sorted(tours.items())))
+    manifest_out.write_text(manifest.to_line(), encoding="utf-8")

@@ -13,6 +13,7 @@ from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Position
 from ovman.models.record import Count, Record, Text
 from ovman.models.sighting import Sighting
+from ovman.models.visit_files import read_verified
 
 
 class Present(Record):
@@ -59,9 +60,12 @@ class Visit(Record):
 
     @classmethod
     def load(cls, directory: Path) -> Self:
-        """The record of the visit in `directory`. Raises RecordError in one line where it is not what its schema says."""
-        (visit,) = cls.read(directory / "visit.json")
-        return visit
+        """The record of the visit in `directory`.
+
+        TourError where it is missing or is not what was recorded, RecordError where it is not what its schema says.
+        """
+        file = directory / "visit.json"
+        return cls.parse(read_verified(file).decode(), str(file))
 
     @cached_property
     def positions(self) -> tuple[Mapping[str, Position], ...]:

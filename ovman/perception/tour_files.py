@@ -1,45 +1,49 @@
 """Recorded tours as files: `visit.json` with the poses and, for view i, `{i:02d}_rgb.png` and `{i:02d}_depth.png` (16 bit,
-millimetres). Nothing else of a recording is read."""
+millimetres). Nothing else of a recording is read. Every file is compared with its recorded digest.
+"""
 
 from __future__ import annotations
 
 import hashlib
-import json
 from collections.abc import Iterator
 from pathlib import Path
 
 import cv2
 import numpy as np
 
+from ovman.models.geometry import Position
+from ovman.models.record import Record, RecordError
+from ovman.models.visit import ViewPose
+from ovman.models.visit_files import TourError, VisitFiles, read_verified, remedy
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
 
 MILLIMETRES = np.float32(1000)
+"""Millimetres in a metre."""
 PICTURES = ("rgb", "depth")
+"""Kinds of pictures that an agent may see."""
 
 
-class TourError(ValueError):
-    """A recorded tour that cannot be read; one line with the file and the remedy."""
+class _Look(Record):
+    pose: ViewPose
+    camera: Position
 
-    says_all = True
+
+class _Looks(Record):
+    views: tuple[_Look, ...]
 
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
-    """The cameras of the views of a recorded tour. TourError if its record cannot be read."""
+    """The cameras of the views of a recorded tour. TourError if its record is missing or damaged."""
     file = directory / "visit.json"
     try:
-        views = json.loads(file.read_text(encoding="utf-8"))["views"]
-        return [
-            Camera(
-                (view["camera"]["x"], view["camera"]["y"], view["camera"]["z"]),
-                view["pose"]["yaw_deg"],
-                view["pose"]["horizon_deg"],
-                field_of_view_deg,
-            )
-            for view in views
-        ]
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise TourError(f"{file}: not a readable tour ({type(error).__name__}: {error}); record the visit again") from None
+        looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
+    except (RecordError, UnicodeDecodeError) as error:
+        raise TourError(f"{error}; {remedy(directory)}") from None
+    return [
+        Camera((look.camera.x, look.camera.y, look.camera.z), look.pose.yaw_deg, look.pose.horizon_deg, field_of_view_deg)
+        for look in looks
+    ]
 
 
 def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
@@ -49,31 +53,35 @@ def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
 
 
 def view(directory: Path, number: int, camera: Camera) -> View:
-    """One view of a recorded tour. TourError for a picture that cannot be read."""
-    rgb, depth = (_picture(_file(directory, number, kind)) for kind in PICTURES)
+    """One view of a recorded tour. TourError for a picture that is missing or damaged."""
+    rgb, depth = (picture(_file(directory, number, kind)) for kind in PICTURES)
     return View(np.ascontiguousarray(rgb[..., ::-1]), depth / MILLIMETRES, camera)
 
 
 def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
-    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks."""
+    """Digest of a recorded tour's frames, depths and cameras, and of `seen_by`, the key of the networks.
+
+    TourError for a file that is missing or damaged.
+    """
     found = hashlib.sha256(seen_by.encode())
+    files = VisitFiles.load(directory)
     for number, camera in enumerate(cameras(directory, field_of_view_deg)):
         found.update(repr(camera).encode())
         for kind in PICTURES:
-            path = _file(directory, number, kind)
-            try:
-                found.update(hashlib.sha256(path.read_bytes()).digest())
-            except OSError as error:
-                raise TourError(f"{path}: {error.strerror}; record the visit again") from None
+            found.update(hashlib.sha256(read_verified(_file(directory, number, kind), files)).digest())
     return found.hexdigest()
+
+
+def picture(path: Path) -> np.ndarray:
+    """A picture of a recorded tour as it was recorded: (H, W) of 8 or 16 bit, or (H, W, 3) in the order blue, green, red.
+
+    TourError where it is missing or damaged.
+    """
+    image = cv2.imdecode(np.frombuffer(read_verified(path), np.uint8), cv2.IMREAD_UNCHANGED)
+    if image is None:
+        raise TourError(f"{path}: not a picture; {remedy(path.parent)}")
+    return image
 
 
 def _file(directory: Path, number: int, kind: str) -> Path:
     return directory / f"{number:02d}_{kind}.png"
-
-
-def _picture(path: Path) -> np.ndarray:
-    picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    if picture is None:
-        raise TourError(f"{path}: not a readable picture; record the visit again")
-    return picture

@@ -20,6 +20,7 @@ from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera
 from ovman.models.visit import View, Visit
+from ovman.perception import tour_files
 
 PANEL_INCHES = 2.6
 PIN = "#ffd23f"
@@ -106,7 +107,8 @@ def draw(chosen: Sequence[tuple[Episode, Visit, Visit, Path]], constants: Settin
         point = _pin_point(episode, first, second)
         for row, visit in enumerate((first, second)):
             axis = axes[row, column]
-            axis.imshow(plt.imread(visits / visit.visit / f"{index:02d}_rgb.png"))
+            rgb = tour_files.picture(visits / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
+            axis.imshow(np.divide(rgb, 255, dtype=np.float32))
             axis.set_xticks([])
             axis.set_yticks([])
             for spine in axis.spines.values():

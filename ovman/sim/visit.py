@@ -20,6 +20,7 @@ from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
 from ovman.models.record import DEGREE_DECIMALS
 from ovman.models.visit import Present, View, ViewPose, Visit
+from ovman.models.visit_files import seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow import journal
@@ -87,8 +88,8 @@ def record(
 ) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
-    min_mask_px: masks of fewer pixels are not written down. `key` is written beside the record: a later reader of the directory
-    compares it with the key of what it would record itself.
+    min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
+    all files.
     """
     partial = directory.with_name(directory.name + ".partial")
     shutil.rmtree(partial, ignore_errors=True)
@@ -130,7 +131,7 @@ def record(
         views=tuple(recorded),
     )
     (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
-    (partial / "key").write_text(key)
+    seal(partial, key)
     shutil.rmtree(directory, ignore_errors=True)
     os.replace(partial, directory)
     return visit

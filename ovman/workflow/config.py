@@ -136,7 +136,7 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     return config
 
 
-def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str]:
+def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[str, str]:
     """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
     given = tree.get("plugins")
     if not isinstance(given, Mapping):

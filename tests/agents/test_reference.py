@@ -16,13 +16,14 @@ from ovman.agents.reference.mapper import KeptMaps
 from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.evaluation import rollouts as executions
 from ovman.evaluation import scores as runs
-from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.assignment import assignment_of
 from ovman.evaluation.observation_store import Senses
 from ovman.evaluation.perceived import Perceived
 from ovman.evaluation.privileged_grounding import recorded_positions
 from ovman.evaluation.rollout import execute
 from ovman.language import noun
 from ovman.models.settings.arms import ArmJob
+from ovman.models.trial import Trial
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.sim.recorded import judged
@@ -166,7 +167,7 @@ def test_frames_are_drawn_unless_an_agent_says_that_it_does_not_look(session, sa
     nowhere = Visit((), np.empty((0, 2)))
     execute(
         session,
-        Assignment.of(TRIALS[0]),
+        assignment_of(Trial.from_json(TRIALS[0])),
         agent,
         nowhere,
         lambda cells: nowhere,

@@ -12,6 +12,7 @@ import pytest
 from ovman.agents.interface import CameraPose, Observation, Visit
 from ovman.agents.reference.mapper import SeenMaps
 from ovman.evaluation.recorded_tour import content, recorded
+from ovman.models.visit_files import seal
 from ovman.perception.maps import mapped
 from ovman.perception.tour import detections
 from ovman.perception.tour_files import tour as recorded_views
@@ -33,6 +34,7 @@ def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
         for view in range(3)
     ]
     (directory / "visit.json").write_text(json.dumps({"visit": directory.name, "alterations": list(alterations), "views": views}))
+    seal(directory)
     return directory
 
 

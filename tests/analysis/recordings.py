@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from ovman.models.visit_files import seal
+
 SIDE = 60
 OBJECTS = {"Sofa|1": "Sofa", "Vase|1": "Vase", "Vase|2": "Vase", "Floor|1": "Floor"}
 NAMES = ("Floor|1", "Sofa|1", "Vase|1", "Vase|2", "wall|1")
@@ -50,20 +52,44 @@ def write_scene(path, name="FloorPlan1"):
         return {"x": x, "y": y, "z": z}
 
     objects = [
-        {"id": k, "category": c, "position": point(float(i), 0.5, 2.0), "size": point(0.8, 1.0, 0.6)}
+        {
+            "id": k,
+            "category": c,
+            "moveable": True,
+            "pickupable": False,
+            "receptacle": False,
+            "position": point(float(i), 0.5, 2.0),
+            "size": point(0.8, 1.0, 0.6),
+            "parents": [],
+        }
         for i, (k, c) in enumerate(OBJECTS.items())
     ]
     path.mkdir(parents=True, exist_ok=True)
-    (path / f"{name}.json").write_text(json.dumps({"scene": name, "objects": objects}))
+    origin = {"x": 0.0, "z": 0.0}
+    record = {
+        "schema": "ovman-scene/1",
+        "scene": name,
+        "start": origin,
+        "floor_y": 0.0,
+        "reachable": [],
+        "components": [],
+        "waypoints": [origin],
+        "objects": objects,
+    }
+    (path / f"{name}.json").write_text(json.dumps(record))
     return path / f"{name}.json"
 
 
 def write_visit(directory, views=2, alterations=(), moved=None, present=None):
     directory.mkdir(parents=True)
     record = {
+        "schema": "ovman-visit/1",
+        "scene": directory.parent.name,
         "visit": directory.name,
         "alterations": list(alterations),
+        "placed": {},
         "present": present or {},
+        "mover": None,
         "views": [
             {
                 "pose": {"x": 0.0, "z": 0.0, "yaw_deg": 0.0, "horizon_deg": 0.0},
@@ -79,6 +105,7 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
     for view in range(views):
         cv2.imwrite(str(directory / f"{view:02d}_ids.png"), index_image())
         cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((SIDE, SIDE), 2000, np.uint16))
+    seal(directory)
     return directory
 
 

@@ -11,8 +11,8 @@ import pytest
 
 from ovman.agents.reference.decision import Abstention, AbstentionReason
 from ovman.agents.reference.reasoning import ReferenceConstants
-from ovman.analysis import language
-from ovman.analysis.language import What, language_rates
+from ovman.analysis import frames, language
+from ovman.analysis.language import LanguageRate, What, language_rates
 from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import Asked, answer
 from ovman.evaluation.observation_store import Senses
@@ -25,16 +25,18 @@ from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
-from ovman.report.language import language_table
-from ovman.report.markdown import markdown
+from ovman.report.tables.language import language_table
+from ovman.report.tables.table import markdown
 from ovman.task import Relation
 from tests.arms import BY_NAME
+from tests.episodes import episode_record
 
 SCENE = "FloorPlan1"
 VISITS = {"first": "before", "second": "after"}
 FEATURES = {"Chair": (1.0, 0.0, 0.0), "Sofa": (0.0, 1.0, 0.0)}
 NOUNS = {phrase: np.array(feature) for category, feature in FEATURES.items() for phrase in nouns(category)}
 CONSTANTS = SimpleNamespace(
+    comparisons=SimpleNamespace(agent="two_visits"),
     benchmark=SimpleNamespace(seed=0),
     success=SimpleNamespace(radius_m=1.0),
     evaluation=SimpleNamespace(confidence=0.95),
@@ -58,17 +60,7 @@ PERCEIVED = Perceived(MAPS, NOUNS)
 
 
 def episode(relation: str, number: int = 0) -> dict:
-    return {
-        "id": f"{SCENE}/{relation}/{number:04d}",
-        "scene": SCENE,
-        "relation": relation,
-        "category": "Chair",
-        "instances_in_category": 2,
-        "answer": {"x": ANSWERS[relation], "z": 0.0},
-        "target": "a",
-        "visits": VISITS,
-        **{world: [{"id": "a", "category": "Chair", "x": ANSWERS[relation], "z": 0.0}] for world in ("world_1", "world_2")},
-    }
+    return episode_record(relation, number, answer=(ANSWERS[relation], 0.0), visits=VISITS)
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
@@ -130,7 +122,7 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
     read_as = {(row["relation"], row["read_as"]): int(row["count"]) for row in rows if row["what"] == "read_as"}
     assert read_as["stable", "removed"] == 3 and read_as["former", str(ParseFailure.NO_RELATION)] == 3
     assert sum(count for (relation, _), count in read_as.items() if relation == "all") == 18
-    predictions = {p.episode: p.outcome for p in prediction.read(output / "two_visits_inferred.jsonl")}
+    predictions = {p.episode: p.outcome for p in prediction.read(output / "inferred.jsonl")}
     assert predictions[f"{SCENE}/former/0000"] == Abstention(AbstentionReason.NOT_PARSED)
     assert predictions[f"{SCENE}/stable/0000"].x == ANSWERS["removed"]
     sentences = [json.loads(text) for text in (output / "sentences.jsonl").read_text().splitlines()]
@@ -170,8 +162,9 @@ def test_rates_of_every_relation_add_up():
 
 
 def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
-    _, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
-    text = markdown(language_table(rows, 0.95))
+    output, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
+    table = language_table(frames.read(output / "language.csv", LanguageRate), CONSTANTS)
+    text = markdown(table)
     for shown in (
         "| object ",
         "| noun and relation inferred ",
@@ -180,4 +173,4 @@ def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
         "made for a test",
     ):
         assert shown in text
-    assert len(language_table(rows, 0.95).rows) == 6 + len({row["read_as"] for row in rows} - {""})
+    assert len(table.rows) == 6 + len({row["read_as"] for row in rows} - {""})

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from ovman.analysis.instances import TrueObject, TrueScene
 from ovman.analysis.localisation import box_distance_m, centre_distance_m, localised
 from ovman.analysis.segmentation import DETECTED, TRUE
+from ovman.models.visit_files import TourError
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
 from tests.analysis.recordings import MIN_MASK_PX, SIDE, detected, mask, write_scene, write_visit
 
@@ -79,7 +80,10 @@ def test_true_and_detected_masks_of_a_tour(tmp_path):
     assert list(localised(scene, directory, 90.0, MIN_MASK_PX, None)) == [r for r in rows if r.mask == TRUE]
 
 
-@pytest.mark.parametrize("changes", [{"alterations": [{"kind": "disable"}]}, {"moved": {"Vase|1": {}}}])
+@pytest.mark.parametrize(
+    "changes",
+    [{"alterations": [{"kind": "disable", "instance": "Vase|1"}]}, {"moved": {"Vase|1": {"x": 0.0, "y": 0.5, "z": 2.0}}}],
+)
 def test_a_visit_with_changes_is_refused(tmp_path, changes):
     scene = TrueScene.load(write_scene(tmp_path))
     with pytest.raises(ValueError, match="something moves in this visit"):
@@ -90,5 +94,5 @@ def test_a_picture_that_is_gone_is_named(tmp_path):
     scene = TrueScene.load(write_scene(tmp_path))
     directory = write_visit(tmp_path / "untouched")
     (directory / "01_ids.png").unlink()
-    with pytest.raises(FileNotFoundError, match="01_ids.png: no such image"):
+    with pytest.raises(TourError, match="01_ids.png: No such file or directory; record it again: snakemake"):
         list(localised(scene, directory, 90.0, MIN_MASK_PX, None))

@@ -78,7 +78,7 @@ def test_how_far_from_the_box_what_has_not_moved_is(scene, tmp_path):
     here, there = {"x": 0.0, "y": 0.5, "z": 2.0}, {"x": 5.0, "y": 0.5, "z": 2.0}
     write_visit(
         tmp_path / "visits" / "FloorPlan1" / "displaced",
-        present={"Sofa|1": {"position": here}, "Vase|1": {"position": there}},
+        present={"Sofa|1": {"category": "Sofa", "position": here}, "Vase|1": {"category": "Vase", "position": there}},
     )
     tours = {"displaced": perfect(views=1, points=[[0.0, 0.5, 3.3], [9.0, 9.0, 9.0]])}
     whole = scores([seen(scene, tmp_path, tours)])[0]

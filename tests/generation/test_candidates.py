@@ -49,6 +49,7 @@ def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
     assert found == {(0.5, 0.0), (0.0, 0.5), (0.5, 0.25), (0.25, 0.5)}
     headings = {s.yaw_deg for _ in range(60) if (s := _spawn(floor, [], 3, rng))}
     assert headings == {0.0, 120.0, 240.0}
+    assert {s.yaw_deg for _ in range(90) if (s := _spawn(floor, [], 7, rng))} == {round(360 / 7 * k, 2) for k in range(7)}
     assert _spawn(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
 
 
@@ -97,6 +98,13 @@ def test_what_cannot_be_drawn_is_named():
         Relation.APPEARED: Rejection.NO_SPAWN,
         Relation.REMOVED: Rejection.NO_SPAWN,
     }
+
+
+def test_heights_have_four_decimals():
+    scene = room(*(thing(f"a|{k}", "A", 0.3 + k, 0.5, size=(0.2, 0.2, 0.2)) for k in range(3)), cells=16)
+    scene = scene.model_copy(update={"floor_y": 0.123456})
+    heights = {(a.kind, a.height_m) for c in candidates(scene, CONFIG) for a in c.first + c.second}
+    assert {("displace", 0.1735), ("motion", 0.1735), ("disable", None)} == heights
 
 
 def test_appeared_and_removed_are_each_other_with_the_visits_swapped():

@@ -10,7 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.perception.tour_files import TourError, digest, tour
+from ovman.models.visit_files import FILES, TourError, seal
+from ovman.perception.tour_files import digest, tour
 
 VISIT = {
     "views": [
@@ -33,13 +34,16 @@ def record(directory: Path, visit: dict = VISIT) -> Path:
         cv2.imwrite(str(directory / f"{number:02d}_rgb.png"), rng.integers(0, 256, (4, 6, 3), np.uint8))
         cv2.imwrite(str(directory / f"{number:02d}_depth.png"), rng.integers(0, 9000, (4, 6)).astype(np.uint16))
         cv2.imwrite(str(directory / f"{number:02d}_ids.png"), rng.integers(0, 9, (4, 6)).astype(np.uint16))
+    seal(directory)
     return directory
 
 
 def change_picture(path: Path) -> None:
+    """Record another picture."""
     picture = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     picture[0, 0] = picture[0, 0] + 1
     cv2.imwrite(str(path), picture)
+    seal(path.parent)
 
 
 def test_views_as_they_were_recorded(tmp_path):
@@ -74,6 +78,7 @@ def test_what_could_be_seen_otherwise_counts(tmp_path, what):
     elif what == "fewer":
         visit["views"].pop()
     (directory / "visit.json").write_text(json.dumps(visit))
+    seal(directory)
     assert digest(directory, 60.0 if what == "lens" else 90.0, "others" if what == "eyes" else "by") != before
 
 
@@ -84,6 +89,7 @@ def test_pictures_that_change_places_count(tmp_path):
     a, b = first.read_bytes(), second.read_bytes()
     first.write_bytes(b)
     second.write_bytes(a)
+    seal(directory)
     assert digest(directory, 90.0, "by") != before
 
 
@@ -92,13 +98,36 @@ def test_a_file_that_is_lost_is_named_in_one_line(tmp_path, lost):
     directory = record(tmp_path / "v")
     (directory / lost).unlink()
     for read in (lambda: list(tour(directory, 90.0)), lambda: digest(directory, 90.0, "by")):
-        with pytest.raises(TourError, match="record the visit again") as caught:
+        with pytest.raises(TourError, match="record it again: snakemake --cores 2 --force .*.json") as caught:
             read()
         assert str(caught.value).startswith(str(directory / lost)) and "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("changed", ["visit.json", "01_rgb.png", "00_depth.png"])
+def test_a_flipped_byte_is_noticed_where_the_file_is_read(tmp_path, changed):
+    directory = record(tmp_path / "v")
+    content = bytearray((directory / changed).read_bytes())
+    content[-20] ^= 1
+    (directory / changed).write_bytes(content)
+    for read in (lambda: list(tour(directory, 90.0)), lambda: digest(directory, 90.0, "by")):
+        with pytest.raises(TourError, match=f"{changed}: its content is not what was recorded") as caught:
+            read()
+        assert "\n" not in str(caught.value)
 
 
 def test_a_picture_that_is_none_is_named(tmp_path):
     directory = record(tmp_path / "v")
     (directory / "01_rgb.png").write_bytes(b"no picture")
+    seal(directory)
     with pytest.raises(TourError, match="01_rgb.png"):
+        list(tour(directory, 90.0))
+
+
+def test_digests_that_are_torn_or_lost_are_named(tmp_path):
+    directory = record(tmp_path / "v")
+    (directory / FILES).write_text((directory / FILES).read_text()[:40])
+    with pytest.raises(TourError, match="files.json: torn; record it again"):
+        digest(directory, 90.0, "by")
+    (directory / FILES).unlink()
+    with pytest.raises(TourError, match="files.json: No such file or directory; record it again"):
         list(tour(directory, 90.0))

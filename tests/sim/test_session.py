@@ -119,8 +119,9 @@ def test_death_while_it_is_started(monkeypatch, delay_s):
 def _trials(directory, scene, drawn):
     directory.mkdir()
     output = directory / "trials.jsonl"
-    trials.run(drawn, scene, constants("trials"), output, directory / "visits", directory / "journal.jsonl")
-    return output.read_bytes(), Journal(directory / "journal.jsonl")._units.keys()
+    manifest = directory / "visits.json"
+    trials.run(drawn, scene, constants("trials"), output, manifest, directory / "visits", directory / "journal.jsonl")
+    return output.read_bytes(), manifest.read_bytes(), Journal(directory / "journal.jsonl")._units.keys()
 
 
 def test_a_stage_survives_its_engine(tmp_path, monkeypatch):

@@ -1,14 +1,14 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from safetensors.numpy import save_file
 
-from ovman.analysis.rows import csv_text
+from ovman.analysis.frames import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
 from ovman.training import cards
 from ovman.workflow.config import load
@@ -63,7 +63,7 @@ def perception(tmp_path):
         replace(WHOLE, group=CATEGORY, value="Sofa", true=10, top1=None),
         replace(WHOLE, group=CATEGORY, value="Vase", true=20),
     ]
-    (tmp_path / "perception.csv").write_text(csv_text(list(Score.__dataclass_fields__), map(asdict, rows)))
+    (tmp_path / "perception.csv").write_text(csv_text(Score, rows))
     return tmp_path / "perception.csv"
 
 

@@ -19,7 +19,20 @@ DUALMAP = ("dualmap", "predictions:dualmap")
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "scenes": ("backprojection", "candidates", "perception", "trials"),
     "candidates": ("trials",),
-    "trials": ("admissible", "backprojection", "certified", "episodes", "executions", "predictions", "walks", *DUALMAP),
+    "trials": (
+        *(
+            "admissible",
+            "backprojection",
+            "certified",
+            "detections",
+            "episodes",
+            "executions",
+            "perception",
+            "predictions",
+            "walks",
+        ),
+        *DUALMAP,
+    ),
     "admissible": ("certified", "episodes"),
     "certified": ("episodes",),
     "episodes": ("detections", "executions", "language", "metrics", "predictions", "runs", "tables", "walks", *DUALMAP),

@@ -1,8 +1,7 @@
-# The recorded tours come with the trials.
 rule backprojection:
     input:
         scenes=expand("results/scenes/{scene}.json", scene=SCENES),
-        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
+        visits=expand("results/visits/{scene}.json", scene=SCENES),
         detections=expand("results/detections/{scene}.npz", scene=SCENES),
     output:
         backprojection="results/metrics/backprojection.csv",

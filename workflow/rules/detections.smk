@@ -4,6 +4,7 @@
 rule detections:
     input:
         episodes="results/episodes/main.jsonl",
+        visits="results/visits/{scene}.json",
         networks=weights("detector.weights", "encoder.weights", "encoder.model"),
     output:
         detections="results/detections/{scene}.npz",

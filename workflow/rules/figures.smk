@@ -2,8 +2,9 @@
 rule figures:
     input:
         episodes="results/episodes/main.jsonl",
+        visits=expand("results/visits/{scene}.json", scene=SCENES),
     output:
-        relations="results/figures/relations.png",
+        relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
     log:
         "logs/figures.log",
     params:

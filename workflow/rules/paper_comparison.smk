@@ -10,9 +10,9 @@ rule paper_comparison:
         explanations=os.path.join(PAPER_COMPARISON, "explanations.yaml"),
         template=os.path.join(PAPER_COMPARISON, "page.md.j2"),
     output:
-        page="results/results.md",
-        budget="results/figures/budget.png",
-        memory="results/figures/memory.png",
+        page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
+        budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
+        memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
     log:
         "logs/paper_comparison.log",
     params:

@@ -1,6 +1,7 @@
 rule perception:
     input:
         scenes=expand("results/scenes/{scene}.json", scene=SCENES),
+        visits=expand("results/visits/{scene}.json", scene=SCENES),
         detections=expand("results/detections/{scene}.npz", scene=SCENES),
         nouns="results/nouns.npz",
     output:

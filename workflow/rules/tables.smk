@@ -4,7 +4,13 @@ rule tables:
         metrics=expand("results/metrics/{name}.csv", name=registry.in_tables(ARMS)),
         notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS if arm.made_by)),
     output:
-        tables=directory("results/tables"),
+        tables=report(
+            directory("results/tables"),
+            caption="../report/tables.rst",
+            category="Tables",
+            patterns=["{table}.csv"],
+            labels={"table": "{table}"},
+        ),
     log:
         "logs/tables.log",
     benchmark:

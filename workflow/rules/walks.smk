@@ -5,6 +5,7 @@ rule walks:
     input:
         episodes="results/episodes/main.jsonl",
         trials="results/trials/{scene}.jsonl",
+        visits="results/visits/{scene}.json",
         networks=weights("detector.weights", "encoder.weights", "encoder.model"),
     output:
         walks="results/walks/{scene}.npz",

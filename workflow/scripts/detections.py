@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ovman.models.record import read_records
+from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
@@ -10,8 +11,9 @@ from ovman.workflow.provenance import digest
 with job(snakemake) as work:
     episodes = [episode for episode in read_records(work.input("episodes")) if episode["scene"] == work.scene]
     names = sorted({name for episode in episodes for name in episode["visits"].values()})
+    (manifest,) = VisitManifest.read(work.input("visits"))
     detections.run(
-        {name: Path("results/visits", work.scene, name) for name in names},
+        {name: manifest.directory(Path("results/visits"), name) for name in names},
         work.constants,
         [digest(Path(module.__file__)) for module in detections.SIGHT],
         Path("results/journal/detections"),

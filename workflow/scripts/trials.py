@@ -11,6 +11,7 @@ with job(snakemake) as work:
         work.input("scene"),
         work.constants,
         work.output("trials"),
+        work.output("visits"),
         Path("results/visits", work.scene),
         work.journal(),
     )

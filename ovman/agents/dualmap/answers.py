@@ -65,7 +65,7 @@ def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
 
 
 def any_of(found: ObjectMap, meant: set[int]) -> UniformPick | Abstention:
-    """The places of the objects of these indices, one as likely as another; NOTHING_GROUNDED where there are none."""
+    """The places of the objects of these indices, equally likely; NOTHING_GROUNDED without any."""
     if not meant:
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
     return UniformPick(tuple(sorted((float(x), float(z)) for x, z in found.p[sorted(meant)])))

@@ -16,6 +16,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ovman.models.episode import Episode
+from ovman.models.record import Text
+from ovman.models.run import InstanceTerms, Terms
 from ovman.models.settings import Settings
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
@@ -36,8 +38,17 @@ NO_WORD_OF = frozenset(
 
 Launch = Callable[..., Any]
 """From parameters of a Controller to one that runs."""
-Judged = Callable[[str, bool, Mapping[str, Any] | None], None]
-"""Takes the name of an episode in the runner, whether its agent stopped, and the terms at the stop (None without one)."""
+
+
+class Verdict(Terms):
+    """What the evaluator measured where the runner let go of an episode.
+
+    name: of the episode in the runner. instances: terms of every instance of the category, for CoW's own task.
+    """
+
+    name: Text
+    stopped: bool
+    instances: Mapping[str, InstanceTerms] | None = None
 
 
 class EpisodeController:
@@ -54,7 +65,7 @@ class EpisodeController:
         episodes: Mapping[str, Episode],
         seed: int,
         constants: Settings,
-        judged: Judged,
+        judged: Callable[[Verdict], None],
         **parameters: Any,
     ) -> None:
         self._episodes, self._seed, self._constants, self._judged = episodes, seed, constants, judged
@@ -142,10 +153,13 @@ class EpisodeController:
         if self._running is None:
             return
         episode, self._running = self._running, None
-        terms: dict[str, Any] | None = None
+        name = runner_name(episode)
         if self._stopped and self._world is not None:
-            terms = assignment(episode).at_stop(self._session, self._world, self._constants, any_instance=True)
-        self._judged(runner_name(episode), self._stopped, terms)
+            terms, instances = assignment(episode).at_stop(self._session, self._world, self._constants, any_instance=True)
+            at_stop = {field: getattr(terms, field) for field in Terms.model_fields}
+            self._judged(Verdict(name=name, stopped=True, instances=instances or None, **at_stop))
+        else:
+            self._judged(Verdict(name=name, stopped=False, **dict.fromkeys(Terms.model_fields)))
 
 
 def _asked(request: Mapping[str, Any]) -> AgentPose:

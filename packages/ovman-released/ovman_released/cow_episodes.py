@@ -26,7 +26,7 @@ def assignment(episode: Episode) -> Assignment:
         spawn=AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg),
         answer=episode.answer,
         navigable=episode.nearest_navigable,
-        mover=None if episode.mover is None else episode.mover.to_json(),
+        mover=episode.mover,
     )
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import shutil
 import subprocess
 import sys
@@ -324,7 +323,7 @@ def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):
     assert not (tmp_path / "journal.jsonl").exists()
 
 
-def test_the_runners_process_ends_with_whoever_waits_for_it():
+def test_the_runners_process_ends_with_the_process_that_waits_for_it(tmp_path):
     program = (
         "import time; from ovman_released import cow_process; "
         "cow_process._end_with_parent(); print(1, flush=True); time.sleep(99)"
@@ -333,8 +332,7 @@ def test_the_runners_process_ends_with_whoever_waits_for_it():
         [sys.executable, "-c", program],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env=environment(linked(tmp_path / "packages", ovman, ovman_released)),
     )
     assert process.stdout.readline() == b"1\n" and process.poll() is None
     process.stdin.close()

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from ovman.evaluation.scores import judge
 from ovman.models.record import RecordError
-from ovman_released.cow_results import Verdict, Walk, collected, imported
+from ovman_released.cow_controller import Verdict
+from ovman_released.cow_results import Walk, collected, imported
 
 EPISODE = released("FloorPlan429/removed/0000")
 JUDGED = {"relation": "removed", "shortest_path_m": 1.0}

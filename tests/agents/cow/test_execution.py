@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Action, Visit
-from ovman.evaluation.assignment import Assignment
+from ovman.evaluation.assignment import assignment_of
 from ovman.evaluation.rollout import Terms, execute
 from ovman.evaluation.scores import cut, judge
+from ovman.models.trial import Trial
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recorded import any_instance
 from ovman.sim.session import Session
@@ -64,7 +65,7 @@ def executed(session, name, agent, noise=1, marks=()):
     nowhere = Visit((), np.empty((0, 2)))
     return execute(
         session,
-        Assignment.of(TRIALS[name]),
+        assignment_of(Trial.from_json(TRIALS[name])),
         agent,
         nowhere,
         lambda cells: Visit((), cells),
@@ -73,7 +74,7 @@ def executed(session, name, agent, noise=1, marks=()):
         CONSTANTS,
         Terms(marks=marks, any_instance=True),
         noise,
-    )
+    ).to_json()
 
 
 SOME = next(iter(TRIALS))

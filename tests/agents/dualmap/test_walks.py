@@ -12,9 +12,10 @@ from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
+from ovman.models.change import Alteration
+from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera
 from ovman.sim.session import AgentPose
-from ovman.sim.visit import Visit
 from ovman.sim.walk import Frame
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
@@ -26,6 +27,11 @@ RUNS = 2
 def frame(grey: int, view: int | None = None, x: float = 0.0) -> Frame:
     rgb, depth = np.full((4, 4, 3), grey, np.uint8), np.ones((4, 4), np.float32)
     return Frame(rgb, depth, Camera((x, 1.0, 0.0), 0.0, 0.0, 90.0), AgentPose(x, 0.0, 0.0), view)
+
+
+def visit_of(name: str) -> Visit:
+    gone = Alteration(kind="disable", instance=name)
+    return Visit(scene="FloorPlan1", visit=name, alterations=(gone,), placed={}, present={}, mover=None, views=())
 
 
 class Observer:
@@ -81,15 +87,15 @@ def job(monkeypatch, tmp_path):
     constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 
     def frames(session, of, constants):
-        state.walked.append(of.recorded.name)
-        yield told[of.recorded.name][0]
-        if state.fail == of.recorded.name:
+        state.walked.append(of.recorded.visit)
+        yield told[of.recorded.visit][0]
+        if state.fail == of.recorded.visit:
             raise KeyboardInterrupt
-        yield from told[of.recorded.name][1:]
+        yield from told[of.recorded.visit][1:]
 
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
-        of = {n: Assigned(Visit({"visit": n, "alterations": [n], "mover": None, "views": []}), n) for n in names}
+        of = {n: Assigned(visit_of(n), n) for n in names}
         walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
         return tmp_path / output
 

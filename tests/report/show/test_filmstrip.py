@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.models.visit_files import TourError
 from ovman.report.show.filmstrip import outline, picture
 
 
@@ -30,5 +31,5 @@ def test_an_outline_has_every_part_of_a_mask():
 
 
 def test_a_picture_that_is_not_there_is_named(tmp_path):
-    with pytest.raises(OSError, match="00_rgb.png"):
+    with pytest.raises(TourError, match="00_rgb.png"):
         picture(tmp_path / "00_rgb.png")

@@ -33,6 +33,7 @@ rule released_dualmap:
     input:
         note="results/notes/released_dualmap.json",
         scene="results/scenes/{scene}.json",
+        visits="results/visits/{scene}.json",
         episodes="results/episodes/main.jsonl",
         trials="results/trials/{scene}.jsonl",
     output:

@@ -11,13 +11,13 @@ from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
 from ovman.perception.weights import located
-from ovman.workflow.snakefile import check_agents, lift_rate_limit, prepare, print_deaths
+from ovman.workflow.snakefile import check_agents, prepare, print_deaths
+from ovman.workflow.snakemake_internals import lift_rate_limit, overlays
 
 prepare(workflow)
-overlays = [path for path in workflow.configfiles if str(path) in map(str, workflow.overwrite_configfiles)]
 
 try:
-    files = [os.path.join(workflow.basedir, "config.yaml"), *overlays]
+    files = [os.path.join(workflow.basedir, "config.yaml"), *overlays(workflow)]
     settings = load(config, files)
     if workflow.is_main_process:
         check_agents(settings, files)
@@ -61,6 +61,12 @@ def needed(what, *files):
         return [file.format(**dict(wildcards.items())) for file in files] if needs else []
 
     return found
+
+
+def executed(wildcards):
+    """An arm's own executions, or those of the arm whose runs it cuts."""
+    arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm
+    return expand("results/executions/{arm}/seed{seed}/{scene}.jsonl", arm=arm, seed=SEEDS, scene=SCENES)
 
 
 def network_gpu(wildcards):

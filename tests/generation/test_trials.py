@@ -1,0 +1,154 @@
+"""Trials through the real engine: the manifest of the recorded tours, and tours that were damaged after they were recorded."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from ovman.generation import candidates, scenes, trials
+from ovman.models.candidate import Candidate
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.trial import Trial
+from ovman.models.visit import Visit
+from ovman.models.visit_files import FILES, TourError, VisitFiles, VisitManifest, check_visits, damages
+from ovman.sim import controller
+from ovman.workflow.parameter import stage_settings
+from tests.workflow.test_reruns import CONFIG
+
+SCENE = "FloorPlan401"
+DRAWN = (Relation.MOVED, Relation.REMOVED)
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """A results directory with the trials of a scene."""
+
+    root: Path
+
+    @property
+    def visits(self) -> Path:
+        return self.root / "results" / "visits"
+
+    @property
+    def results(self) -> Path:
+        return self.root / "results"
+
+    def run(self) -> tuple[bytes, VisitManifest]:
+        """The stage `trials`, as its script runs it: the trials, and the manifest."""
+        output, manifest = self.root / "trials.jsonl", self.visits / f"{SCENE}.json"
+        settings, journal = stage_settings(CONFIG, "trials"), self.root / "journal.jsonl"
+        trials.run(
+            self.root / "candidates.jsonl", self.root / "scene.json", settings, output, manifest, self.visits / SCENE, journal
+        )
+        return output.read_bytes(), VisitManifest.read(manifest)[0]
+
+    def pictures(self) -> dict[str, int]:
+        """When each file of the tours was written."""
+        return {str(path): path.stat().st_mtime_ns for path in (self.visits / SCENE).rglob("*.*")}
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    root = tmp_path_factory.mktemp("trials")
+    recorded = Recorded(root)
+    recorded.visits.mkdir(parents=True)
+    scenes.run(SCENE, stage_settings(CONFIG, "scenes"), root / "scene.json", root / "scenes.jsonl")
+    candidates.run(root / "scene.json", stage_settings(CONFIG, "candidates"), root / "candidates.jsonl")
+    drawn = {c.relation: c for c in Candidate.read(root / "candidates.jsonl") if c.refused is None}
+    (root / "candidates.jsonl").write_text(lines(drawn[relation] for relation in DRAWN))
+    return recorded, *recorded.run()
+
+
+@pytest.fixture
+def copy(made, tmp_path):
+    """A copy to damage."""
+    shutil.copytree(made[0].root, tmp_path / "copy")
+    return Recorded(tmp_path / "copy")
+
+
+def test_the_manifest_has_a_digest_of_every_tour_of_the_trials(made):
+    recorded, text, manifest = made
+    named = {name for line in text.splitlines() for name in json.loads(line)["measured"]["visits"].values()}
+    assert manifest.scene == SCENE and set(manifest.visits) == named and len(named) >= 2
+    for name, digest in manifest.visits.items():
+        directory = manifest.directory(recorded.visits, name)
+        files = VisitFiles.load(directory)
+        assert files.content == digest and damages(directory) == []
+        assert {*files.sha256, FILES} == {path.name for path in directory.iterdir()}
+    assert len(set(manifest.visits.values())) == len(named)
+    assert check_visits(recorded.results, SCENE) == []
+
+
+def test_what_is_kept_and_whole_is_not_recorded_again(made, monkeypatch):
+    recorded, text, manifest = made
+    before = recorded.pictures()
+    monkeypatch.setattr(controller, "start", lambda *arguments: pytest.fail("a simulator was started"))
+    assert recorded.run() == (text, manifest)
+    assert recorded.pictures() == before
+
+
+def flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+DAMAGES = {
+    "a lost picture": lambda tour: (tour / "03_rgb.png").unlink(),
+    "a flipped byte": lambda tour: flip(tour / "02_depth.png"),
+    "a torn record": lambda tour: (tour / "visit.json").write_bytes((tour / "visit.json").read_bytes()[:500]),
+    "torn digests": lambda tour: (tour / FILES).write_bytes((tour / FILES).read_bytes()[:500]),
+    "a lost tour": shutil.rmtree,
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_a_damaged_tour_is_named_in_one_line_and_recorded_again(made, copy, damage):
+    _, text, manifest = made
+    tour = copy.visits / SCENE / "untouched"
+    DAMAGES[damage](tour)
+    (line,) = check_visits(copy.results, SCENE)
+    assert line.startswith(str(tour)) and "\n" not in line
+    assert line.endswith(f"; record it again: snakemake --cores 2 --force {copy.visits / SCENE}.json")
+    before = copy.pictures()
+    assert copy.run() == (text, manifest)
+    assert check_visits(copy.results, SCENE) == []
+    again = {path for path, written in copy.pictures().items() if before.get(path) != written}
+    assert again and all(Path(path).parent == tour for path in again)
+
+
+def test_readers_refuse_another_recording_than_the_manifests(made, copy):
+    _, _, manifest = made
+    other = next(name for name in manifest.visits if name != "untouched")
+    shutil.rmtree(copy.visits / SCENE / "untouched")
+    shutil.copytree(copy.visits / SCENE / other, copy.visits / SCENE / "untouched")
+    with pytest.raises(TourError, match="untouched: another recording than the manifest's"):
+        manifest.directory(copy.visits, "untouched")
+    with pytest.raises(TourError, match="never: not in the manifest"):
+        manifest.directory(copy.visits, "never")
+    assert [line.split(": ")[1].split(";")[0] for line in check_visits(copy.results, SCENE)] == [
+        "another recording than the manifest's"
+    ]
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda path: path.unlink(), lambda path: path.write_text("{"), lambda path: path.write_text("")]
+)
+def test_a_lost_or_torn_manifest_is_one_line(made, copy, damage):
+    damage(copy.visits / f"{SCENE}.json")
+    (line,) = check_visits(copy.results, SCENE)
+    assert line.startswith(f"{copy.visits / SCENE}.json: ") and "record it again: snakemake" in line
+
+
+def test_trials_and_visits_say_the_same(made):
+    recorded, text, _ = made
+    for line in text.splitlines():
+        trial = Trial.parse(line)
+        for which in ("first", "second"):
+            visit = Visit.load(recorded.visits / SCENE / trial.measured.visits[which])
+            assert visit.sightings(trial.candidate.category) == trial.measured.sightings[which]
