@@ -16,7 +16,10 @@ check_file(os.path.join(workflow.basedir, "config.yaml"))
 configfile: os.path.join(workflow.basedir, "config.yaml")
 
 
-include: "workflow/rules/settings.smk"
+report: "workflow/report/workflow.rst"
+
+
+include: "workflow/rules/common.smk"
 include: "workflow/rules/simulator.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/candidates.smk"
@@ -37,9 +40,9 @@ include: "workflow/rules/language.smk"
 include: "workflow/rules/perception.smk"
 include: "workflow/rules/backprojection.smk"
 include: "workflow/rules/tables.smk"
-include: "workflow/rules/static.smk"
+include: "workflow/rules/static_tables.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/findings.smk"
+include: "workflow/rules/paper_comparison.smk"
 include: "workflow/rules/models.smk"
 
 

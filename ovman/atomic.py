@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from ovman.processes import alive
+
 SUFFIX = ".partial"
 
 
@@ -20,9 +22,11 @@ def partial_path(place: Path) -> Path:
 
 
 def clear_partials(place: Path) -> None:
-    """Remove what killed processes left of `place`. Only for a process that alone writes there."""
+    """Remove what killed processes left of `place`; what living ones are writing stays."""
     for left in place.parent.glob(f".{place.name}.*{SUFFIX}"):
-        remove(left)
+        process = left.name.removesuffix(SUFFIX).rpartition(".")[2]
+        if not process.isdigit() or not alive(int(process)):
+            remove(left)
 
 
 def put(partial: Path, place: Path) -> None:

@@ -2,20 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from ovman.agents.interface import Action, Observation, Visit
+from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
-from ovman.task import Query
-
-if TYPE_CHECKING:
-    from ovman.evaluation.context import Given
 
 
 class Oracle:
-    """Told where the answer is. For MOVING it is told which instance moves and reads its position from each observation.
+    """An agent that knows where the answer is. For MOVING it knows which instance moves and reads its position from observations.
 
     `answer` is a floor-plane point in metres; `follow` the name under which observations carry the moving target, or None.
     """
@@ -39,15 +33,15 @@ class Oracle:
         return self._pilot.act(observation, followed(observation, self._follow) or self._answer)
 
 
-def agent(given: Given) -> Oracle:
-    """The embodied arm oracle_check. ValueError for an arm that is not handed the answer."""
-    if given.told is None:
+def agent(context: AgentContext) -> Oracle:
+    """The embodied arm oracle_check. ValueError for an arm that is not given the answer."""
+    if context.privileged is None:
         raise ValueError("an oracle is told the answer; write answer: handed in its entry")
-    return Oracle(given.pilot, given.told.answer, given.told.follow)
+    return Oracle(context.pilot, context.privileged.answer, context.privileged.follow)
 
 
 def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:
-    """Where the instance called `name` is in an observation that hands positions; None if it is not among them."""
+    """Where the instance called `name` is in an observation with positions; None if it is not among them."""
     if name is None or observation.positions is None:
         return None
     return next(((s.x, s.z) for s in observation.positions if s.instance == name), None)

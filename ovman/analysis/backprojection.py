@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ovman.analysis import frames
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import Localised, localised
-from ovman.analysis.rows import csv_of
 from ovman.models.settings import Settings
 from ovman.perception.records import read_detections
 
@@ -28,5 +28,5 @@ def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, consta
         detected = read_detections(of_scene[scene.name]).get(UNTOUCHED) if scene.name in of_scene else None
         directory, min_mask_px = visits / scene.name / UNTOUCHED, constants.perception.detector.min_mask_px
         rows += localised(scene, directory, constants.camera.field_of_view_deg, min_mask_px, detected)
-    output.write_text(csv_of(Localised, rows), encoding="utf-8")
+    frames.write(output, Localised, rows)
     print(f"{len(rows)} masks of {len({(row.scene, row.object) for row in rows})} objects in {len(scenes)} scenes", flush=True)

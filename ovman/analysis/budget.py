@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
-from ovman.analysis.comparisons import ANSWER_GIVEN, RUNGS
 from ovman.analysis.rates import Rate
 from ovman.analysis.significance import Comparison
 from ovman.analysis.statistics import mcnemar_exact
+
+ANSWER_GIVEN = "answer given"
+"""Title of the highest rung, the answer itself, which needs no arm."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,35 +36,33 @@ class Step:
     p: float | None = None
 
 
-def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison]) -> list[Step]:
+def budget(rates: Iterable[Rate], comparisons: Iterable[Comparison], rungs: Mapping[str, str]) -> list[Step]:
     """The rungs from the lowest, each by relation and over all, and the answer given on top.
 
-    rates: of the static arms; comparisons: what ``significance`` made of the same outcomes. Without rates of one of the rungs
-    there is no budget, as a step over a missing rung would hide which of two handovers it is due to.
+    rates: of the static arms; comparisons: what ``significance`` made of the same outcomes, with a test of each rung against the
+    one below; rungs: titles by arm, from the lowest rung. Without rates of one of the rungs there is no budget: a step over a
+    missing rung would hide which of two handovers it is due to.
     """
     of_arm: dict[str, list[Rate]] = {}
     for rate in rates:
         of_arm.setdefault(rate.arm, []).append(rate)
-    if any(rung.arm not in of_arm for rung in RUNGS):
+    if not rungs or any(arm not in of_arm for arm in rungs):
         return []
     tests = {(row.arm, row.baseline, row.relation): row for row in comparisons}
-    steps: list[Step] = []
-    below: dict[str, Step] = {}
-    for lower, rung in zip((None, *RUNGS), RUNGS, strict=False):
-        here = {
-            rate.relation: Step(
-                rung.title, rung.arm, rate.relation, rate.n, round(rate.successes), rate.rate, rate.low, rate.high
-            )
-            for rate in of_arm[rung.arm]
+    of_rung = {
+        arm: {
+            rate.relation: Step(title, arm, rate.relation, rate.n, round(rate.successes), rate.rate, rate.low, rate.high)
+            for rate in of_arm[arm]
         }
-        if lower:
-            for relation, step in here.items():
-                test = tests[rung.arm, lower.arm, relation]
-                gain = step.rate - below[relation].rate
-                here[relation] = replace(step, gain=gain, gained=round(test.wins), lost=round(test.losses), p=test.p)
-        steps += here.values()
-        below = here
-    return steps + [_answer_given(step) for step in below.values()]
+        for arm, title in rungs.items()
+    }
+    for lower, upper in pairwise(rungs):
+        for relation, step in of_rung[upper].items():
+            test = tests[upper, lower, relation]
+            gain = step.rate - of_rung[lower][relation].rate
+            of_rung[upper][relation] = replace(step, gain=gain, gained=round(test.wins), lost=round(test.losses), p=test.p)
+    steps = [step for of_relation in of_rung.values() for step in of_relation.values()]
+    return steps + [_answer_given(step) for step in of_rung[next(reversed(of_rung))].values()]
 
 
 def _answer_given(below: Step) -> Step:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from ovman.analysis.outcomes import StaticOutcome
-from ovman.analysis.rates import Interval, by_arm, figures, static_rate
+from ovman.analysis.rates import Interval, by_arm, static_rate
 
 MANY = 4
 """Categories with at least so many instances are one group."""
@@ -44,7 +44,20 @@ def difficulty(outcomes: Sequence[StaticOutcome], confidence: float) -> list[Dif
         for group in sorted({key(outcome) for outcome in outcomes}, key=natural):
             for arm, of_arm in by_arm(outcomes).items():
                 rate = static_rate(arm, group, [outcome for outcome in of_arm if key(outcome) == group], confidence)
-                rows.append(Difficulty(by=by, group=group, **figures(rate, Difficulty)))
+                rows.append(
+                    Difficulty(
+                        by=by,
+                        group=group,
+                        arm=arm,
+                        n=rate.n,
+                        successes=rate.successes,
+                        rate=rate.rate,
+                        low=rate.low,
+                        high=rate.high,
+                        interval=rate.interval,
+                        confidence=confidence,
+                    )
+                )
     return rows
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from statistics import fmean
 
 from ovman.agents.dualmap.mapped import Mapped, RunMaps, read
-from ovman.analysis.rows import csv_of
+from ovman.analysis import frames
 
 VISIT, MAINTAINED, ALL = "two visits", "maintained map", "all"
 
@@ -53,7 +53,7 @@ def counted(scenes: Iterable[tuple[str, Sequence[RunMaps]]]) -> list[Objects]:
 def run(files: Sequence[Path], output: Path) -> None:
     """Write the rows of `counted`. files: of the stage "dualmap", named after the scenes."""
     rows = counted((path.stem, read(path)) for path in files)
-    output.write_text(csv_of(Objects, rows), encoding="utf-8")
+    frames.write(output, Objects, rows)
     for row in (row for row in rows if row.scene == ALL):
         counts = f"{row.objects_min} to {row.objects_max} objects, {row.objects_mean:.1f} on average"
         print(f"{row.memory}: {row.maps} maps of {counts}", flush=True)

@@ -6,14 +6,13 @@ pieces that are no objects have no entry in the scene's record. The detector is 
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ovman.models.scene import Scene
 from ovman.models.visit import Visit
 from ovman.perception.tour_files import picture
 from ovman.sim.visit import MILLIMETRES
@@ -39,24 +38,21 @@ class TrueScene:
     objects: tuple[TrueObject, ...]
 
     @staticmethod
-    def of(record: Mapping[str, Any]) -> TrueScene:
+    def of(scene: Scene) -> TrueScene:
         """From the record of the stage "scenes"."""
-
-        def point(values: Mapping[str, float]) -> tuple[float, float, float]:
-            return values["x"], values["y"], values["z"]
-
         return TrueScene(
-            record["scene"],
+            scene.scene,
             tuple(
-                TrueObject(o["id"], o["category"], point(o["position"]), point(o["size"]))
-                for o in record["objects"]
-                if o["category"] not in SHELL
+                TrueObject(o.id, o.category, (o.position.x, o.position.y, o.position.z), (o.size.x, o.size.y, o.size.z))
+                for o in scene.objects
+                if o.category not in SHELL
             ),
         )
 
     @staticmethod
     def load(path: Path) -> TrueScene:
-        return TrueScene.of(json.loads(path.read_text(encoding="utf-8")))
+        """From a file of the stage "scenes". Raises RecordError."""
+        return TrueScene.of(Scene.parse(path.read_text(encoding="utf-8"), str(path)))
 
     @property
     def categories(self) -> tuple[str, ...]:
@@ -70,7 +66,8 @@ class TrueScene:
         """
         place = {o.id: i for i, o in enumerate(self.objects)}
         table = np.array([-1, *(place.get(name, -1) for name in instances)], np.int32)
-        return table[index]
+        made: np.ndarray = table[index]
+        return made
 
 
 def true_ids(scene: TrueScene, visit: Visit, directory: Path, view: int) -> np.ndarray:

@@ -3,34 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import Any
 
-from ovman.agents.reference.reasoning import ReferenceConstants
-from ovman.analysis.outcomes import Case, StaticOutcome, read_cases, static_outcomes
+from ovman.analysis import frames
+from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
-from ovman.analysis.rows import csv_of
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
-from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.perceived import Perceived, read_perceived
-from ovman.evaluation.prediction import Prediction
-from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
-from ovman.models.record import line, read_records
+from ovman.models.episode import Episode
+from ovman.models.prediction import Prediction
+from ovman.models.record import line, lines
+from ovman.models.relation import Relation
 from ovman.models.settings import Settings
-from ovman.task import Relation
 
-SUPPLIED = "two_visits"
-SENTENCES, RELATION_INFERRED, INFERRED, METRICS = (
-    "sentences.jsonl",
-    "two_visits_relation_inferred.jsonl",
-    "two_visits_inferred.jsonl",
-    "language.csv",
-)
+SENTENCES, RELATION_INFERRED, INFERRED, METRICS = "sentences.jsonl", "relation_inferred", "inferred", "language.csv"
 
 
 class What(StrEnum):
@@ -81,17 +73,17 @@ def run(
 ) -> None:
     """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
 
-    supplied_file: the predictions of the arm two_visits. constants: benchmark.seed, success.radius_m, evaluation.confidence and
-    those of the reference agent. Raises ValueError in one line.
+    supplied_file: the predictions of the arm comparisons.agent. constants: comparisons.agent, success.radius_m,
+    evaluation.confidence and those of the reference agent. Raises ValueError in one line.
     """
-    episodes = list(read_records(episodes_file))
+    episodes = Episode.load(episodes_file)
     held_out = read_held_out(held_out_file)
-    asked = [ask(episode, held_out, constants.benchmark.seed) for episode in episodes]
+    asked = [ask(episode, held_out) for episode in episodes]
     perceived = read_perceived(maps_files, nouns_file)
-    supplied = prediction.read(supplied_file)
+    supplied = Prediction.read(supplied_file)
     relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
     both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
-    cases = read_cases(episodes_file)
+    cases = [Case.of(episode) for episode in episodes]
     rates = language_rates(
         asked,
         {
@@ -104,16 +96,16 @@ def run(
     )
     output_dir.mkdir(parents=True, exist_ok=True)
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
-    prediction.write(output_dir / RELATION_INFERRED, relation_inferred)
-    prediction.write(output_dir / INFERRED, both_inferred)
-    (output_dir / METRICS).write_text(csv_of(LanguageRate, rates), encoding="utf-8")
+    (output_dir / f"{RELATION_INFERRED}.jsonl").write_text(lines(relation_inferred), encoding="utf-8")
+    (output_dir / f"{INFERRED}.jsonl").write_text(lines(both_inferred), encoding="utf-8")
+    frames.write(output_dir / METRICS, LanguageRate, rates)
     right = sum(one.object_right and one.relation_right for one in asked)
     print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
 
 
 def inferred(
-    file: str,
-    episodes: Sequence[Mapping[str, Any]],
+    name: str,
+    episodes: Sequence[Episode],
     asked: Sequence[Asked],
     perceived: Mapping[str, Perceived],
     constants: Settings,
@@ -122,18 +114,19 @@ def inferred(
 ) -> list[Prediction]:
     """What the two-visit agent answers to the queries as they were understood.
 
-    file: named after the arm. said_noun: whether the noun is the one that was understood, or the category's own, supplied.
+    name: what follows the agent's name in that of the arm. said_noun: whether the noun is the one that was understood, or the
+    category's own, supplied.
     """
-    reference, arm = ReferenceConstants.of(constants), Path(file).stem
+    arm = f"{constants.comparisons.agent}_{name}"
     predictions = []
     for episode, one in zip(episodes, asked, strict=True):
         match one.understood:
             case Parsed(noun_phrase, relation):
-                phrase = noun_phrase if said_noun else noun(episode["category"])
-                outcome, evidence = answer(phrase, relation, episode["visits"], perceived[episode["scene"]], reference)
-                predictions.append(Prediction(one.episode, arm, 0, outcome, evidence))
+                phrase = noun_phrase if said_noun else episode.noun
+                outcome, evidence = answer(phrase, relation, episode.visits, perceived[episode.scene], constants)
+                predictions.append(Prediction.of(one.episode, arm, 0, outcome, evidence))
             case ParseFailure():
-                predictions.append(Prediction(one.episode, arm, 0, NOT_UNDERSTOOD))
+                predictions.append(Prediction.of(one.episode, arm, 0, NOT_UNDERSTOOD))
     return predictions
 
 
@@ -151,35 +144,38 @@ def language_rates(
         What.OBJECT: lambda one: one.object_right,
         What.RELATION: lambda one: one.relation_right,
         What.BOTH: lambda one: one.object_right and one.relation_right,
-        **{what: lambda one, of=of: of[one.episode] for what, of in succeeded.items()},
+        **{what: partial(_succeeds, of) for what, of in succeeded.items()},
     }
     groups = {str(relation): [one for one in asked if one.relation is relation] for relation in Relation} | {ALL: list(asked)}
     groups = {relation: group for relation, group in groups.items() if group}
 
-    def rate(what: What, relation: str, count: int, **more: Any) -> LanguageRate:
+    def rate(what: What, relation: str, count: int, read_as: str | None = None) -> LanguageRate:
         n = len(groups[relation])
         low, high = wilson_interval(count, n, confidence)
-        return LanguageRate(
-            what, relation, more.pop("read_as", None), n, count, count / n, low, high, confidence, origin=origin, **more
-        )
+        return LanguageRate(what, relation, read_as, n, count, count / n, low, high, confidence, origin=origin)
 
     rows = []
     for what, is_right in right.items():
         for relation, group in groups.items():
-            paired = _paired(group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else {}
-            rows.append(rate(what, relation, sum(map(is_right, group)), **paired))
+            row = rate(what, relation, sum(map(is_right, group)))
+            rows.append(_paired(row, group, succeeded[what], succeeded[What.SUPPLIED]) if what in _INFERRED else row)
     for relation, group in groups.items():
         for name in (*map(str, Relation), *map(str, ParseFailure)):
             count = sum(one.read_as == name for one in group)
             if count:
-                rows.append(rate(What.READ_AS, relation, count, read_as=name))
+                rows.append(rate(What.READ_AS, relation, count, name))
     return rows
 
 
 _INFERRED = (What.RELATION_INFERRED, What.INFERRED)
 
 
-def _paired(group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> dict[str, Any]:
+def _succeeds(of: Mapping[str, bool], one: Asked) -> bool:
+    return of[one.episode]
+
+
+def _paired(row: LanguageRate, group: Sequence[Asked], of: Mapping[str, bool], supplied: Mapping[str, bool]) -> LanguageRate:
+    """The row with its test against the success with the query supplied."""
     wins = sum(of[one.episode] and not supplied[one.episode] for one in group)
     losses = sum(supplied[one.episode] and not of[one.episode] for one in group)
-    return {"wins": wins, "losses": losses, "p": mcnemar_exact(wins, losses)}
+    return replace(row, wins=wins, losses=losses, p=mcnemar_exact(wins, losses))

@@ -61,7 +61,7 @@ def localised(
     visit = Visit.load(directory)
     if visit.alterations or any(view.moved for view in visit.views):
         raise ValueError(f"{directory}: something moves in this visit; the boxes of {scene.name} are those of the untouched one")
-    found = None if detected is None else detected.masks()
+    found = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()
     for number, view in enumerate(visit.views):
         ids, depth, pose = true_ids(scene, visit, directory, number), depth_m(directory, number), view.pose
         place = view.camera

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ovman.analysis import frames
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
@@ -12,20 +13,16 @@ from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodi
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
-from ovman.analysis.rows import csv_of
+from ovman.analysis.registry import of_stage
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
-from ovman.evaluation import prediction
-from ovman.models.record import records
+from ovman.models.prediction import Prediction
+from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind, Settings, arms_of
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
-STATIC_RATES, EMBODIED_RATES = "static_rates.csv", "embodied_rates.csv"
-TAXONOMY, SIGNIFICANCE, NAVIGATION = "taxonomy.csv", "significance.csv", "navigation.csv"
-DIFFICULTY, BUDGET = "difficulty.csv", "budget.csv"
-PAIRINGS, OWN_TASK, SEEDS, SCENES = "pairings.csv", "own_task.csv", "seeds.csv", "scenes.csv"
 
 
 def run(
@@ -36,21 +33,21 @@ def run(
     output_dir: Path,
     arms: Sequence[Arm] | None = None,
 ) -> None:
-    """Writes the csv files named above into output_dir, which is made if need be. Either list of files may be empty.
+    """Writes the files of the registry's stage "metrics" into output_dir, made if need be. Either list of files may be empty.
 
     Rows are in the order of the arms' table, then of the seeds, then of the episodes, whatever the order of the files. Numbers
     have six decimals, p-values six digits, counts none, what does not apply is empty. Pairs of arms of which one does not exist
     are not compared, and a line says so.
 
     arms: all arms that there are, those of `constants` if not given; a list of files that is not empty has all arms of its kind.
-    constants: arms, success.radius_m,
+    constants: arms, comparisons, success.radius_m,
     single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
     Raises ValueError in one line that names the file, the arm or the episode and the remedy.
     """
     arms = arms_of(constants.arms) if arms is None else arms
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases, arms)]
-    runs = [record for path in run_files for _, record in records(path)]
+    runs = [run for path in run_files for run in Score.read(path)]
     static = static_outcomes(
         cases,
         predictions,
@@ -71,28 +68,29 @@ def run(
     static, embodied = sorted(static, key=order), sorted(embodied, key=order)
     confidence, radius = constants.evaluation.confidence, constants.success.radius_m
     rates = static_rates(static, confidence)
-    compared, left_out = significance(static, embodied)
-    paired, unpaired = pairings(static)
+    compared, left_out = significance(static, embodied, constants.comparisons.pairs.values())
+    paired, unpaired = pairings(static, constants.comparisons.pairings.values())
     navigations = navigation(static, embodied, arms)
     for line in (*left_out, *unpaired):
         print(line, flush=True)
     output_dir.mkdir(parents=True, exist_ok=True)
-    for name, kind, rows in (
-        (STATIC_OUTCOMES, StaticOutcome, static),
-        (EMBODIED_OUTCOMES, EmbodiedOutcome, embodied),
-        (STATIC_RATES, Rate, rates),
-        (EMBODIED_RATES, Rate, embodied_rates(embodied, confidence)),
-        (TAXONOMY, TaxonomyCount, taxonomy(static, navigations, radius, constants.evaluation.near_miss_m)),
-        (SIGNIFICANCE, Comparison, compared),
-        (NAVIGATION, Navigation, navigations),
-        (DIFFICULTY, Difficulty, difficulty(static, confidence)),
-        (BUDGET, Step, budget(rates, compared)),
-        (PAIRINGS, Pairing, paired),
-        (OWN_TASK, OwnTask, own_task(embodied)),
-        (SEEDS, Pass, passes(static, embodied)),
-        (SCENES, SceneRate, scenes(static, embodied, confidence)),
-    ):
-        (output_dir / name).write_text(csv_of(kind, rows), encoding="utf-8")
+    made: dict[str, str] = {
+        "static_outcomes": frames.csv_text(StaticOutcome, static),
+        "embodied_outcomes": frames.csv_text(EmbodiedOutcome, embodied),
+        "static_rates": frames.csv_text(Rate, rates),
+        "embodied_rates": frames.csv_text(Rate, embodied_rates(embodied, confidence)),
+        "taxonomy": frames.csv_text(TaxonomyCount, taxonomy(static, navigations, radius, constants.evaluation.near_miss_m)),
+        "significance": frames.csv_text(Comparison, compared),
+        "navigation": frames.csv_text(Navigation, navigations),
+        "difficulty": frames.csv_text(Difficulty, difficulty(static, confidence)),
+        "budget": frames.csv_text(Step, budget(rates, compared, constants.comparisons.rungs)),
+        "pairings": frames.csv_text(Pairing, paired),
+        "own_task": frames.csv_text(OwnTask, own_task(embodied)),
+        "seeds": frames.csv_text(Pass, passes(static, embodied)),
+        "scenes": frames.csv_text(SceneRate, scenes(static, embodied, confidence)),
+    }
+    for name in of_stage("metrics"):
+        (output_dir / f"{name}.csv").write_text(made[name], encoding="utf-8", newline="\n")
 
 
 def _whole(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome], arms: Sequence[Arm]) -> None:
@@ -119,8 +117,8 @@ def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:
             )
 
 
-def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list[prediction.Prediction]:
-    answered = prediction.read(path)
+def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list[Prediction]:
+    answered = Prediction.read(path)
     if not answered and path.stem in _may_lack(arms):
         return []
     # Without this an arm that broke off before its first answer would leave the tables as silently as one that does not exist.

@@ -7,17 +7,14 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from ovman.agents.reference.decision import Abstention, Answer
-from ovman.agents.reference.single_visit import success_probability
-from ovman.evaluation.prediction import Prediction
-from ovman.models.record import records
-from ovman.task import Relation
+from ovman.evaluation.scoring import success_probability
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, Answer, Prediction
+from ovman.models.relation import Relation
+from ovman.models.run import Score
 from ovman.workflow.seeds import generator
 
-RUN_SCHEMA = "ovman-run/1"
-RUN_OUTCOMES = ("stopped", "abstained", "budget", "stalled")
 OWN_SUCCESS = "own_success"
 """Key of a run record: the verdict on the agent's own task, of arms that have one."""
 EXPECTED = "expected"
@@ -38,24 +35,18 @@ class Case:
     others: tuple[tuple[float, float], ...] = ()
 
     @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Case:
-        """From an episode record. Raises ValueError that names the key."""
-        try:
-            relation, category = Relation(record["relation"]), record["category"]
-            world = record["world_1" if relation.past else "world_2"]
-            return cls(
-                id=record["id"],
-                scene=record["scene"],
-                relation=relation,
-                category=category,
-                instances=int(record["instances_in_category"]),
-                answer=(float(record["answer"]["x"]), float(record["answer"]["z"])),
-                others=tuple(
-                    (float(k["x"]), float(k["z"])) for k in world if k["category"] == category and k["id"] != record["target"]
-                ),
-            )
-        except KeyError as missing:
-            raise ValueError(f"{missing} is missing from the episode; add it") from None
+    def of(cls, episode: Episode) -> Case:
+        """What judging needs of an episode."""
+        world = episode.world_1 if episode.relation.past else episode.world_2
+        return cls(
+            id=episode.id,
+            scene=episode.scene,
+            relation=episode.relation,
+            category=episode.category,
+            instances=episode.instances_in_category,
+            answer=episode.answer,
+            others=tuple(i.position for i in world if i.category == episode.category and i.id != episode.target),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,22 +94,8 @@ class EmbodiedOutcome:
 
 
 def read_cases(episodes_file: Path) -> list[Case]:
-    """The episodes of a file of JSON lines, in its order.
-
-    Raises ValueError that names file and line, or the id that is there twice.
-    """
-    cases = []
-    for place, record in records(episodes_file):
-        try:
-            cases.append(Case.of(record))
-        except (ValueError, TypeError) as error:
-            raise ValueError(f"{place}: {error}") from None
-    seen: set[str] = set()
-    for case in cases:
-        if case.id in seen:
-            raise ValueError(f"{episodes_file}: {case.id} is there twice; an episode's id is unique")
-        seen.add(case.id)
-    return cases
+    """The episodes of a JSONL file, in its order. RecordError, one line, as `Episode.load`."""
+    return [Case.of(episode) for episode in Episode.load(episodes_file)]
 
 
 def is_expectation(outcome: StaticOutcome | EmbodiedOutcome) -> bool:
@@ -173,40 +150,32 @@ def static_outcomes(
     return outcomes
 
 
-def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Mapping[str, Any]]) -> list[EmbodiedOutcome]:
-    """Every judged run record ("ovman-run/1") beside its episode, in the order of the runs.
+def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Score]) -> list[EmbodiedOutcome]:
+    """Every judged run beside its episode, in the order of the runs.
 
-    Raises ValueError for another schema, a missing key, an outcome that there is not, or unless each (arm, seed) runs every
-    episode exactly once.
+    Raises ValueError unless each (arm, seed) runs every episode exactly once.
     """
     by_id = {case.id: case for case in cases}
     outcomes = []
     for run in runs:
-        if run.get("schema") != RUN_SCHEMA:
-            raise ValueError(f'"schema" of a run is {run.get("schema")!r}; this version reads {RUN_SCHEMA!r}')
-        try:
-            case = _case(by_id, run["episode"], run["arm"])
-            if run["outcome"] not in RUN_OUTCOMES:
-                raise ValueError(f"{run['episode']}: a run ends {', '.join(RUN_OUTCOMES)}, not {run['outcome']!r}")
-            outcomes.append(
-                EmbodiedOutcome(
-                    episode=case.id,
-                    scene=case.scene,
-                    relation=case.relation,
-                    category=case.category,
-                    instances=case.instances,
-                    arm=run["arm"],
-                    seed=int(run["seed"]),
-                    outcome=run["outcome"],
-                    success=bool(run["success"]),
-                    spl=float(run["spl"]),
-                    path_length_m=float(run["path_length_m"]),
-                    actions=int(run["actions"]),
-                    own_success=None if run.get(OWN_SUCCESS) is None else bool(run[OWN_SUCCESS]),
-                )
+        case = _case(by_id, run.episode, run.arm)
+        outcomes.append(
+            EmbodiedOutcome(
+                episode=case.id,
+                scene=case.scene,
+                relation=case.relation,
+                category=case.category,
+                instances=case.instances,
+                arm=run.arm,
+                seed=run.seed,
+                outcome=run.outcome,
+                success=run.success,
+                spl=run.spl,
+                path_length_m=run.path_length_m,
+                actions=run.actions,
+                own_success=run.own_success,
             )
-        except KeyError as missing:
-            raise ValueError(f"{run.get('episode')}: {missing} is missing from the run; judge the executions again") from None
+        )
     _complete(by_id, outcomes)
     return outcomes
 

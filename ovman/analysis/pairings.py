@@ -6,13 +6,14 @@ of its own, and what is claimed must hold for the worst of them.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ovman.analysis.comparisons import PAIRINGS, Pair, among
+from ovman.analysis.comparisons import among
 from ovman.analysis.outcomes import StaticOutcome
 from ovman.analysis.rates import by_arm, by_seed
 from ovman.analysis.significance import Method, family
+from ovman.models.settings import Pair
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,7 @@ class Pairing:
     p_holm: float | None
 
 
-def pairings(outcomes: Sequence[StaticOutcome], candidates: Sequence[Pair] = PAIRINGS) -> tuple[list[Pairing], list[str]]:
+def pairings(outcomes: Sequence[StaticOutcome], candidates: Iterable[Pair]) -> tuple[list[Pairing], list[str]]:
     """Every pairing of runs of the candidates whose arms have outcomes, and a line for each pair that was left out.
 
     Rows are by pair, the arm's run, the baseline's run, then relation and all.
@@ -55,7 +56,7 @@ def pairings(outcomes: Sequence[StaticOutcome], candidates: Sequence[Pair] = PAI
 def _of_pair(pair: Pair, arm: Sequence[StaticOutcome], baseline: Sequence[StaticOutcome]) -> list[Pairing]:
     return [
         Pairing(
-            title=pair.title,
+            title=pair.name,
             arm=pair.arm,
             baseline=pair.baseline,
             arm_run=run,

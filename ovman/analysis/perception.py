@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman.analysis import frames
 from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.localisation import box_distance_m
-from ovman.analysis.rows import csv_of
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
@@ -43,7 +43,7 @@ def run(
         if tours:
             seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.min_mask_px))
     rows = scores(seen)
-    output.write_text(csv_of(Score, rows), encoding="utf-8")
+    frames.write(output, Score, rows)
     whole = rows[0]
     print(f"{sum(one.tours for one in seen)} tours: {whole.true} true masks, {whole.found} detected ones", flush=True)
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.statistics import poisson_binomial, wilson_interval
-from ovman.task import Relation
+from ovman.models.relation import Relation
 
 ALL = "all"
 
-Outcome = TypeVar("Outcome", StaticOutcome, EmbodiedOutcome)
+Outcome = TypeVar("Outcome", bound=StaticOutcome | EmbodiedOutcome)
 
 
 class Interval(StrEnum):
@@ -88,11 +88,6 @@ def embodied_rate(arm: str, relation: str, group: Sequence[EmbodiedOutcome], con
     return _rate(arm, relation, group, None, confidence, math.fsum(outcome.spl for outcome in group) / len(group))
 
 
-def figures(rate: Rate, row: type) -> dict[str, Any]:
-    """What a rate says of the fields of `row`, a dataclass for the rates of other groups: those of the same name."""
-    return {field.name: getattr(rate, field.name) for field in fields(row) if field.name in Rate.__slots__}
-
-
 def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
     """The outcomes of each arm, arms in the order in which they come."""
     arms: dict[str, list[Outcome]] = {}
@@ -103,7 +98,9 @@ def by_arm(outcomes: Iterable[Outcome]) -> dict[str, list[Outcome]]:
 
 def by_relation(outcomes: Sequence[Outcome]) -> list[tuple[str, list[Outcome]]]:
     """The outcomes of each relation that has some, in the order of the task, and then "all" of them."""
-    parts = [(relation.value, [o for o in outcomes if o.relation is relation]) for relation in Relation]
+    parts: list[tuple[str, list[Outcome]]] = [
+        (relation.value, [o for o in outcomes if o.relation is relation]) for relation in Relation
+    ]
     return [*((relation, group) for relation, group in parts if group), (ALL, list(outcomes))]
 
 
@@ -134,8 +131,8 @@ def expected_range(runs: Sequence[Sequence[float]], confidence: float) -> tuple[
     # From the far end inwards, so that small tails are added before large ones.
     tails = [*np.minimum(np.cumsum(distribution[::-1])[::-1], 1.0).tolist(), 0.0]
     tails[0] = 1.0
-    low = max(k for k in range(n + 1) if tails[k] >= 1.0 - outside)
-    high = min(k for k in range(n + 1) if tails[k + 1] <= outside)
+    low = max(k for k, at_least in enumerate(tails) if at_least >= 1.0 - outside)
+    high = min(k for k, more in enumerate(tails[1:]) if more <= outside)
     return low / n, high / n
 
 

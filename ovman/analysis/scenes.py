@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ovman.analysis.difficulty import natural
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.rates import Interval, Rate, by_arm, embodied_rate, figures, static_rate
+from ovman.analysis.rates import Interval, Outcome, Rate, by_arm, embodied_rate, static_rate
 from ovman.models.settings import Kind
 
 
@@ -38,10 +38,28 @@ def scenes(static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome],
     ]
 
 
-def _of_kind(kind: Kind, outcomes: Sequence, rate_of: Callable[..., Rate], confidence: float) -> list[SceneRate]:
+def _of_kind(
+    kind: Kind, outcomes: Sequence[Outcome], rate_of: Callable[[str, str, Sequence[Outcome], float], Rate], confidence: float
+) -> list[SceneRate]:
     rows = []
     for arm, of_arm in by_arm(outcomes).items():
         for scene in sorted({outcome.scene for outcome in of_arm}, key=natural):
             rate = rate_of(arm, scene, [outcome for outcome in of_arm if outcome.scene == scene], confidence)
-            rows.append(SceneRate(kind=kind, scene=scene, **figures(rate, SceneRate)))
+            rows.append(
+                SceneRate(
+                    kind=kind,
+                    arm=arm,
+                    scene=scene,
+                    n=rate.n,
+                    seeds=rate.seeds,
+                    successes=rate.successes,
+                    rate=rate.rate,
+                    low=rate.low,
+                    high=rate.high,
+                    interval=rate.interval,
+                    confidence=confidence,
+                    least=rate.least,
+                    greatest=rate.greatest,
+                )
+            )
     return rows

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ovman.analysis.segmentation import Segmented
 from ovman.perception.retrieval import Ranks
@@ -39,8 +40,8 @@ class Score:
     """One row: the members of a group. What does not apply is None.
 
     true, recalled: true instances in single views, and how many were found. found, right: detected masks, and how many show an
-    instance; doubled: how many of those show one that a surer mask shows, which precision counts as right and precision_once as
-    wrong. crops: right masks whose category was looked for;
+    instance; doubled: how many of those show one that a mask of higher confidence shows, which precision counts as right and
+    precision_once as wrong. crops: right masks whose category was looked for;
     named: those whose category has synonyms, on which own_* and synonym_* are compared. chance_*: guessing. off_box_*: from the
     place of a right mask to its object's box, metres.
     """
@@ -95,8 +96,8 @@ def scores(seen: Sequence[Seen]) -> list[Score]:
     ]
     rows.append(_mean(by_category))
     for name, low, high in _sizes():
-        within = [(column >= low) & (column < high) for column in (pool.true_px, pool.px)]
-        rows.append(_score(pool, SIZE, name, *within))
+        true, mask = ((column >= low) & (column < high) for column in (pool.true_px, pool.px))
+        rows.append(_score(pool, SIZE, name, true, mask))
     for one in seen:
         rows.append(_score(pool, SCENE, one.scene, pool.true_scene == one.scene, pool.scene == one.scene))
     return rows + by_category
@@ -110,13 +111,13 @@ def _sizes() -> Iterator[tuple[str, float, float]]:
 
 
 def _pooled(seen: Sequence[Seen]) -> _Pool:
-    def column(values: list[np.ndarray], kind: type) -> np.ndarray:
+    def column(values: Sequence[ArrayLike], kind: type) -> np.ndarray:
         return np.concatenate([np.asarray(value, kind) for value in values]) if values else np.zeros(0, kind)
 
     def category(one: Seen, objects: np.ndarray) -> list[str]:
         return [one.categories[index] if index >= 0 else "" for index in objects]
 
-    measures = {
+    measures: dict[str, Callable[[Seen], np.ndarray]] = {
         "top1": lambda one: one.ranks.top(FIRST),
         "top5": lambda one: one.ranks.top(FEW),
         "chance_top1": lambda one: one.ranks.chance(FIRST),
@@ -180,8 +181,19 @@ def _mean(rows: Sequence[Score]) -> Score:
     def mean(name: str) -> float | None:
         return _rate([getattr(row, name) for row in rows if getattr(row, name) is not None])
 
-    rates = ("recall", "top1", "top5", "chance_top1", "chance_top5", "own_top1", "own_top5", "synonym_top1", "synonym_top5")
-    return Score(CATEGORIES, "mean", **{name: mean(name) for name in rates})
+    return Score(
+        CATEGORIES,
+        "mean",
+        recall=mean("recall"),
+        top1=mean("top1"),
+        top5=mean("top5"),
+        chance_top1=mean("chance_top1"),
+        chance_top5=mean("chance_top5"),
+        own_top1=mean("own_top1"),
+        own_top5=mean("own_top5"),
+        synonym_top1=mean("synonym_top1"),
+        synonym_top5=mean("synonym_top5"),
+    )
 
 
 def _rate(values: Sequence[float] | np.ndarray) -> float | None:

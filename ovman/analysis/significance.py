@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from ovman.analysis.comparisons import Pair, among
+from ovman.analysis.comparisons import among
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation, by_seed
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
+from ovman.models.settings import Pair
+
+Outcome = StaticOutcome | EmbodiedOutcome
 
 
 class Method(StrEnum):
@@ -45,18 +48,20 @@ class Comparison:
     p_holm: float | None
 
 
-def significance(static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome]) -> tuple[list[Comparison], list[str]]:
-    """Every pair of ``comparisons.PAIRS`` whose arms have outcomes, by pair, seed, relation, then all; and the pairs left out.
+def significance(
+    static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome], candidates: Iterable[Pair]
+) -> tuple[list[Comparison], list[str]]:
+    """Every candidate whose arms have outcomes, by pair, seed, relation, then all; and a line for each that was left out.
 
     Seeds are paired: arms are compared under each seed that both have. Raises ValueError where both arms have outcomes but share
     no seed or not the same episodes, or where an arm that is to be tested is itself a stochastic pick.
     """
-    arms: Mapping[str, Sequence[StaticOutcome | EmbodiedOutcome]] = {**by_arm(static), **by_arm(embodied)}
-    pairs, left_out = among(arms)
+    arms: Mapping[str, Sequence[Outcome]] = {**by_arm(static), **by_arm(embodied)}
+    pairs, left_out = among(arms, candidates)
     return [row for pair in pairs for row in _of_pair(pair, arms[pair.arm], arms[pair.baseline])], left_out
 
 
-def _of_pair(pair: Pair, arm: Sequence, baseline: Sequence) -> list[Comparison]:
+def _of_pair(pair: Pair, arm: Sequence[Outcome], baseline: Sequence[Outcome]) -> list[Comparison]:
     seeds = sorted({outcome.seed for outcome in arm} & {outcome.seed for outcome in baseline})
     if not seeds:
         raise ValueError(f"{pair.arm} and {pair.baseline} share no seed; make their records again under the same seeds")
@@ -64,7 +69,7 @@ def _of_pair(pair: Pair, arm: Sequence, baseline: Sequence) -> list[Comparison]:
     return [row for seed in seeds for row in family(pair, seed, ours[seed], theirs[seed])]
 
 
-def family(pair: Pair, seed: int, arm: Sequence, baseline: Sequence) -> list[Comparison]:
+def family(pair: Pair, seed: int, arm: Sequence[Outcome], baseline: Sequence[Outcome]) -> list[Comparison]:
     """One pass of an arm against one pass of its baseline: by relation, corrected for the relations, then all.
 
     seed: what the rows are marked with. Raises ValueError where the two are not over the same episodes, or where the arm is
@@ -81,7 +86,7 @@ def family(pair: Pair, seed: int, arm: Sequence, baseline: Sequence) -> list[Com
     return [replace(row, p_holm=p) for row, p in zip(relations, corrected, strict=True)] + [whole]
 
 
-def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequence) -> Comparison:
+def _compare(pair: Pair, seed: int, relation: str, arm: Sequence[Outcome], baseline: Sequence[Outcome]) -> Comparison:
     if any(map(is_expectation, arm)):
         raise ValueError(f"{pair.arm} is a stochastic pick, which no exact test sets against {pair.baseline}")
     ours = [bool(outcome.success) for outcome in arm]
@@ -93,7 +98,7 @@ def _compare(pair: Pair, seed: int, relation: str, arm: Sequence, baseline: Sequ
     else:
         test, p = Method.MCNEMAR, mcnemar_exact(int(wins), int(losses))
     return Comparison(
-        title=pair.title,
+        title=pair.name,
         arm=pair.arm,
         baseline=pair.baseline,
         seed=seed,

@@ -30,16 +30,16 @@ class Pass:
 def passes(static: Sequence[StaticOutcome], embodied: Sequence[EmbodiedOutcome]) -> list[Pass]:
     """Static arms with several runs, then every embodied arm: by arm, then relation and all, then seed.
 
-    A static arm with one run answers the same under every seed; what becomes of a drive hangs on the seed.
+    A static arm with one run answers the same under every seed; a drive depends on the seed.
     """
-    rows = []
-    for kind, outcomes in ((Kind.STATIC, static), (Kind.EMBODIED, embodied)):
-        for arm, of_arm in by_arm(outcomes).items():
-            if kind is Kind.STATIC and len(by_seed(of_arm)) == 1:
-                continue
-            rows += [
-                Pass(kind, arm, relation, seed, len(run), total := math.fsum(o.success for o in run), total / len(run))
-                for relation, group in by_relation(of_arm)
-                for seed, run in by_seed(group).items()
-            ]
-    return rows
+    several = [o for of_arm in by_arm(static).values() if len(by_seed(of_arm)) > 1 for o in of_arm]
+    return [*_of_kind(Kind.STATIC, several), *_of_kind(Kind.EMBODIED, embodied)]
+
+
+def _of_kind(kind: Kind, outcomes: Sequence[StaticOutcome | EmbodiedOutcome]) -> list[Pass]:
+    return [
+        Pass(kind, arm, relation, seed, len(run), total := math.fsum(o.success for o in run), total / len(run))
+        for arm, of_arm in by_arm(outcomes).items()
+        for relation, group in by_relation(of_arm)
+        for seed, run in by_seed(group).items()
+    ]

@@ -159,6 +159,14 @@ class Episode(Record):
         )
 
 
+def root_seed(episodes: Sequence[Episode]) -> int:
+    """The root of the random numbers of episodes of one release; 0 for no episodes. ValueError where they have several."""
+    seeds = sorted({episode.provenance.seed for episode in episodes})
+    if len(seeds) > 1:
+        raise ValueError(f"the episodes were made from the seeds {seeds}; use episodes of one release")
+    return seeds[0] if seeds else 0
+
+
 def episode_lines(episodes: Sequence[Episode]) -> str:
     """The episodes as the text of a JSONL file."""
     return lines(episodes)

@@ -8,10 +8,12 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from platformdirs import user_cache_path
+
 
 def cache() -> Path:
-    """The folder of ovman in the user's cache."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ovman"
+    """The folder of ovman in the user's cache: ~/.cache/ovman, or below XDG_CACHE_HOME, on Linux."""
+    return user_cache_path("ovman", appauthor=False)
 
 
 def keep_to_themselves() -> None:

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
+from ovman.atomic import replace_bytes
 from ovman.perception.libraries import cache
 
 AT_MOST = 16
@@ -44,19 +45,9 @@ class NetworkCache:
             return whole[_DIGEST:]
         made = make()
         with suppress(OSError):  # a full or read-only disk, or another process that removes this network
-            _write(path, hashlib.sha256(made).digest() + made)
+            replace_bytes(path, hashlib.sha256(made).digest() + made)
             _forget(path.parent)
         return made
-
-
-def _write(path: Path, whole: bytes) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        partial.write_bytes(whole)
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
 
 
 def _forget(used: Path) -> None:

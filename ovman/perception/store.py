@@ -5,10 +5,10 @@ Files are written beside their place and renamed, so that processes may write th
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
+from ovman.atomic import clear_partials, replacing
 from ovman.perception.array_file import ArrayFileError
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, write_detections
@@ -28,23 +28,7 @@ class Store:
                 return read_detections(path)[content], True
             except (ArrayFileError, KeyError):
                 path.unlink(missing_ok=True)
-        for left in path.parent.glob(f".{path.name}.*.partial"):
-            if not _alive(int(left.name.split(".")[-2])):
-                left.unlink(missing_ok=True)
-        partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-        try:
+        clear_partials(path)
+        with replacing(path) as partial:
             write_detections(partial, {content: look()})
-            os.replace(partial, path)
-        finally:
-            partial.unlink(missing_ok=True)
         return read_detections(path)[content], False
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True

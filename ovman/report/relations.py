@@ -8,18 +8,19 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ovman.agents.interface import VISITS
-from ovman.models.record import read_records
+from ovman.models.episode import Episode
+from ovman.models.relation import Relation
 from ovman.models.settings import Settings
+from ovman.models.settings.benchmark import Camera
 from ovman.models.visit import View, Visit
 from ovman.perception import tour_files
-from ovman.task import Relation
 
 PANEL_INCHES = 2.6
 PIN = "#ffd23f"
@@ -48,7 +49,7 @@ def project(
     return width_px / 2 + focal * float(offset @ right) / depth, height_px / 2 - focal * float(offset @ up) / depth, depth
 
 
-def _score(point: Sequence[float], view: View, camera: Any) -> float:
+def _score(point: Sequence[float], view: View, camera: Camera) -> float:
     """How well a view shows a point: central and at a good distance; -inf where it is out of the frame."""
     u, v, depth = project(point, view, camera.width_px, camera.height_px, camera.field_of_view_deg)
     if depth <= 0.3 or not (0 <= u < camera.width_px and 0 <= v < camera.height_px):
@@ -57,22 +58,22 @@ def _score(point: Sequence[float], view: View, camera: Any) -> float:
     return -off_centre - 0.25 * abs(math.log(depth / BEST_DISTANCE_M))
 
 
-def _pin_point(episode: Mapping[str, Any], first: Visit, second: Visit) -> tuple[float, float, float]:
+def _pin_point(episode: Episode, first: Visit, second: Visit) -> tuple[float, float, float]:
     """The answer in space: on the floor plane where the record says, at the height of the object that is or was there."""
-    relation = Relation(episode["relation"])
-    where = (first if relation.past else second).positions[-1][episode["target"]]
-    return episode["answer"]["x"], where.y, episode["answer"]["z"]
+    where = (first if episode.relation.past else second).positions[-1][episode.target]
+    x, z = episode.answer
+    return x, where.y, z
 
 
-def best_view(episode: Mapping[str, Any], first: Visit, second: Visit, constants: Settings) -> tuple[int, float]:
+def best_view(episode: Episode, first: Visit, second: Visit, constants: Settings) -> tuple[int, float]:
     """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
     point = _pin_point(episode, first, second)
-    showing = first if Relation(episode["relation"]).past else second
+    showing = first if episode.relation.past else second
     min_mask_px = constants.admissibility.min_mask_px
-    target, answer = episode["target"], episode["answer"]
+    target, answer = episode.target, episode.answer
     scores = [-math.inf] * len(showing.views)
     for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
-        away = math.hypot(here[target].x - answer["x"], here[target].z - answer["z"])
+        away = math.dist((here[target].x, here[target].z), answer)
         px = view.seen.get(target, 0)
         if px >= min_mask_px and away <= THERE_M:
             scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / min_mask_px)
@@ -90,7 +91,7 @@ def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
     axis.plot(u, top, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.4)
 
 
-def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constants: Settings, output: Path) -> None:
+def draw(chosen: Sequence[tuple[Episode, Visit, Visit, Path]], constants: Settings, output: Path) -> None:
     """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG)."""
     import matplotlib
 
@@ -101,7 +102,7 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
     columns = len(chosen)
     figure, axes = plt.subplots(2, columns, figsize=(PANEL_INCHES * columns, PANEL_INCHES * 2 + 0.9), squeeze=False)
     for column, (episode, first, second, visits) in enumerate(chosen):
-        relation = Relation(episode["relation"])
+        relation = episode.relation
         index, _ = best_view(episode, first, second, constants)
         point = _pin_point(episode, first, second)
         for row, visit in enumerate((first, second)):
@@ -118,25 +119,26 @@ def draw(chosen: Sequence[tuple[Mapping[str, Any], Visit, Visit, Path]], constan
             if column == 0:
                 axis.set_ylabel("first visit" if row == 0 else "second visit", fontsize=11, color=INK)
         axes[0, column].set_title(relation.value.upper(), fontsize=11, fontweight="bold", color=INK)
-        axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode['sentence']}”", 30)), fontsize=10, color=INK)
+        axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode.sentence}”", 30)), fontsize=10, color=INK)
     figure.tight_layout(pad=0.6)
     figure.savefig(output, dpi=110, format="png")
     plt.close(figure)
 
 
 def run(episodes_file: Path, visits_dir: Path, constants: Settings, output: Path) -> None:
-    """Draw the best shown episode of each relation, each from another scene where there is one."""
-    episodes = read_records(episodes_file)
-    chosen, scenes = [], set()
+    """Draw the best shown episode of each relation, each from another scene if possible."""
+    episodes = Episode.load(episodes_file)
+    chosen: list[tuple[Episode, Visit, Visit, Path]] = []
+    scenes: set[str] = set()
     for relation in Relation:
         ranked = []
-        for episode in (e for e in episodes if e["relation"] == relation.value):
-            directory = Path(visits_dir) / episode["scene"]
-            first, second = (Visit.load(directory / episode["visits"][v]) for v in VISITS)
+        for episode in (e for e in episodes if e.relation is relation):
+            directory = Path(visits_dir) / episode.scene
+            first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
             _, score = best_view(episode, first, second, constants)
-            ranked.append((episode["scene"] in scenes, -score, episode["id"], episode, first, second, directory))
+            ranked.append((episode.scene in scenes, -score, episode.id, episode, first, second, directory))
         if ranked:
             *_, episode, first, second, directory = min(ranked, key=lambda r: r[:3])
-            scenes.add(episode["scene"])
+            scenes.add(episode.scene)
             chosen.append((episode, first, second, directory))
     draw(chosen, constants, Path(output))

@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import math
 import shutil
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
+from ovman.analysis.frames import read_rows
 from ovman.models.episode import Episode
-from ovman.models.record import read_records
-from ovman.report.markdown import pipe_table
-from ovman.task import Rejection, Relation
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.report.tables.rejections import RejectionCount
+from ovman.report.tables.table import pipe_table
 from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl",)
@@ -46,18 +46,12 @@ def release(results: Path, output: Path, card: str) -> list[Path]:
     return sorted(names)
 
 
-def rows(path: Path) -> list[dict[str, str]]:
-    """The rows of a released csv file."""
-    with path.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
 def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
     """A table whose first `words` columns are text and the others numbers."""
     return pipe_table(header, body, [index >= words for index in range(len(header))]).rstrip()
 
 
-def _counts(episodes: Sequence[Episode], key: Any) -> list[list[str]]:
+def _counts(episodes: Sequence[Episode], key: Callable[[Episode], str]) -> list[list[str]]:
     """A row for each value of `key`, sorted by number of episodes: value, six relations, all."""
     table: dict[str, Counter[str]] = {}
     for episode in episodes:
@@ -66,10 +60,10 @@ def _counts(episodes: Sequence[Episode], key: Any) -> list[list[str]]:
     return [[name, *(str(counts[r.value] or "") for r in Relation), str(counts.total())] for name, counts in rows]
 
 
-def _rejections(rows: Sequence[Mapping[str, str]]) -> list[list[str]]:
+def _rejections(rows: Sequence[RejectionCount]) -> list[list[str]]:
     """A row for each stage and reason, in the order of Algorithm 1: what was drawn, what was rejected, what is left."""
     order = [("drawn", ""), *((r.stage.value, r.value) for r in Rejection), ("certified", ""), ("released", "")]
-    count = Counter({(row["stage"], row["reason"], row["relation"]): int(row["count"]) for row in rows})
+    count = Counter({(row.stage, row.reason, row.relation): row.count for row in rows})
     table = []
     for stage, reason in order:
         counts = [count[stage, reason, relation.value] for relation in Relation]
@@ -81,8 +75,8 @@ def _rejections(rows: Sequence[Mapping[str, str]]) -> list[list[str]]:
 def card(results: Path) -> str:
     """The dataset card of the episodes in `results`, Markdown."""
     episodes = Episode.load(results / "episodes" / "main.jsonl")
-    rejected = rows(results / "metrics" / "rejections.csv")
-    trials = [trial for path in sorted((results / "trials").glob("*.jsonl")) for trial in read_records(path)]
+    rejected = read_rows(results / "metrics" / "rejections.csv", RejectionCount)
+    trials = sum(1 for path in (results / "trials").glob("*.jsonl") for line in path.read_text().splitlines() if line)
     kind = {name: floorplan.load(name).kind.replace("_", " ") for name in {e.scene for e in episodes}}
     relations = [r.value for r in Relation]
     instances = Counter(min(e.instances_in_category, 4) for e in episodes)
@@ -94,7 +88,7 @@ def card(results: Path) -> str:
         .format(
             episodes=len(episodes),
             scenes=len(kind),
-            trials=len(trials),
+            trials=trials,
             kinds=", ".join(f"{n} {k}{'s' if n > 1 else ''}" for k, n in Counter(kind.values()).most_common()),
             by_relation=_table([*relations, "all"], [_counts(episodes, lambda e: "")[0][1:]], 0),
             by_scene=_table(["scene", *relations, "all"], _counts(episodes, lambda e: f"{e.scene} ({kind[e.scene]})")),

@@ -1,12 +1,11 @@
-"""The cards of the networks: what they were made from, how they learned and what they are worth, all of it read from files.
+"""The model cards of the networks: data, learning curves and results, all read from files.
 
 `python -m ovman.training.cards models results/metrics/perception.csv config.yaml` writes models/README.md, a card and a learning
-curve for each network. The results on the benchmark's scenes are those of the metrics, which nothing was chosen by.
+curve for each network. No choice was made by the results on the benchmark's scenes.
 """
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 import math
@@ -16,18 +15,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.analysis.scores import ALL, CATEGORIES, SIZE
+from ovman.analysis.frames import read_rows
+from ovman.analysis.scores import ALL, CATEGORIES, SIZE, Score
 from ovman.models.settings import Settings
 from ovman.perception.overlap import LEAST_IOU
-from ovman.report.cells import Record
-from ovman.report.markdown import EMPTY, pipe_table
-from ovman.report.perception import SYNONYMS_BELOW, bars, by_category
+from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
+from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.training import captions, crops, detector, outlines, pictures
 from ovman.workflow.config import load
 
 TEMPLATES = Path(__file__).parent / "templates"
 CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}
-"""Files of learning curves of each network, in the order of its trainings."""
+"""Files of the learning curves of each network, in the order of its trainings."""
 SHOWN = {
     "detector": {"recall": "recall", "precision": "precision"},
     "encoder": {
@@ -39,18 +38,18 @@ SHOWN = {
         "detected.synonyms_top1": "detected synonyms top-1",
     },
 }
-"""Rates of a curve's lines, and what they are called on a page."""
+"""Rates of a curve's lines and their titles."""
 LINES = 12
-"""Lines of a curve that its table shows at most."""
+"""Most lines of a curve in its table."""
 NO_PARAMETERS = ("running_mean", "running_var", "num_batches_tracked", "attn_mask")
-"""Tensors of a file of weights that no training step changes."""
+"""Tensors of a file of weights that are not trained."""
 
 Point = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """A file of weights. parameters: numbers in it that were learned; kinds: of its tensors, e.g. "F16"."""
+    """A file of weights. parameters: number of trained values; kinds: of its tensors, e.g. "F16"."""
 
     parameters: int
     kinds: tuple[str, ...]
@@ -58,7 +57,7 @@ class Weights:
 
 
 def weights(path: Path) -> Weights:
-    """What a .safetensors file holds. FileNotFoundError if there is none."""
+    """The content of a .safetensors file. FileNotFoundError for a missing file."""
     from safetensors import safe_open
 
     parameters, kinds = 0, set()
@@ -72,7 +71,7 @@ def weights(path: Path) -> Weights:
 
 
 def curve(paths: Sequence[Path]) -> list[Point]:
-    """The lines of one training after the other, flat ("true.top1"), with steps and minutes counted on.
+    """The lines of consecutive trainings, flat ("true.top1"), with cumulative steps and minutes.
 
     Raises ValueError in one line for a file without lines.
     """
@@ -80,7 +79,7 @@ def curve(paths: Sequence[Path]) -> list[Point]:
     for number, path in enumerate(paths, start=1):
         lines = [json.loads(text) for text in path.read_text(encoding="utf-8").splitlines()]
         if not lines:
-            raise ValueError(f"{path}: a learning curve without a line; let the training come to its first look")
+            raise ValueError(f"{path}: the learning curve is empty; run the training to its first evaluation")
         before = {key: points[-1][key] if points else 0 for key in ("step", "minutes")}
         points += [_flat(line) | {key: line[key] + start for key, start in before.items()} | {"part": number} for line in lines]
     return points
@@ -94,7 +93,7 @@ def _flat(line: Mapping[str, Any], beginning: str = "") -> Point:
 
 
 def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
-    """Step, minutes, losses and rates of at most LINES of the points, the first and the last among them."""
+    """A table of at most LINES points, with the first and the last: step, minutes, losses and rates."""
     count = min(LINES, len(points))
     chosen = [points[round(k * (len(points) - 1) / max(count - 1, 1))] for k in range(count)]
     losses = sorted({name for point in points for name in point if name.split(".")[0] == "loss"})
@@ -109,7 +108,7 @@ def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
 
 
 def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> None:
-    """The rates over the steps (PNG)."""
+    """Draw the rates over the steps (PNG)."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -134,9 +133,9 @@ def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> Non
 def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     """The cards by the names of their files.
 
-    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: what it was made with.
+    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: of the trainings.
 
-    Raises FileNotFoundError or ValueError in one line for a file that is not there or not whole.
+    Raises FileNotFoundError or ValueError in one line for a missing or incomplete file.
     """
     import jinja2
 
@@ -145,13 +144,12 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     )
     environment.filters["zip"] = lambda one, other: zip(one, other, strict=True)
     facts = json.loads((models / "training.json").read_text(encoding="utf-8"))
-    with perception.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = read_rows(perception, Score)
     common = {
         "config": config.perception.detector,
         "facts": facts,
         "set": facts["settings"],
-        "rows": {group: [row for row in rows if row["group"] == group] for group in (ALL, CATEGORIES, SIZE)},
+        "rows": {group: [row for row in rows if row.group == group] for group in (ALL, CATEGORIES, SIZE)},
         "bars": bars(rows),
         "pictures": pictures,
         "crops": crops,
@@ -165,11 +163,11 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "bytes": lambda name: f"{(models / name).stat().st_size:,}",
         "least_iou": LEAST_IOU,
         "synonyms_below": SYNONYMS_BELOW,
-        "worst": min((row for row in rows if row["group"] == SIZE and row["recall"]), key=lambda row: float(row["recall"])),
+        "worst": min((row for row in rows if row.group == SIZE and row.recall is not None), key=lambda row: row.recall or 0.0),
         "percent": lambda share: f"{100 * share:.3g} %",
-        "rate": lambda text: _number(float(text) if text else None, 3),
+        "rate": lambda value: _number(value, 3),
         "bar_table": lambda names: _bar_table(rows, names),
-        "size_table": lambda columns: _group_table([row for row in rows if row["group"] == SIZE], "pixels", columns),
+        "size_table": lambda columns: _group_table([row for row in rows if row.group == SIZE], "pixels", columns),
         "category_table": lambda columns: _group_table(by_category(rows), "category", columns),
     }
     texts = {}
@@ -183,19 +181,20 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     return texts
 
 
-def _bar_table(rows: Sequence[Record], names: Mapping[str, str]) -> str:
-    """What was measured on the benchmark's scenes against the bars."""
+def _bar_table(rows: Sequence[Score], names: Mapping[str, str]) -> str:
+    """The results on the benchmark's scenes beside the bars."""
     found = bars(rows)
     body = [[title, _number(found[n].reached, 3), f"≥ {found[n].least:.3f}", found[n].verdict] for n, title in names.items()]
     return pipe_table(["measure", "measured", "bar", "verdict"], body, [False, True, True, False]).rstrip()
 
 
-def _group_table(rows: Sequence[Record], title: str, columns: Mapping[str, str]) -> str:
-    def cell(row: Record, key: str) -> str:
-        return (row[key] if row[key].isdigit() else _number(float(row[key]), 3)) if row[key] else EMPTY
+def _group_table(rows: Sequence[Score], title: str, columns: Mapping[str, str]) -> str:
+    def cell(row: Score, key: str) -> str:
+        value: float | None = getattr(row, key)
+        return str(value) if isinstance(value, int) else _number(value, 3)
 
-    body = [[row["value"], *(cell(row, key) for key in columns)] for row in rows]
-    return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "There are none."
+    body = [[row.value, *(cell(row, key) for key in columns)] for row in rows]
+    return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "None."
 
 
 def _number(value: float | None, decimals: int) -> str:

@@ -13,6 +13,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from ovman.processes import alive
+
 FOLDER = Path(".snakemake", "ovman.at_work")
 """One file a job that runs, named by the id of its process, in the working directory."""
 
@@ -56,7 +58,7 @@ def dead(directory: Path) -> list[str]:
     """One line about every job in a working directory whose process ended without finishing the job; they are forgotten."""
     lines = []
     for path in sorted((directory / FOLDER).glob("*")):
-        if _alive(int(path.name)):
+        if alive(int(path.name)):
             continue
         with suppress(OSError, ValueError, KeyError):
             found = json.loads(path.read_text())
@@ -65,13 +67,3 @@ def dead(directory: Path) -> list[str]:
             lines.append(f"rule {found['rule']}: the process ended{doing} ({cause}); {found['log']} has what it printed")
         path.unlink(missing_ok=True)
     return lines
-
-
-def _alive(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True

@@ -16,6 +16,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Settings
+from ovman.models.settings.comparisons import contradictions as of_comparisons
 from ovman.workflow.parameter import flat
 from ovman.workflow.plugins import PluginError, plugin, with_sections
 from ovman.workflow.settings_files import ConfigError, read, read_sections, shown
@@ -33,6 +34,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_counts(settings)
     yield from _of_motion(settings)
     yield from _of_arms(settings.arms, settings.plugins, flat(settings))
+    yield from of_comparisons(settings.comparisons, settings.arms)
 
 
 def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
@@ -134,7 +136,7 @@ def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = (
     return config
 
 
-def _plugins(tree: Mapping[str, Any], files: Sequence[Path]) -> Mapping[str, str]:
+def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[str, str]:
     """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
     given = tree.get("plugins")
     if not isinstance(given, Mapping):
@@ -164,15 +166,17 @@ def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
             tree[key] = dict(value) if isinstance(value, Mapping) else value
 
 
-def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[str, Any]:
-    """The tree with its arms in the order of the files: whoever merges files may begin with the last one's keys."""
-    arms = tree.get("arms")
-    if len(files) < 2 or not isinstance(arms, Mapping):
-        return tree
-    trees = [read(Path(path)) for path in files]
-    sections = [tree.get("arms") for tree in trees if isinstance(tree, Mapping)]
-    names = dict.fromkeys(name for section in sections if isinstance(section, Mapping) for name in section)
-    return {**tree, "arms": {name: arms[name] for name in (*names, *arms) if name in arms}}
+def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Any:
+    """The tree with its keys in the order of the files: whoever merges files may begin with the last one's keys."""
+    return tree if len(files) < 2 else _ordered(tree, [read(Path(path)) for path in files])
+
+
+def _ordered(value: Any, sources: Sequence[Any]) -> Any:
+    sources = [source for source in sources if isinstance(source, Mapping)]
+    if not isinstance(value, Mapping):
+        return value
+    names = dict.fromkeys(name for source in (*sources, value) for name in source)
+    return {name: _ordered(value[name], [source.get(name) for source in sources]) for name in names if name in value}
 
 
 def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:

@@ -7,7 +7,6 @@ place and renamed at the end, a journal belongs to one process at a time, and a 
 from __future__ import annotations
 
 import errno
-import fcntl
 import gc
 import os
 import select
@@ -23,6 +22,7 @@ from typing import Any
 from ovman import atomic
 from ovman.workflow import checksums
 from ovman.workflow.at_work import job_at_work
+from ovman.workflow.locks import gpu_lock, held
 from ovman.workflow.parameter import StageSettings
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
@@ -142,24 +142,6 @@ def job(snakemake: Any) -> Iterator[Job]:
             if isinstance(error, OSError) and error.errno in UNWRITABLE and error.filename is not None:
                 raise SystemExit(f"{error.filename}: {error.strerror}; make it writable for this user") from None
             raise
-
-
-def gpu_lock() -> Path:
-    """The file that stands for the GPU among all processes of this user."""
-    return Path(os.environ.get("XDG_RUNTIME_DIR") or tempfile.gettempdir()) / f"ovman-gpu-{os.getuid()}.lock"
-
-
-@contextmanager
-def held(path: Path) -> Iterator[None]:
-    """This process alone has `path`; waits until it does. The kernel lets go of it however the process ends."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a") as file:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            print(f"waiting for the process that has {path.name}", flush=True)
-            fcntl.flock(file, fcntl.LOCK_EX)
-        yield
 
 
 def _log_to(path: Path) -> None:

@@ -14,6 +14,7 @@ from pydantic import BaseModel, PrivateAttr
 
 from ovman.models.settings import Arm, Settings
 from ovman.models.settings.arms import WORDS, ArmJob
+from ovman.models.settings.values import listed
 from ovman.workflow.plugins import stage_of_plugin, with_sections
 from ovman.workflow.provenance import code_digest, module_digest, script_digest
 from ovman.workflow.stages import STAGES, matching
@@ -22,7 +23,7 @@ from ovman.workflow.stages import STAGES, matching
 def flat(settings: Settings) -> dict[str, Any]:
     """Every constant by its dotted name, in the order of config.yaml. Sequences are tuples.
 
-    Section `arms` is one value, a list of entries: their order is that of the tables.
+    A mapping, such as section `arms`, is one value, a list of its entries: their order is that of the tables.
     """
 
     def walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
@@ -32,10 +33,8 @@ def flat(settings: Settings) -> dict[str, Any]:
                 continue
             if isinstance(value, BaseModel):
                 yield from walk(f"{where}.", value)
-            elif where == "arms":
-                yield where, [dict(entry) for entry in value.values()]
             else:
-                yield where, value
+                yield where, listed(value)
 
     return dict(walk("", settings))
 
@@ -105,10 +104,7 @@ class StageSettings(Settings):
             for section in sections:
                 here = here.setdefault(section, {})
             here[name] = value
-        arms = tree.pop("arms", None)
         made = with_sections(cls, record.get("plugins", {})).owned(tree, record["stage"])
-        if arms is not None:
-            made.__dict__["arms"] = {entry["name"]: Arm.model_validate(entry) for entry in arms}
         made._canonical = canonical
         if "arm" in record:
             made._arm = ArmJob.model_validate(record["arm"])

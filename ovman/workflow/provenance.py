@@ -9,13 +9,14 @@ from __future__ import annotations
 import ast
 import hashlib
 import json
-import os
 import sys
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+from ovman.atomic import replace_bytes
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine"}
@@ -232,10 +233,8 @@ class _Memory:
         if self._path is None or self._found.keys() <= self._handed.keys():
             return
         self._handed = dict(self._found)
-        partial = self._path.with_suffix(f".{os.getpid()}")
         with suppress(OSError):
-            partial.write_text(json.dumps({_reader(): self._found}))
-            partial.replace(self._path)
+            replace_bytes(self._path, json.dumps({_reader(): self._found}).encode())
 
 
 _memory = _Memory()

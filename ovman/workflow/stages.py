@@ -11,9 +11,12 @@ _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 )
 _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px"))
-_PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.min_mask_px", "success.radius_m")
 _METRICS = (
     "arms",
+    "comparisons.agent",
+    "comparisons.rungs",
+    "comparisons.pairs",
+    "comparisons.pairings",
     "benchmark.seed",
     "success.radius_m",
     "single_visit.samples",
@@ -81,25 +84,18 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "maps": ("maps.*",),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
-    "walks": (
-        *_SIMULATOR,
-        *_GAIT,
-        "benchmark.seed",
-        "perception.*",
-        "dualmap.runs",
-        "dualmap.walk.*",
-        "dualmap.observation.*",
-    ),
-    "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
+    # The seed, the camera, the primitives, the mover and the success test of what follows are those of each episode.
+    "walks": ("perception.*", "dualmap.runs", "dualmap.walk.*", "dualmap.observation.*"),
+    "dualmap": ("dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
-    "predictions": _PREDICTING,
-    "executions": (*_RUNNING, "admissibility.min_mask_px"),
-    "runs": ("success.*",),
+    "predictions": ("admissibility.min_mask_px",),
+    "executions": ("admissibility.min_mask_px",),
+    "runs": (),
     "metrics": _METRICS,
-    "static": _METRICS,
+    "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (
-        "benchmark.seed",
+        "comparisons.agent",
         "grounding.*",
         "association.*",
         "admissibility.tau_m",
@@ -109,7 +105,10 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "perception": ("perception.detector.min_mask_px",),
     "backprojection": ("camera.field_of_view_deg", "perception.detector.min_mask_px"),
     "figures": ("camera.*", "admissibility.min_mask_px"),
-    "findings": (
+    "paper_comparison": (
+        "arms",
+        "comparisons.agent",
+        "paper.*",
         "benchmark.backend",
         "perception.detector.architecture",
         "perception.detector.weights",
@@ -119,6 +118,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
+        "comparisons.agent",
+        "comparisons.difficulty",
         "tour.*",
         "success.*",
         "candidates.delta_min_m",

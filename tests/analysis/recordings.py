@@ -52,11 +52,31 @@ def write_scene(path, name="FloorPlan1"):
         return {"x": x, "y": y, "z": z}
 
     objects = [
-        {"id": k, "category": c, "position": point(float(i), 0.5, 2.0), "size": point(0.8, 1.0, 0.6)}
+        {
+            "id": k,
+            "category": c,
+            "moveable": True,
+            "pickupable": False,
+            "receptacle": False,
+            "position": point(float(i), 0.5, 2.0),
+            "size": point(0.8, 1.0, 0.6),
+            "parents": [],
+        }
         for i, (k, c) in enumerate(OBJECTS.items())
     ]
     path.mkdir(parents=True, exist_ok=True)
-    (path / f"{name}.json").write_text(json.dumps({"scene": name, "objects": objects}))
+    origin = {"x": 0.0, "z": 0.0}
+    record = {
+        "schema": "ovman-scene/1",
+        "scene": name,
+        "start": origin,
+        "floor_y": 0.0,
+        "reachable": [],
+        "components": [],
+        "waypoints": [origin],
+        "objects": objects,
+    }
+    (path / f"{name}.json").write_text(json.dumps(record))
     return path / f"{name}.json"
 
 

@@ -4,29 +4,30 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.budget import budget
-from ovman.analysis.comparisons import ANSWER_GIVEN, RUNGS
+from ovman.analysis.budget import ANSWER_GIVEN, budget
 from ovman.analysis.difficulty import By, difficulty
 from ovman.analysis.rates import Interval, static_rates
 from ovman.analysis.significance import significance
 from tests.analysis.fabricated import static
+from tests.arms import CONFIG
 
+RUNGS, PAIRS = CONFIG.comparisons.rungs, tuple(CONFIG.comparisons.pairs.values())
 PROPERTY = settings(max_examples=12, derandomize=True, deadline=None)
 BOOLEANS = st.lists(st.tuples(*[st.booleans()] * len(RUNGS)), min_size=1, max_size=24)
 
 
 def steps_of(outcomes):
-    return budget(static_rates(outcomes, 0.95), significance(outcomes, [])[0])
+    return budget(static_rates(outcomes, 0.95), significance(outcomes, [], PAIRS)[0], RUNGS)
 
 
 @PROPERTY
 @given(BOOLEANS)
 def test_the_gains_add_up_to_what_the_lowest_rung_lacks(successes):
-    outcomes = [static(rung.arm, i, hits[k]) for k, rung in enumerate(RUNGS) for i, hits in enumerate(successes)]
+    outcomes = [static(arm, i, hits[k]) for k, arm in enumerate(RUNGS) for i, hits in enumerate(successes)]
     steps = steps_of(outcomes)
     for relation in {step.relation for step in steps}:
         lowest, *others = [step for step in steps if step.relation == relation]
-        assert [step.rung for step in (lowest, *others)] == [*(rung.title for rung in RUNGS), ANSWER_GIVEN]
+        assert [step.rung for step in (lowest, *others)] == [*RUNGS.values(), ANSWER_GIVEN]
         assert (lowest.gain, lowest.gained, lowest.lost, lowest.p) == (None, None, None, None)
         assert lowest.rate + sum(step.gain for step in others) == pytest.approx(1.0)
         below = lowest
@@ -37,7 +38,8 @@ def test_the_gains_add_up_to_what_the_lowest_rung_lacks(successes):
 
 
 def test_without_a_rung_there_is_no_budget():
-    outcomes = [static(rung.arm, i, True) for rung in (RUNGS[0], RUNGS[2]) for i in range(6)]
+    lowest, _, highest = RUNGS
+    outcomes = [static(arm, i, True) for arm in (lowest, highest) for i in range(6)]
     assert steps_of(outcomes) == []
 
 

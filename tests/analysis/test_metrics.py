@@ -10,18 +10,21 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.analysis import metrics
+from ovman.analysis.frames import csv_text
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, embodied_rates, poisson_binomial_range, static_rates
-from ovman.analysis.rows import csv_of
+from ovman.analysis.registry import of_stage
 from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
 from ovman.task import Relation
-from tests.arms import BY_NAME
+from tests.arms import BY_NAME, CONFIG
+from tests.episodes import episode_record
 
 CONSTANTS = SimpleNamespace(
     success=SimpleNamespace(radius_m=1.0),
     single_visit=SimpleNamespace(samples=2000),
     benchmark=SimpleNamespace(seed=0),
     evaluation=SimpleNamespace(confidence=0.95, near_miss_m=2.0),
+    comparisons=CONFIG.comparisons,
 )
 
 
@@ -80,24 +83,21 @@ def test_rates_over_seeds_are_means_and_their_interval_is_that_of_one_pass():
     assert (one.low, one.high) == pytest.approx((nine.low, nine.high)) and nine.trials == 9 * one.trials
 
 
+TERMS = ("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px")
 EVERY = [BY_NAME[name] for name in ("positions_single_visit", "positions_two_visits", "oracle_check")]
 WORLD = [{"id": "a", "category": "Chair", "x": 1.0, "z": 0.0}, {"id": "b", "category": "Chair", "x": -4.0, "z": 0.0}]
 
 
 def records(tmp_path, reverse=False):
     """Two episodes, two static arms, one embodied arm of two seeds, as files; ``EVERY`` is all arms that there are."""
-    episodes = [
-        {"id": f"FloorPlan1/{relation}/0000", "scene": "FloorPlan1", "relation": relation, "category": "Chair",
-         "instances_in_category": 2, "answer": {"x": 1.0, "z": 0.0}, "target": "a", "world_1": WORLD, "world_2": WORLD}
-        for relation in ("moved", "former")
-    ]  # fmt: skip
+    episodes = [episode_record(relation, world=WORLD) for relation in ("moved", "former")]
 
     def prediction(episode, arm, **form):
         return {"schema": "ovman-prediction/1", "episode": episode["id"], "arm": arm, "seed": 0, **form}
 
     def run(episode, seed, success):
         return {"schema": "ovman-run/1", "episode": episode["id"], "arm": "oracle_check", "seed": seed, "outcome": "stopped",
-                "success": success, "spl": 0.5 * success, "path_length_m": 2.0, "actions": 7}  # fmt: skip
+                "success": success, "spl": 0.5 * success, "path_length_m": 2.0, "actions": 7, **dict.fromkeys(TERMS)}  # fmt: skip
 
     box = {"x_min": -2.0, "z_min": -2.0, "x_max": 2.0, "z_max": 2.0}
     files = {
@@ -125,12 +125,12 @@ def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(
         (tmp_path / name).mkdir()
         metrics.run(*records(tmp_path / name, reverse), CONSTANTS, tmp_path / name / "metrics", EVERY)
     names = sorted(path.name for path in (tmp_path / "one" / "metrics").iterdir())
-    assert len(names) == 13
+    assert names == sorted(f"{name}.csv" for name in of_stage("metrics"))
     for name in names:
         one, other = ((tmp_path / where / "metrics" / name).read_bytes() for where in ("one", "other"))
         assert one == other and b"\r" not in one
 
-    with (tmp_path / "one" / "metrics" / metrics.STATIC_RATES).open() as file:
+    with (tmp_path / "one" / "metrics" / "static_rates.csv").open() as file:
         rates = list(csv.DictReader(file))
     whole = {rate["arm"]: rate for rate in rates if rate["relation"] == "all"}
     assert list(whole) == ["positions_single_visit", "positions_two_visits"]
@@ -153,7 +153,7 @@ def test_an_arm_has_as_many_runs_as_its_entry_says(tmp_path):
 def test_no_runs_leave_no_rows(tmp_path):
     episodes, predictions, _ = records(tmp_path)
     metrics.run(episodes, predictions, [], CONSTANTS, tmp_path / "metrics", EVERY)
-    assert len((tmp_path / "metrics" / metrics.EMBODIED_RATES).read_text().splitlines()) == 1
+    assert len((tmp_path / "metrics" / "embodied_rates.csv").read_text().splitlines()) == 1
 
 
 def test_an_arm_that_answered_nothing_is_not_an_arm_that_does_not_exist(tmp_path):
@@ -179,10 +179,10 @@ def test_an_arm_without_records_does_not_leave_the_tables_silently(tmp_path):
 def test_small_p_values_are_written_with_their_digits_and_pairs_without_an_arm_are_named(tmp_path, capsys):
     metrics.run(*records(tmp_path), CONSTANTS, tmp_path / "metrics", EVERY)
     assert "not compared: two visits against one, embodied; there is no arm two_visits_embodied" in capsys.readouterr().out
-    with (tmp_path / "metrics" / metrics.SIGNIFICANCE).open() as file:
+    with (tmp_path / "metrics" / "significance.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["relation"], row["p_holm"] == "") for row in rows] == [("moved", False), ("former", False), ("all", True)]
-    assert csv_of(Row, [Row(1.5e-23)]) == "p\n1.5e-23\n"
+    assert csv_text(Row, [Row(1.5e-23)]) == "p\n1.5e-23\n"
 
 
 @dataclass
@@ -193,5 +193,5 @@ class Row:
 def test_an_id_that_is_there_twice_is_refused(tmp_path):
     episodes, predictions, runs = records(tmp_path)
     episodes.write_text(episodes.read_text() * 2)
-    with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is there twice"):
+    with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is in the file already"):
         metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics", EVERY)

@@ -1,29 +1,45 @@
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
 from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
-from ovman.evaluation.prediction import Prediction
-from ovman.task import Relation
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
+from ovman.models.relation import Relation
+from ovman.models.run import Score
+from tests.episodes import episode_record
 
 CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))
 OTHER = replace(CASE, id="FloorPlan1/former/0000", relation=Relation.FORMER, answer=(-1.0, 0.5))
-RUN = {
-    "schema": "ovman-run/1", "episode": CASE.id, "arm": "oracle_check", "seed": 0, "outcome": "stopped", "success": True,
-    "spl": 0.9, "path_length_m": 4.0, "actions": 21,
-}  # fmt: skip
+RUN = Score.from_json(
+    {
+        "schema": "ovman-run/1",
+        "episode": CASE.id,
+        "arm": "oracle_check",
+        "seed": 0,
+        "outcome": "stopped",
+        "success": True,
+        "spl": 0.9,
+        "path_length_m": 4.0,
+        "actions": 21,
+        "stop": {"x": 0.0, "z": 0.0, "yaw_deg": 0.0},
+        "box_distance_m": 0.5,
+        "answer_distance_m": 0.5,
+        "navigable_distance_m": 0.5,
+        "visible_px": {"0": 200},
+    }
+)
 
 offset = st.floats(-3, 3).map(lambda value: round(value, 3))
 
 
 def judge(outcome, case=CASE, radius=1.0, seed=0):
-    predictions = [Prediction(case.id, "arm", 0, outcome)]
+    predictions = [Prediction.of(case.id, "arm", 0, outcome)]
     (row,) = static_outcomes([case], predictions, radius_m=radius, samples=5000, seed=seed)
     return row
 
@@ -55,7 +71,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
     alone = judge(box, OTHER).success
     among = static_outcomes(
         [CASE, OTHER],
-        [Prediction(CASE.id, "arm", 0, box), Prediction(OTHER.id, "arm", 0, box)],
+        [Prediction.of(CASE.id, "arm", 0, box), Prediction.of(OTHER.id, "arm", 0, box)],
         radius_m=1.0,
         samples=5000,
         seed=0,
@@ -65,7 +81,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
 
 
 def test_every_arm_answers_every_episode_once():
-    here, there = (Prediction(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
+    here, there = (Prediction.of(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
     arguments = {"radius_m": 1.0, "samples": 10, "seed": 0}
     with pytest.raises(ValueError, match="1 episodes are missing, the first is FloorPlan1/former/0000"):
         static_outcomes([CASE, OTHER], [here], **arguments)
@@ -74,7 +90,7 @@ def test_every_arm_answers_every_episode_once():
     with pytest.raises(ValueError, match="not among the episodes"):
         static_outcomes([CASE], [here, there], **arguments)
     with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
-        static_outcomes([CASE, OTHER], [here, there, replace(here, seed=1)], **arguments)
+        static_outcomes([CASE, OTHER], [here, there, here.model_copy(update={"seed": 1})], **arguments)
 
 
 def test_a_run_keeps_what_was_judged():
@@ -82,21 +98,32 @@ def test_a_run_keeps_what_was_judged():
     assert (row.success, row.spl, row.path_length_m, row.actions, row.instances) == (True, 0.9, 4.0, 21, 3)
 
 
+def test_a_run_of_another_episode_is_named():
+    with pytest.raises(ValueError, match="not among the episodes"):
+        embodied_outcomes([CASE], [RUN.model_copy(update={"episode": "FloorPlan9/moved/0000"})])
+
+
 @pytest.mark.parametrize(
-    "change, message",
+    ("change", "message"),
     [
-        ({"schema": "ovman-run/0"}, "this version reads 'ovman-run/1'"),
-        ({"outcome": "tired"}, "stopped, abstained, budget, stalled"),
-        ({"spl": None}, "'spl' is missing"),
-        ({"episode": "FloorPlan9/moved/0000"}, "not among the episodes"),
+        ({"schema": "ovman-run/0"}, "schema: expected 'ovman-run/1', found 'ovman-run/0'"),
+        ({"outcome": "tired"}, 'outcome: "tired" is not one of stopped, abstained, budget, stalled'),
+        ({"spl": None}, "spl: the key is missing"),
     ],
 )
-def test_a_wrong_run_is_named(change, message):
-    run = {key: value for key, value in {**RUN, **change}.items() if value is not None}
-    with pytest.raises(ValueError, match=message):
-        embodied_outcomes([CASE], [run])
+def test_a_wrong_run_is_named(tmp_path, change, message):
+    record = {key: value for key, value in {**RUN.to_json(), **change}.items() if value is not None}
+    (tmp_path / "run.jsonl").write_text(json.dumps(record) + "\n")
+    with pytest.raises(ValueError, match=f"run.jsonl:1: {message}"):
+        Score.read(tmp_path / "run.jsonl")
 
 
-def test_an_episode_without_its_answer_is_named():
-    with pytest.raises(ValueError, match="'answer' is missing"):
-        Case.of({"id": "a", "scene": "b", "relation": "moved", "category": "Chair", "instances_in_category": 2, "world_2": []})
+@pytest.mark.parametrize("relation", ["former", "moved"])
+def test_the_other_instances_are_those_of_the_visit_that_the_answer_belongs_to(relation):
+    past = relation == "former"
+    chairs = [
+        {"id": k, "category": c, "x": x, "z": 0.0} for k, c, x in (("a", "Chair", 1.0), ("b", "Chair", 5.0), ("c", "Sofa", 7.0))
+    ]
+    record = episode_record(relation, world=chairs) | {f"world_{2 if past else 1}": chairs[:1]}
+    case = Case.of(Episode.from_json(record))
+    assert (case.answer, case.instances, case.others) == ((1.0, 0.0), 2, ((5.0, 0.0),))

@@ -1,17 +1,20 @@
 from __future__ import annotations
 
+import math
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.taxonomy import LOST, Verdict, taxonomy, verdict
-from ovman.evaluation.prediction import Prediction
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction
 from ovman.models.settings import Kind
 from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
+from tests.episodes import TARGET, episode_record
 
 R, NEAR = 1.0, 2.0
 PROPERTY = settings(max_examples=80, derandomize=True, deadline=None)
@@ -23,24 +26,25 @@ EXECUTED = ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="two_
 def episode(
     relation: str, target: tuple[float, float], others: list[tuple[float, float]], elsewhere: list[tuple[float, float]] = ()
 ):
-    """A record whose answer is the target; elsewhere: instances of the visit that the answer does not belong to."""
+    """An episode whose answer is the target; elsewhere: instances of the visit that the answer does not belong to."""
 
     def world(points, start):
-        return [{"id": f"k{start + i}", "category": "Chair", "x": x, "z": z} for i, (x, z) in enumerate(points)]
+        return [
+            {"id": TARGET if start + i == 0 else f"k{start + i}", "category": "Chair", "x": x, "z": z}
+            for i, (x, z) in enumerate(points)
+        ]
 
     here = world([target, *others], 0) + [{"id": "vase", "category": "Vase", "x": target[0] + 2.5, "z": target[1]}]
-    worlds = (here, world(elsewhere, 0)) if relation in ("former", "removed") else (world(elsewhere, 0), here)
-    return {
-        "id": f"FloorPlan1/{relation}/0000", "scene": "FloorPlan1", "relation": relation, "category": "Chair",
-        "instances_in_category": 1 + len(others), "answer": {"x": target[0], "z": target[1]}, "target": "k0",
-        "world_1": worlds[0], "world_2": worlds[1],
-    }  # fmt: skip
-
-
-def judge(record, outcome):
-    (row,) = static_outcomes(
-        [Case.of(record)], [Prediction(record["id"], "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0
+    past = relation in ("former", "removed")
+    return Case.of(
+        Episode.from_json(
+            episode_record(relation, answer=target, world=here) | {f"world_{2 if past else 1}": world(elsewhere, 0)}
+        )
     )
+
+
+def judge(case, outcome):
+    (row,) = static_outcomes([case], [Prediction.of(case.id, "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0)
     return verdict(row, R, NEAR)
 
 
@@ -68,6 +72,12 @@ def test_precedence():
     assert judge(episode("moved", (0.0, 0.0), [far]), Answer(*far)) is Verdict.WRONG_INSTANCE
     assert judge(episode("moved", (0.0, 0.0), [(0.5, 0.0)]), Answer(0.4, 0.0)) is Verdict.SUCCESS
     assert judge(episode("moved", (0.0, 0.0), [near]), Abstention(AbstentionReason.NO_CANDIDATE)) is Verdict.ABSTAIN
+
+
+def test_a_distance_that_is_a_threshold_counts_as_within_it():
+    at = lambda other, own: verdict(static("two_visits", 0, False, distance_m=own, other_m=other), R, NEAR)  # noqa: E731
+    assert at(R, 9.0) is Verdict.WRONG_INSTANCE and at(math.nextafter(R, 2.0), 9.0) is Verdict.ELSEWHERE
+    assert at(None, NEAR) is Verdict.NEAR_MISS and at(None, math.nextafter(NEAR, 3.0)) is Verdict.ELSEWHERE
 
 
 @pytest.mark.parametrize("relation", ["former", "removed", "moved", "moving", "stable", "appeared"])

@@ -50,9 +50,8 @@ def test_a_file_that_is_torn_or_changed_is_made_again(cache, spoil):
 
 def test_a_network_without_a_name_has_nothing_kept(cache):
     make = Maker(b"a graph")
-    assert (
-        [NetworkCache(None).content("x", make) for _ in range(2)] == [b"a graph"] * 2 and make.times == 2 and not cache.exists()
-    )
+    assert [NetworkCache(None).content("x", make) for _ in range(2)] == [b"a graph"] * 2
+    assert make.times == 2 and not cache.exists()
 
 
 def test_where_nothing_can_be_written_all_goes_on(cache):

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
 import pytest
 
 from ovman.analysis.dualmap_objects import ALL, Objects
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.analysis.rows import csv_of
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
 from ovman.models.settings import Kind, Source
 from ovman.models.settings.arms import ArmJob
-from ovman.report.dualmap import dualmap_table
-from ovman.report.latex import latex
-from ovman.report.markdown import markdown
-from ovman.report.own_task import own_task_table
-from ovman.report.pairings import pairings_table
-from ovman.report.rates import embodied_table, static_table
-from ovman.report.scenes import scenes_table
-from ovman.report.spread import seeds_table
-from ovman.report.table import csv_text as table_csv
+from ovman.report.tables.dualmap import dualmap_table
+from ovman.report.tables.own_task import own_task_table
+from ovman.report.tables.rates import embodied_table, static_table
+from ovman.report.tables.scenes import scenes_table
+from ovman.report.tables.seeds import seeds_table
+from ovman.report.tables.significance import pairings_table
+from ovman.report.tables.table import SECTION, latex, markdown
+from ovman.report.tables.table import csv_text as table_csv
 from tests.analysis.fabricated import embodied, static
+from tests.arms import CONFIG
+from tests.report.reading import data, rows, settings
 
 N = 24
 MAINTAINED, TWICE, OURS = "dualmap_maintained", "dualmap_two_visits", "two_visits"
@@ -46,6 +43,8 @@ ARMS = (
     ArmJob(name="cow", kind=Kind.EMBODIED, agent="x:y", system="cow (reimplemented)", memory="second visit"),
     ArmJob(name="oracle_check", kind=Kind.EMBODIED, agent="x:y", system="oracle check", memory="the answer"),
 )
+SETTINGS = settings(ARMS)
+PAIRINGS = tuple(CONFIG.comparisons.pairings.values())
 STATIC = [
     *(static(MAINTAINED, i, i < 3 + run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
     *(static(TWICE, i, 4 <= i < 9 - run, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in range(3) for i in range(N)),
@@ -62,31 +61,22 @@ EMBODIED = [
 ]
 
 
-def rows(kind, made):
-    text = csv_of(kind, made)
-    return list(csv.DictReader(io.StringIO(text)))
-
-
-def data(table):
-    return list(csv.DictReader(io.StringIO(table_csv(table))))
-
-
 @pytest.fixture(scope="module")
 def tables():
     made = [
-        static_table(rows(Rate, static_rates(STATIC, 0.95)), 1.0, 0.95, ARMS),
-        embodied_table(rows(Rate, embodied_rates(EMBODIED, 0.95)), 0.95, ARMS),
-        pairings_table(rows(Pairing, pairings(STATIC)[0])),
-        own_task_table(rows(OwnTask, own_task(EMBODIED)), 1.0, 0.95, ARMS),
-        seeds_table(rows(Pass, passes(STATIC, EMBODIED)), ARMS),
-        scenes_table(rows(SceneRate, scenes(STATIC, EMBODIED, 0.95)), ARMS),
+        static_table(rows(Rate, static_rates(STATIC, 0.95)), SETTINGS),
+        embodied_table(rows(Rate, embodied_rates(EMBODIED, 0.95)), SETTINGS),
+        pairings_table(rows(Pairing, pairings(STATIC, PAIRINGS)[0]), SETTINGS),
+        own_task_table(rows(OwnTask, own_task(EMBODIED)), SETTINGS),
+        seeds_table(rows(Pass, passes(STATIC, EMBODIED)), SETTINGS),
+        scenes_table(rows(SceneRate, scenes(STATIC, EMBODIED, 0.95)), SETTINGS),
     ]
-    return {table.name: table for table in made}
+    return dict(zip(("static", "embodied", "pairings", "own_task", "seeds", "scenes"), made, strict=True))
 
 
 def test_every_table_has_every_format(tables):
     for name, table in tables.items():
-        assert latex(table).isascii() and rf"\label{{tab:{name}}}" in latex(table)
+        assert latex(table, name).isascii() and rf"\label{{tab:{name}}}" in latex(table, name)
         assert len({len(line) for line in markdown(table).split("\n\n")[1].splitlines()}) == 1
         assert all(mark not in table_csv(table) for mark in "†—–")
 
@@ -103,11 +93,10 @@ def test_runs_are_means_and_the_page_says_so(tables):
 
 
 def test_what_is_handed_over_is_one_block_whatever_the_order_of_the_arms():
-    table = static_table(rows(Rate, static_rates(STATIC, 0.95)), 1.0, 0.95, ARMS[::-1])
+    table = static_table(rows(Rate, static_rates(STATIC, 0.95)), settings(ARMS[::-1]))
     assert [row["memory"] for row in data(table)] == ["two visits", "two visits", "maintained map", "maintained map"]
-    assert latex(table).count("grounding handed over") == 1 and [row.section is None for row in table.rows] == [True] * 3 + [
-        False
-    ]
+    assert latex(table, "static").count("grounding handed over") == 1
+    assert [*table.rows[SECTION]] == [""] * 3 + ["grounding handed over (diagnostic)"]
 
 
 def test_an_arm_with_a_body_of_its_own_has_its_spl(tables):
@@ -130,7 +119,7 @@ def test_worst_and_best_pairing(tables):
 
 def test_a_pick_that_cannot_succeed_so_often_is_told():
     outcomes = [static(f"grounding_{TWICE}", i, 1.0, seed=run, scene=f"FloorPlan{1 + i % 2}") for run in (0, 1) for i in range(N)]
-    made = pairings_table(rows(Pairing, pairings([*STATIC, *outcomes])[0]))
+    made = pairings_table(rows(Pairing, pairings([*STATIC, *outcomes], PAIRINGS)[0]), SETTINGS)
     whole = {(row["arm"], row["baseline"]): row for row in data(made) if row["relation"] == "ALL"}
     of_pick = whole[f"grounding_{TWICE}", HANDED]
     assert (of_pick["test"], of_pick["pairings"], of_pick["best"], of_pick["best_p"]) == ("poisson_binomial", "6", "+1.000", "0")
@@ -172,23 +161,23 @@ def test_objects_of_dualmaps_maps():
         *(Objects("FloorPlan1", "two visits", run, 1, 90.0, 4.0 + run, 4 + run, 4 + run) for run in (0, 1)),
         *(Objects("FloorPlan2", "two visits", run, 2, 105.0, 27.75 - run, 2, 40) for run in (0, 1)),
     ]
-    table = dualmap_table(rows(Objects, made))
+    table = dualmap_table(rows(Objects, made), SETTINGS)
     shown = ("scene", "runs", "maps", "frames", "objects", "objects_min", "objects_max")
     assert [[row[key] for key in shown] for row in data(table)] == [
         [ALL, "2", "6", "100.0", "20.0", "2", "40"],
         ["FloorPlan1", "2", "2", "90.0", "4.5", "4", "5"],
         ["FloorPlan2", "2", "4", "105.0", "27.2", "2", "40"],
     ]  # fmt: skip
-    assert latex(table).isascii() and markdown(table)
+    assert latex(table, "dualmap").isascii() and markdown(table)
 
 
 def test_without_baselines_the_tables_are_empty():
-    made = (
-        pairings_table([]),
-        own_task_table([], 1.0, 0.95, ARMS),
-        seeds_table([], ARMS),
-        scenes_table([], ARMS),
-        dualmap_table([]),
-    )
-    for table in made:
-        assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table)
+    for kind, make in (
+        (Pairing, pairings_table),
+        (OwnTask, own_task_table),
+        (Pass, seeds_table),
+        (SceneRate, scenes_table),
+        (Objects, dualmap_table),
+    ):
+        table = make(rows(kind, []), SETTINGS)
+        assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table, "empty")

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
-
 import pytest
 from scipy.stats import binom
 
@@ -12,23 +9,22 @@ from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.rates import static_rates
-from ovman.analysis.rows import csv_of
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
-from ovman.report.budget import budget_table
-from ovman.report.cells import count, p_value, signed
-from ovman.report.difficulty import difficulty_table
-from ovman.report.latex import latex
-from ovman.report.markdown import markdown
-from ovman.report.navigation import navigation_table
-from ovman.report.significance import significance_table
-from ovman.report.table import Text
-from ovman.report.table import csv_text as table_csv
-from ovman.report.taxonomy import taxonomy_table
+from ovman.report.tables.budget import budget_table
+from ovman.report.tables.columns import count, p_value, power_of_ten, signed
+from ovman.report.tables.difficulty import difficulty_table
+from ovman.report.tables.navigation import navigation_table
+from ovman.report.tables.significance import significance_table
+from ovman.report.tables.table import csv_text as table_csv
+from ovman.report.tables.table import latex, markdown
+from ovman.report.tables.taxonomy import taxonomy_table
 from tests.analysis.fabricated import embodied, static
-from tests.arms import ARMS
+from tests.arms import ARMS, CONFIG
+from tests.report.reading import data, rows, settings
 
 N = 24
+SETTINGS = settings()
 STATIC = [
     *(static("single_visit", i, 0.25, "expected", instances=2 + i % 4) for i in range(N)),
     *(
@@ -46,32 +42,23 @@ EMBODIED = [
 ]
 
 
-def rows(kind, made):
-    text = csv_of(kind, made)
-    return list(csv.DictReader(io.StringIO(text)))
-
-
 @pytest.fixture(scope="module")
 def tables():
-    compared, _ = significance(STATIC, EMBODIED)
+    compared, _ = significance(STATIC, EMBODIED, CONFIG.comparisons.pairs.values())
     navigations = navigation(STATIC, EMBODIED, ARMS)
     made = [
-        taxonomy_table(rows(TaxonomyCount, taxonomy(STATIC, navigations, 1.0, 2.0)), 1.0, 2.0),
-        significance_table(rows(Comparison, compared)),
-        navigation_table(rows(Navigation, navigations), ARMS),
-        difficulty_table(rows(Difficulty, difficulty(STATIC, 0.95)), 0.95, ARMS),
-        budget_table(rows(Step, budget(static_rates(STATIC, 0.95), compared)), 0.95),
+        taxonomy_table(rows(TaxonomyCount, taxonomy(STATIC, navigations, 1.0, 2.0)), SETTINGS),
+        significance_table(rows(Comparison, compared), SETTINGS),
+        navigation_table(rows(Navigation, navigations), SETTINGS),
+        difficulty_table(rows(Difficulty, difficulty(STATIC, 0.95)), SETTINGS),
+        budget_table(rows(Step, budget(static_rates(STATIC, 0.95), compared, CONFIG.comparisons.rungs)), SETTINGS),
     ]
-    return {table.name: table for table in made}
-
-
-def data(table):
-    return list(csv.DictReader(io.StringIO(table_csv(table))))
+    return dict(zip(("taxonomy", "significance", "navigation", "difficulty", "budget"), made, strict=True))
 
 
 def test_every_table_has_every_format(tables):
     for name, table in tables.items():
-        assert latex(table).isascii() and rf"\label{{tab:{name}}}" in latex(table)
+        assert latex(table, name).isascii() and rf"\label{{tab:{name}}}" in latex(table, name)
         assert len({len(line) for line in markdown(table).split("\n\n")[1].splitlines()}) == 1
         assert all(mark not in table_csv(table) for mark in "†—–")
 
@@ -85,18 +72,17 @@ def test_the_rows_of_the_taxonomy_partition_the_episodes(tables):
         assert int(lost[relation]) <= int(verdicts[0][relation])
     caption = markdown(tables["taxonomy"]).split("\n\n")[0].replace("\n", " ")
     assert "partition the 24 episodes" in caption and "under seed 0 (in all 2 under seed 1)" in caption
-    tex = latex(tables["taxonomy"]).splitlines()
+    tex = latex(tables["taxonomy"], "taxonomy").splitlines()
     assert tex[tex.index(next(line for line in tex if line.startswith("episodes"))) - 1] == r"\midrule"
     assert r"\multicolumn{8}{l}{\emph{of success, no sixth outcome}} \\" in tex
 
 
 def test_a_taxonomy_that_does_not_add_up_is_not_printed():
     counts = rows(TaxonomyCount, taxonomy(STATIC, [], 1.0, 2.0))
-    for row in counts:
-        if (row["arm"], row["verdict"], row["relation"]) == ("two_visits", "abstain", "stable"):
-            row["episodes"] = str(int(row["episodes"]) + 1)
+    of_agent = (counts["arm"] == "two_visits") & (counts["verdict"] == "abstain") & (counts["relation"] == "stable")
+    counts.loc[of_agent, "episodes"] += 1
     with pytest.raises(ValueError, match="verdicts on stable add up to 5 of 4 episodes"):
-        taxonomy_table(counts, 1.0, 2.0)
+        taxonomy_table(counts, SETTINGS)
 
 
 def test_tests_show_one_seed_and_tell_the_others(tables):
@@ -141,15 +127,21 @@ def test_the_budget_on_a_page(tables):
     ]
 
 
-def test_what_there_is_none_of_is_an_empty_table():
-    rated = (difficulty_table([], 0.95, ARMS), budget_table([], 0.95))
-    for table in (taxonomy_table([], 1.0, 2.0), significance_table([]), navigation_table([], ARMS), *rated):
-        assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table)
+def test_metrics_without_rows_are_an_empty_table():
+    for kind, make in (
+        (TaxonomyCount, taxonomy_table),
+        (Comparison, significance_table),
+        (Navigation, navigation_table),
+        (Difficulty, difficulty_table),
+        (Step, budget_table),
+    ):
+        table = make(rows(kind, []), SETTINGS)
+        assert len(table_csv(table).splitlines()) == 1 and markdown(table) and latex(table, "empty")
 
 
 def test_p_values_keep_their_size():
-    assert [p_value(text) for text in ("1", "0.05049", "0.001", "")] == ["1.000", "0.050", "0.001", ""]
-    assert p_value("4.42860e-41") == Text("4.4e-41", r"$4.4\times10^{-41}$")
-    assert p_value("0.00099") == Text("9.9e-4", r"$9.9\times10^{-4}$")
-    assert p_value("0") == "0"
-    assert (count("3.000000"), count("40.750000", expected=True), signed("-0.0125"), signed("")) == ("3", "40.8", "-0.013", "")
+    assert [p_value(value) for value in (1.0, 0.05049, 0.001, 4.42860e-41, 0.00099, 0.0)] == [
+        "1.000", "0.050", "0.001", "4.4e-41", "9.9e-4", "0",
+    ]  # fmt: skip
+    assert [power_of_ten(text) for text in ("4.4e-41", "0.050")] == [r"$4.4\times10^{-41}$", "0.050"]
+    assert (count(3.0), count(40.75, expected=True), signed(-0.0125)) == ("3", "40.8", "-0.013")

@@ -1,18 +1,16 @@
 from __future__ import annotations
 
-import csv
-import io
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 
 from ovman.analysis.localisation import Localised
-from ovman.analysis.rows import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, SCENE, SIZE, Score
-from ovman.report.latex import latex
-from ovman.report.markdown import markdown
-from ovman.report.perception import backprojection_table, bars, perception_table
-from ovman.report.table import csv_text as table_csv
+from ovman.report.tables.backprojection import backprojection_table
+from ovman.report.tables.perception import bars, perception_table
+from ovman.report.tables.table import csv_text as table_csv
+from ovman.report.tables.table import latex, markdown
+from tests.report.reading import data, rows, settings
 
 GOOD = Score(
     ALL, ALL, true=100, recalled=75, recall=0.75, found=90, right=68, precision=0.78, doubled=2, precision_once=0.75,
@@ -21,13 +19,8 @@ GOOD = Score(
 )  # fmt: skip
 
 
-def records(*scores):
-    """As the csv reader gives them."""
-    return list(csv.DictReader(io.StringIO(csv_text(list(Score.__dataclass_fields__), map(asdict, scores)))))
-
-
 def test_what_reaches_a_bar_meets_it():
-    assert {name: bar.verdict for name, bar in bars(records(GOOD)).items()} == dict.fromkeys(
+    assert {name: bar.verdict for name, bar in bars([GOOD]).items()} == dict.fromkeys(
         ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5"), "met"
     )
 
@@ -45,34 +38,34 @@ def test_what_reaches_a_bar_meets_it():
     ],
 )
 def test_what_misses_a_bar_is_said_to(name, value):
-    found = bars(records(replace(GOOD, **{name: value})))
+    found = bars([replace(GOOD, **{name: value})])
     assert [rate for rate, bar in found.items() if not bar.met] == [name]
 
 
 def test_synonyms_are_measured_against_the_own_nouns_of_the_same_crops():
-    assert not bars(records(replace(GOOD, own_top1=0.63)))["synonym_top1"].met
+    assert not bars([replace(GOOD, own_top1=0.63)])["synonym_top1"].met
 
 
 def test_the_table_shows_bars_and_groups():
-    rows = records(
+    scores = [
         GOOD,
         Score(CATEGORIES, "mean", recall=0.5, top1=0.4, top5=0.8),
         replace(GOOD, group=SIZE, value="below 600 px"),
         replace(GOOD, group=SCENE, value="FloorPlan1", precision=None, found=0),
         replace(GOOD, group="category", value="Sofa"),
-    )
-    table = perception_table(rows, 0.25, 300)
-    assert [row.cells["which"] for row in table.rows] == [
+    ]
+    table = perception_table(rows(Score, scores), settings())
+    assert [*table.rows["which"]] == [
         "all", "mean over categories", "chance", "bar", "verdict", "below 600 px", "FloorPlan1",
     ]  # fmt: skip
     text = markdown(table)
     assert "≥ 0.750" in text and "met" in text and "300 px" in text and "0.25" in text
-    assert r"$\ge$ 0.750" in latex(table) and table_csv(table).startswith("of,which,true,recall")
+    assert r"$\ge$ 0.750" in latex(table, "perception") and table_csv(table).startswith("of,which,true,recall")
 
 
 def test_a_file_without_its_first_row_is_refused():
     with pytest.raises(ValueError, match="no row of all"):
-        bars(records(replace(GOOD, group=SCENE)))
+        bars([replace(GOOD, group=SCENE)])
 
 
 def test_objects_count_by_their_worst_mask():
@@ -80,12 +73,11 @@ def test_objects_count_by_their_worst_mask():
         return Localised("FloorPlan1", thing, "Sofa", view, kind, 400, 0.0, error, error, error)
 
     masks = [("a", 0, "true", 1.0), ("a", 1, "true", 3.0), ("b", 0, "true", 2.0), ("a", 0, "detected", 9.0)]
-    rows = [{key: str(value) for key, value in asdict(mask(*one)).items()} for one in masks]
-    table = backprojection_table(rows, 300)
-    of = {(r.cells["mask"], r.cells["estimate"].split()[0], r.cells["unit"]): r.cells for r in table.rows}
+    table = backprojection_table(rows(Localised, [mask(*one) for one in masks]), settings())
+    of = {(row["mask"], row["estimate"].split()[0], row["unit"]): row for row in data(table)}
     assert of["true", "single", "masks"]["n"] == "3" and of["true", "single", "objects"]["n"] == "2"
     assert of["true", "single", "masks"]["box_median"] == "2.0000"
     assert of["true", "single", "objects"]["box_median"] == "2.5000"
     assert of["true", "component-wise", "masks"]["box_max"] == "0.0000"
     assert of["detected", "single", "objects"]["box_max"] == "9.0000"
-    assert "single ray" in markdown(table) and "median" in latex(table)
+    assert "single ray" in markdown(table) and "median" in latex(table, "backprojection")

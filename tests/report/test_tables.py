@@ -2,34 +2,39 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import dataclass
 from functools import reduce
 from pathlib import Path
 from types import SimpleNamespace
 
+import pandas as pd
 import pytest
 import yaml
 
-from ovman.analysis.metrics import EMBODIED_RATES, STATIC_RATES
+from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.analysis.rows import csv_text
-from ovman.report import tables
-from ovman.report.constants import KEYS, constants_table, value_text
-from ovman.report.rejections import rejections_table
-from ovman.report.table import csv_text as table_csv
+from ovman.analysis.registry import METRICS, compared, in_tables
+from ovman.models.settings import Need, arms_of
+from ovman.report.tables import stages
+from ovman.report.tables.constants import KEYS, constants_table, value_text
+from ovman.report.tables.rejections import RejectionCount, rejections_table
+from ovman.report.tables.specs import SPECS
+from ovman.report.tables.table import csv_text as table_csv
 from ovman.task import Relation
 from ovman.workflow.config import load
+from tests.report.reading import settings
 
 REJECTIONS_MD = """\
 Audit of the candidates: first reason of rejection by relation, in the order of the checks.
 
-| stage         | reason               | MOVED | FORMER | MOVING | STABLE | APPEARED | REMOVED | ALL |
-| ------------- | -------------------- | ----: | -----: | -----: | -----: | -------: | ------: | --: |
-| drawn         | —                    |     9 |      9 |      9 |      9 |        9 |       9 |  54 |
-| placement     | placement_refused    |     3 |      2 |      2 |      2 |        2 |       2 |  13 |
-| certification | certification_failed |     0 |      1 |      1 |      1 |        1 |       1 |   5 |
-| certified     | —                    |     6 |      6 |      6 |      6 |        6 |       6 |  36 |
-| released      | —                    |     5 |      6 |      6 |      6 |        6 |       6 |  35 |
+| stage         | reason               |   MOVED |   FORMER |   MOVING |   STABLE |   APPEARED |   REMOVED |   ALL |
+|:--------------|:---------------------|--------:|---------:|---------:|---------:|-----------:|----------:|------:|
+| drawn         | —                    |       9 |        9 |        9 |        9 |          9 |         9 |    54 |
+| placement     | placement_refused    |       3 |        2 |        2 |        2 |          2 |         2 |    13 |
+| certification | certification_failed |       0 |        1 |        1 |        1 |          1 |         1 |     5 |
+| certified     | —                    |       6 |        6 |        6 |        6 |          6 |         6 |    36 |
+| released      | —                    |       5 |        6 |        6 |        6 |          6 |         6 |    35 |
 """
 CONFIG = Path(__file__).parents[2] / "config.yaml"
 
@@ -41,7 +46,7 @@ def namespace(value):
 @pytest.fixture
 def constants():
     read = namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
-    read.arms = load(CONFIG).arms
+    read.arms, read.comparisons = load(CONFIG).arms, load(CONFIG).comparisons
     return read
 
 
@@ -74,16 +79,14 @@ REJECTIONS = "relation,stage,reason,count\n" + "".join(
 
 @pytest.fixture
 def metrics(tmp_path):
-    header = list(Rate.__dataclass_fields__)
-
     def write(name, rates):
-        (tmp_path / name).write_text(csv_text(header, [{key: getattr(rate, key) for key in header} for rate in rates]))
+        frames.write(tmp_path / name, Rate, rates)
 
     outcomes = static("positions_single_visit", 1, "expected") + static("positions_two_visits", 4)
-    write(STATIC_RATES, static_rates(outcomes, 0.95))
-    write(EMBODIED_RATES, embodied_rates(embodied("oracle_check"), 0.95))
+    write("static_rates.csv", static_rates(outcomes, 0.95))
+    write("embodied_rates.csv", embodied_rates(embodied("oracle_check"), 0.95))
     (tmp_path / "rejections.csv").write_text(REJECTIONS)
-    return tmp_path / STATIC_RATES, tmp_path / EMBODIED_RATES, tmp_path / "rejections.csv"
+    return tmp_path / "static_rates.csv", tmp_path / "embodied_rates.csv", tmp_path / "rejections.csv"
 
 
 def read(path):
@@ -92,7 +95,7 @@ def read(path):
 
 def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_path):
     for where in ("one", "other"):
-        tables.run(metrics, constants, tmp_path / where)
+        stages.run(metrics, constants, tmp_path / where)
     names = {
         f"{table}.{suffix}" for table in ("constants", "static", "embodied", "rejections") for suffix in ("csv", "md", "tex")
     }
@@ -101,7 +104,7 @@ def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_
 
 
 def test_the_static_table_on_a_page(metrics, constants, tmp_path):
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
     caption, table = page.split("\n\n")
     assert " ".join(caption.split()).startswith(
@@ -122,7 +125,7 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
 
 
 def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tmp_path):
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     single, two = read(tmp_path / "tables" / "static.csv")
     design = ["system", "memory", "grounding", "positions", *(relation.value for relation in Relation), "all", "n", "runs"]
     assert [key for key in single if not key.endswith(("_low", "_high", "_min", "_max")) and key != "interval"] == design
@@ -135,7 +138,7 @@ def test_the_static_csv_has_an_interval_beside_every_rate(metrics, constants, tm
 
 
 def test_the_embodied_csv(metrics, constants, tmp_path):
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     (row,) = read(tmp_path / "tables" / "embodied.csv")
     assert [row[key] for key in ("agent", "sr", "spl", "n", "seeds")] == ["oracle check", "0.833", "0.750", "12", "3"]
     assert float(row["sr_low"]) < 0.833 < float(row["sr_high"])
@@ -144,7 +147,7 @@ def test_the_embodied_csv(metrics, constants, tmp_path):
 def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if not line.startswith("positions_single_visit")))
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     assert [row["memory"] for row in read(tmp_path / "tables" / "static.csv")] == ["two visits"]
     assert "†" not in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
@@ -152,19 +155,19 @@ def test_arms_that_do_not_exist_have_no_row(metrics, constants, tmp_path):
 def test_a_relation_without_episodes_is_empty_not_zero(metrics, constants, tmp_path):
     lines = metrics[0].read_text().splitlines(keepends=True)
     metrics[0].write_text("".join(line for line in lines if ",stable," not in line))
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     assert all(row["stable"] == row["stable_low"] == "" for row in read(tmp_path / "tables" / "static.csv"))
     assert " — |" in (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
 
 
 def test_an_arm_in_the_wrong_table_is_refused(metrics, constants, tmp_path):
     metrics[1].write_text(metrics[1].read_text().replace("oracle_check", "positions_two_visits"))
-    with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is no embodied arm"):
-        tables.run(metrics, constants, tmp_path / "tables")
+    with pytest.raises(ValueError, match="embodied_rates.csv: 'positions_two_visits' is not an arm of this table"):
+        stages.run(metrics, constants, tmp_path / "tables")
 
 
 def test_the_audit_adds_up(metrics, constants, tmp_path):
-    tables.run(metrics, constants, tmp_path / "tables")
+    stages.run(metrics, constants, tmp_path / "tables")
     assert (tmp_path / "tables" / "rejections.md").read_text(encoding="utf-8") == REJECTIONS_MD
     rows = read(tmp_path / "tables" / "rejections.csv")
     drawn, *rejected, certified, released = rows
@@ -184,7 +187,10 @@ def test_the_audit_adds_up(metrics, constants, tmp_path):
 )
 def test_an_audit_that_contradicts_itself_is_not_printed(change, message):
     with pytest.raises(ValueError, match=message):
-        rejections_table(list(csv.DictReader(io.StringIO(REJECTIONS.replace(*change)))))
+        rejections_table(
+            frames.typed(pd.read_csv(io.StringIO(REJECTIONS.replace(*change)), dtype=str, keep_default_na=False), RejectionCount),
+            settings(),
+        )
 
 
 def test_constants_are_those_in_force(constants):
@@ -203,7 +209,7 @@ def test_constants_are_those_in_force(constants):
 
 
 def test_values_of_the_paper(constants):
-    values = {row.cells["setting"]: (row.cells["value"], row.cells["unit"]) for row in constants_table(constants).rows}
+    values = {row["setting"]: (row["value"], row["unit"]) for _, row in constants_table(constants).rows.iterrows()}
     assert values["success.radius_m"] == ("1.0", "m")
     assert values["association.gate_m"] == ("1.25", "m")
     assert values["success.sweep_deg"] == ("0, 30, 60", "°")
@@ -220,3 +226,57 @@ def test_every_shown_constant_is_a_setting(constants):
     assert len(set(KEYS)) == len(KEYS)
     for key in KEYS:
         assert reduce(getattr, key.split("."), constants) is not None
+
+
+def test_every_metric_with_a_table_has_a_spec_and_no_other():
+    assert list(SPECS) == [metric.name for metric in METRICS if metric.table is not None]
+    assert len({metric.name for metric in METRICS}) == len(METRICS)
+    assert len({metric.table for metric in METRICS if metric.table}) == len(SPECS)
+
+
+def test_metrics_of_dualmap_are_shown_only_where_an_arm_needs_its_maps():
+    arms = arms_of(load(CONFIG).arms)
+    without = [arm for arm in arms if Need.DUALMAP not in arm.needs]
+    assert set(in_tables(arms)) - set(in_tables(without)) == {"dualmap"} == set(compared(arms)) - set(compared(without))
+
+
+def test_a_file_that_no_table_shows_is_refused(metrics, constants, tmp_path):
+    other = metrics[0].rename(tmp_path / "static_outcomes.csv")
+    with pytest.raises(ValueError, match="no table shows static_outcomes; those that are shown are static_rates,"):
+        stages.run([other], constants, tmp_path / "tables")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("successes", "wins"), "static_rates.csv: no column successes, there are arm, relation,"),
+        (("0.250000", "many"), "static_rates.csv: rate is 'many', which is no finite number"),
+        (("0.250000", "nan"), "static_rates.csv: rate is 'nan', which is no finite number"),
+    ],
+)
+def test_a_file_with_other_columns_or_no_numbers_is_one_line(metrics, constants, tmp_path, change, message):
+    metrics[0].write_text(metrics[0].read_text().replace(*change))
+    with pytest.raises(ValueError, match=message) as caught:
+        stages.run(metrics, constants, tmp_path / "tables")
+    assert "\n" not in str(caught.value)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row with every kind of column."""
+
+    name: str | None
+    share: float
+    p: float | None
+    count: int
+    some: int | None
+    known: bool | None
+
+
+def test_rows_come_back_from_a_file_as_they_were(tmp_path):
+    made = [Row("a", 0.25, 1.5e-23, 3, None, True), Row(None, -0.0, None, 0, 7, None), Row("b,c", 1.0, 0.5, 1, 1, False)]
+    frames.write(tmp_path / "rows.csv", Row, made)
+    assert (tmp_path / "rows.csv").read_text().splitlines() == [
+        "name,share,p,count,some,known", "a,0.250000,1.5e-23,3,,1", ",0.000000,,0,7,", '"b,c",1.000000,0.5,1,1,0',
+    ]  # fmt: skip
+    assert frames.read_rows(tmp_path / "rows.csv", Row) == made

@@ -23,7 +23,7 @@ SNAKEFILE = """
 import sys
 
 sys.path.insert(0, {root!r})
-from ovman.workflow.snakefile import limit_gpu
+from ovman.workflow.snakemake_internals import limit_gpu
 
 limit_gpu(workflow)
 

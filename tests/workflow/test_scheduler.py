@@ -14,7 +14,7 @@ import os
 import sys
 
 sys.path.insert(0, {root!r})
-from ovman.workflow.snakefile import lift_rate_limit
+from ovman.workflow.snakemake_internals import lift_rate_limit
 
 
 onstart:

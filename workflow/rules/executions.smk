@@ -2,7 +2,7 @@
 rule executions:
     input:
         episodes="results/episodes/main.jsonl",
-        trials="results/trials/{scene}.jsonl",
+        sightings=handed("results/episodes/sightings.jsonl"),
         visits=needed(["tours", "maps"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
@@ -14,10 +14,10 @@ rule executions:
         "logs/executions/{arm}/{scene}.log",
     benchmark:
         "benchmarks/executions/{arm}/{scene}.tsv"
-    resources:
-        gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
+    resources:
+        gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     params:
         constants=stage_of_arm("executions"),
     script:

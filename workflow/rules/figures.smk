@@ -4,7 +4,7 @@ rule figures:
         episodes="results/episodes/main.jsonl",
         visits=expand("results/visits/{scene}.json", scene=SCENES),
     output:
-        relations="results/figures/relations.png",
+        relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
     log:
         "logs/figures.log",
     params:

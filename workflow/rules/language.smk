@@ -1,15 +1,15 @@
-# The predictions of the arm two_visits, asked by sentences that the parser was not made with, beside those of the arm itself.
+# What the agent of section `comparisons` answers to sentences that the parser was not made with, beside its own predictions.
 rule language:
     input:
         episodes="results/episodes/main.jsonl",
-        supplied="results/predictions/two_visits.jsonl",
+        supplied=f"results/predictions/{settings.comparisons.agent}.jsonl",
         maps=expand("results/maps/{scene}.npz", scene=SCENES),
         nouns="results/nouns.npz",
         held_out=os.path.join(workflow.basedir, "ovman", "language", "held_out.yaml"),
     output:
         sentences="results/language/sentences.jsonl",
-        relation_inferred="results/language/two_visits_relation_inferred.jsonl",
-        inferred="results/language/two_visits_inferred.jsonl",
+        relation_inferred="results/language/relation_inferred.jsonl",
+        inferred="results/language/inferred.jsonl",
         language="results/metrics/language.csv",
     log:
         "logs/language.log",

@@ -1,4 +1,4 @@
-"""CoW's policy: spin, explore, exploit; stop at the first thing that seems to be of the category."""
+"""CoW's policy: spin, explore, exploit; stop at the first detection of the category."""
 
 from __future__ import annotations
 
@@ -14,15 +14,13 @@ from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
-from ovman.agents.interface import Action, Observation, Visit
-from ovman.evaluation.context import Given
+from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.models.settings.baselines import Cow
 from ovman.models.settings.benchmark import Primitives
-from ovman.task import Query
 
 
 class Mode(StrEnum):
-    """SPIN: look around. EXPLORE: to the frontiers, the nearest first. EXPLOIT: to what may be the category."""
+    """SPIN: look around. EXPLORE: go to the frontiers, the nearest first. EXPLOIT: go to a detection of the category."""
 
     SPIN = "spin"
     EXPLORE = "explore"
@@ -30,9 +28,9 @@ class Mode(StrEnum):
 
 
 class CowAgent:
-    """CoW's agent for one episode. Of an observation it uses the RGB and depth images and the lens, and nothing else.
+    """CoW's agent for one episode. It uses the RGB and depth images and the field of view of an observation, nothing else.
 
-    It has no memory of another visit and no use for the relation: tours are not looked at. Deterministic.
+    It ignores the tours and the relation. Deterministic.
     """
 
     def __init__(self, localiser: Localiser, constants: Cow, primitives: Primitives) -> None:
@@ -47,7 +45,7 @@ class CowAgent:
         """Nothing is kept of a tour."""
 
     def ask(self, query: Query) -> None:
-        """What to look for: any instance of the category."""
+        """Sets the goal: any instance of the category."""
         self._localiser.look_for(query.category)
 
     def _begin(self) -> None:
@@ -63,15 +61,15 @@ class CowAgent:
 
     @property
     def cell(self) -> Cell:
-        """The voxel that the agent believes to be in."""
+        """The voxel of the believed pose."""
         return self.pose.cell(self._constants.voxel_m)
 
     def act(self, observation: Observation) -> Action:
-        """The next action, given the images at the present pose."""
+        """The next action for the images at the current pose."""
         constants = self._constants
         assert observation.rgb is not None and observation.depth is not None, "CoW needs images"
         if self._queue and self._queue[-1] is Action.STOP:
-            # Turning to what it will stop at: nothing that it sees on the way changes that, so it need not be understood.
+            # The final turns before STOP: no image changes them, so none is processed.
             return self._queue.pop(0)
         depth = square(observation.depth, constants.image_px)
         self._reckon(depth)
@@ -82,7 +80,7 @@ class CowAgent:
         return self._last
 
     def _reckon(self, depth: np.ndarray) -> None:
-        """Moves the believed pose by the last action, unless hardly anything changed before the camera."""
+        """Move the believed pose by the last action, unless the depth image has hardly changed."""
         self._failed = None
         if self._last is not None and self._depth is not None:
             if failed(self._depth, depth, self._constants.unchanged_depth_m):
@@ -106,7 +104,7 @@ class CowAgent:
         return self._queue.pop(0)
 
     def _confused(self, seen: Scan) -> Action:
-        """No way leads anywhere: forgets the map but for what is in view, and looks around again."""
+        """No path is left: forget the map except for the current view, and look around again."""
         self.map = VoxelMap(self._constants)
         self.map.update(seen, self.cell)
         self._proxies = {}
@@ -114,7 +112,7 @@ class CowAgent:
         return Action.ROTATE_LEFT
 
     def _explore(self) -> tuple[Action, ...]:
-        """Actions towards the nearest frontier that a way leads to; none where there is no such frontier."""
+        """Actions towards the nearest frontier with a path to it; empty without such a frontier."""
         paths = Paths(self.map, self.cell)
         for target in frontier_targets(self.map, self.cell, self._constants):
             if self.map.visited(target) or (way := paths.to(target)) is None:
@@ -126,7 +124,7 @@ class CowAgent:
         return ()
 
     def _exploit(self) -> tuple[Action, ...]:
-        """Actions towards the nearest region of interest, and STOP where it is near."""
+        """Actions towards the nearest region of interest; STOP near it."""
         paths = Paths(self.map, self.cell)
         for region in self.map.regions:
             proxy = self._proxy(region)
@@ -154,13 +152,13 @@ class CowAgent:
         return math.dist(self.cell, cell)
 
     def _waypoint(self, way: list[Cell]) -> Cell | None:
-        """The first cell of a way that is not reached yet."""
+        """The first cell of a path that is not reached yet."""
         return next((cell for cell in way if self._away(cell) > self._constants.waypoint_voxels), None)
 
     def _proxy(self, region: Cell) -> Cell | None:
-        """The first known cell that is not occupied on the line from a region to the agent: where to go to be near it.
+        """The goal for a region: the first known cell that is not occupied on the line from the region to the agent.
 
-        It stays the same until it turns out to be occupied.
+        It stays the same until the map marks it as occupied.
         """
         kept = self._proxies.get(region)
         if kept is not None and self.map.at(kept) is not VoxelState.OCCUPIED:
@@ -177,7 +175,7 @@ class CowAgent:
         return self._proxies[region]
 
 
-def agent(given: Given) -> CowAgent:
-    """The arm `cow`: needs the networks, and of the constants cow.*, locobot.* and section perception."""
-    constants = given.constants
-    return CowAgent(localiser(constants, *given.sight()), constants.cow, constants.primitives)
+def agent(context: AgentContext) -> CowAgent:
+    """The arm `cow`: needs the networks, and of the settings cow.*, locobot.* and section perception."""
+    settings = context.settings
+    return CowAgent(localiser(settings, *context.networks()), settings.cow, settings.primitives)

@@ -1,4 +1,4 @@
-"""Where the known free space borders on the unknown, and which of its places are worth going to."""
+"""Frontiers: free cells beside unknown ones, and one target for each cluster of them."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from ovman.models.settings.baselines import Cow
 
 
 def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]:
-    """One cell for each stretch of frontier, the nearest to the agent first.
+    """One target cell for each cluster of frontier cells, the nearest to the agent first.
 
-    Frontier cells without a free neighbour among the eight around them do not count, and fewer than `frontier_cells` of them are
-    none. Single-linkage clusters of cells at a distance below `cluster_voxels` = 1.5 are what hangs together over edges and
-    corners; the target is the member nearest to the mean of its cluster.
+    Frontier cells without a free cell among their eight neighbours do not count; fewer than `frontier_cells` in total give no
+    target. Single-linkage clusters at a distance below `cluster_voxels` = 1.5 are the eight-connected components. The target is
+    the member nearest to the mean of its cluster. Raises ValueError for `cluster_voxels` outside (1, 2].
     """
     state = known.state
     frontier = (state == VoxelState.FRONTIER) & ndimage.binary_dilation(state == VoxelState.FREE, EIGHT)
@@ -22,7 +22,7 @@ def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]
         return []
     reach = 1.0 < constants.cluster_voxels <= 2.0
     if not reach:
-        raise ValueError(f"cow.cluster_voxels is {constants.cluster_voxels}; cells hang together for more than 1 and at most 2")
+        raise ValueError(f"cow.cluster_voxels is {constants.cluster_voxels}; write a number above 1 and at most 2")
     labels, count = ndimage.label(frontier, EIGHT if constants.cluster_voxels > np.sqrt(2.0) else None)
     cells = np.argwhere(frontier)
     label = labels[frontier]

@@ -1,4 +1,4 @@
-"""Where the agent believes that it is: what it commanded, summed up. What its body did beside that goes unnoticed."""
+"""Dead reckoning: the pose as the sum of the commanded motions. Errors of the body go unnoticed."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from ovman.agents.interface import Action
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """A believed place and heading in the frame of the episode's start; x, z in metres, yaw in degrees in [0, 360)."""
+    """A believed position and heading in the frame of the episode's start; x, z in metres, yaw in degrees in [0, 360)."""
 
     x: float = 0.0
     z: float = 0.0
     yaw_deg: float = 0.0
 
     def after(self, action: Action, step_m: float, turn_deg: float) -> Pose:
-        """The pose if `action` does exactly what it says; one that is no motion leaves it."""
+        """The pose after `action` without error; unchanged for an action that is no motion."""
         if action is Action.MOVE_AHEAD:
             yaw = math.radians(self.yaw_deg)
             return Pose(self.x + step_m * math.sin(yaw), self.z + step_m * math.cos(yaw), self.yaw_deg)
@@ -35,9 +35,9 @@ class Pose:
 
 
 def failed(before: np.ndarray, now: np.ndarray, unchanged_m: float) -> bool:
-    """Whether the action between two depth images (H, W), metres, seems to have failed: hardly anything is elsewhere.
+    """Whether the action between two depth images (H, W), metres, seems to have failed.
 
-    Mean and standard deviation of the absolute change are both below `unchanged_m`.
+    It does if mean and standard deviation of the absolute change are both below `unchanged_m`.
     """
     change = np.abs(now - before)
     return bool(change.mean() < unchanged_m and change.std() < unchanged_m)

@@ -1,4 +1,4 @@
-"""Shortest ways over the free voxels."""
+"""Shortest paths over the free voxels."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 STRAIGHT, DIAGONAL = 1.0, 1.41
 """Lengths of an edge to one of the eight neighbours, in voxels."""
 NOWHERE = -9999
-"""scipy's predecessor of a cell that no way leads to."""
+"""scipy's predecessor of an unreachable cell."""
 
 
 class Paths:
-    """The shortest ways from one cell to every other, of the lengths that A* finds one after the other.
+    """The shortest paths from one cell to every other; their lengths equal those of A*.
 
-    Edges join free cells to their eight neighbours. `start`, a cell that the map covers, is free whatever the map says: the agent
+    Edges join free cells to their eight neighbours. `start` must be covered by the map and counts as free, because the agent
     stands in it.
     """
 
@@ -42,7 +42,7 @@ class Paths:
         _, self._before = dijkstra(graph, directed=False, indices=int(self._number[self._start]), return_predecessors=True)
 
     def to(self, goal: Cell) -> list[Cell] | None:
-        """The cells of a shortest way, from the start to `goal`; None where none leads there."""
+        """The cells of a shortest path from the start to `goal`, both included; None for an unreachable goal."""
         inside = self._inside(goal)
         number = -1 if inside is None else int(self._number[inside])
         if number < 0:

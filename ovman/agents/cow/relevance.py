@@ -1,8 +1,8 @@
-"""What CoW sees with: which pixels show the category that is asked for."""
+"""CoW's localiser: which pixels show the category of the query."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -13,29 +13,32 @@ from ovman.models.settings.baselines import Cow
 from ovman.perception.crop import crop
 from ovman.perception.protocols import ImageTextEncoder, Segmenter
 
+if TYPE_CHECKING:
+    from ovman.perception.detector import Detector
+
 PROMPT = "a photo of a {}"
-"""CoW's, without the full stop at its end, which the text tower of the default has never seen."""
+"""CoW's prompt without its full stop, which the default text tower was not trained on."""
 
 
 class Localiser(Protocol):
-    """Says where a category may be in an image."""
+    """Localises a category in images."""
 
     def look_for(self, category: str) -> None:
-        """The category that `relevance` is about from now on."""
+        """Set the category of `relevance`."""
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """(image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
+        """Relevance (image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
 
 
 def prompt(category: str) -> str:
-    """What the text tower is given: "a photo of a house plant"."""
+    """The prompt of a category: "a photo of a house plant"."""
     return PROMPT.format(noun(category))
 
 
 class OpenVocabularyLocaliser:
-    """The reference agent's networks in the place of OWL-ViT: class-agnostic instances, their crops compared to the prompt.
+    """The reference agent's networks in place of OWL-ViT: class-agnostic instances whose crops are compared to the prompt.
 
-    min_mask_share: share of the image that a mask covers at least; crop_padding: of the longer side of a mask's box.
+    min_mask_share: smallest mask as a share of the image; crop_padding: as a share of the longer side of a mask's box.
     """
 
     def __init__(
@@ -50,7 +53,7 @@ class OpenVocabularyLocaliser:
         self._text = self._encoder.texts([prompt(category)])[0]
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """1 where an instance is that is similar enough: at the centre of its box alone, or all over the box."""
+        """1 at the centre of the box of every instance that is similar enough, or all over the box; else 0."""
         boxes, similarity = self.similarities(rgb)
         side_px, found = self._constants.image_px, np.zeros((self._constants.image_px,) * 2, np.float32)
         scale = side_px / np.array(rgb.shape[:2] * 2)
@@ -62,14 +65,14 @@ class OpenVocabularyLocaliser:
         return found
 
     def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Boxes (N, 4) of the instances of an image (H, W, 3), and how similar they are to the prompt: cosines (N,)."""
+        """Boxes (N, 4) of the instances of an image (H, W, 3), and their cosines (N,) to the prompt."""
         boxes, features = self.instances(rgb)
         return boxes, features @ self._text
 
     def instances(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The instances of an image (H, W, 3): boxes (N, 4), and unit embeddings (N, K) of their crops.
 
-        A box is top, left, bottom, right in pixels, the latter two outside.
+        A box is top, left, bottom, right in pixels, bottom and right exclusive.
         """
         (seen,) = self._detector.detect([rgb])
         masks = seen.masks[np.count_nonzero(seen.masks, axis=(1, 2)) >= self._min_mask_share * rgb.shape[0] * rgb.shape[1]]
@@ -79,12 +82,12 @@ class OpenVocabularyLocaliser:
         return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
 
 
-def localiser(constants: Settings, detector: Any, encoder: Any) -> OpenVocabularyLocaliser:
+def localiser(constants: Settings, detector: Detector, encoder: ImageTextEncoder) -> OpenVocabularyLocaliser:
     """The localiser of the LoCoBot's frames; `constants` owns cow.*, locobot.*, camera.* and perception.*.
 
-    An instance is as large a share of the frame as the smallest that the reference agent takes is of its own.
+    The smallest mask is the same share of the frame as for the reference agent.
     """
-    for category in SYNONYMS:  # the encoder keeps what it has read: the job that loads its text tower loads it for all
+    for category in SYNONYMS:  # fills the encoder's cache for all jobs at once
         encoder.texts([prompt(category)])
     camera, perception = constants.camera, constants.perception
     min_mask_share = perception.detector.min_mask_px / (camera.width_px * camera.height_px)
@@ -93,6 +96,6 @@ def localiser(constants: Settings, detector: Any, encoder: Any) -> OpenVocabular
 
 
 def _box(mask: np.ndarray) -> np.ndarray:
-    """(4,): top, left, bottom, right of a mask (H, W), the latter two outside."""
+    """(4,): top, left, bottom, right of a mask (H, W), bottom and right exclusive."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1], dtype=float)

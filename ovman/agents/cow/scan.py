@@ -1,4 +1,4 @@
-"""What a depth image says of the space around the agent."""
+"""From a depth image to points in the frame of the episode's start."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ovman.models.settings.baselines import Cow
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scan:
-    """The points of one depth image that count, seen from the believed pose.
+    """The valid points of one depth image, seen from the believed pose.
 
-    cells: (N, 2) int, their voxels on the floor plane; floor: (N,) bool, those at the height of the floor; height: (N,) metres
-    above the camera; relevance: (N,) in [0, 1]; origin: (2,) the camera's place in voxels, not rounded; blind: (M, 2) in voxels,
-    not rounded, the nearest of the points below the camera in every column of space before it.
+    cells: (N, 2) int, voxels on the floor plane; floor: (N,) bool, whether at the height of the floor; height: (N,) metres above
+    the camera; relevance: (N,) in [0, 1]; origin: (2,) position of the camera in voxels, not rounded; blind: (M, 2) in voxels,
+    not rounded, the nearest point below the camera in every column of space before it.
     """
 
     cells: np.ndarray
@@ -30,7 +30,7 @@ class Scan:
 
 
 def square(image: np.ndarray, side_px: int) -> np.ndarray:
-    """An image (H, W, ...) at (side_px, side_px, ...), each pixel the nearest of the image's."""
+    """An image (H, W, ...) at (side_px, side_px, ...), by nearest neighbour."""
     height, width = image.shape[:2]
     if (height, width) == (side_px, side_px):
         return image
@@ -42,7 +42,7 @@ def square(image: np.ndarray, side_px: int) -> np.ndarray:
 def scan(depth: np.ndarray, relevance: np.ndarray, pose: Pose, field_of_view_deg: float, constants: Cow) -> Scan:
     """The points of a depth image (S, S), metres along the optical axis, with the relevance (S, S) of its pixels.
 
-    What is nearer than the camera sees, and what is above the ceiling, does not count.
+    Points nearer than `nearest_depth_m` and above the ceiling are left out.
     """
     aside, up = _lens(len(depth), field_of_view_deg)
     flat = depth.ravel()

@@ -13,23 +13,23 @@ from ovman.models.settings.benchmark import Primitives
 
 
 def turns(by: int) -> tuple[Action, ...]:
-    """So many turns to the left, or to the right where `by` is negative."""
+    """`by` turns to the left, or to the right if it is negative."""
     return (Action.ROTATE_LEFT if by > 0 else Action.ROTATE_RIGHT,) * abs(by)
 
 
 def headings(count: int) -> tuple[int, ...]:
-    """How to turn to each of `count` headings, in turns to the left: 0, 1, -1, ... to a half turn, which goes left."""
+    """Turns to the left for each of `count` headings: 0, 1, -1, ... up to the half turn, which is to the left."""
     return tuple(sorted(range(1 - (count + 1) // 2, count // 2 + 1), key=lambda k: (abs(k), k < 0)))
 
 
 def steered(
     known: VoxelMap, pose: Pose, goal: Cell, constants: Cow, primitives: Primitives, forbidden: Action | None = None
 ) -> tuple[Action, ...] | None:
-    """Actions, at least one, that lead to within `waypoint_voxels` of a goal; None where the search finds none.
+    """Actions, at least one, that lead to within `waypoint_voxels` of a goal; None if the search fails.
 
-    Best-first by the distance to the goal over macro-actions, each a turn to one of the headings and a step; at most
-    `expansions` of them, every cell entered once, and none that is occupied. `forbidden` does not begin the first macro-action:
-    it has just failed.
+    Best-first search by the distance to the goal over macro-actions, each a turn to one of the headings and a step. At most
+    `expansions` nodes are expanded, every cell is entered once, and no occupied one. `forbidden` must not begin the first
+    macro-action, because it has just failed.
     """
     scale = 1.0 / constants.voxel_m
 
@@ -65,7 +65,7 @@ def steered(
 
 
 def facing(pose: Pose, target: Cell, constants: Cow, primitives: Primitives) -> tuple[Action, ...]:
-    """The turns to the heading that looks at a cell best."""
+    """The turns to the heading that is nearest to the direction of a cell."""
     dx, dz = target[0] * constants.voxel_m - pose.x, target[1] * constants.voxel_m - pose.z
     bearing = math.degrees(math.atan2(dx, dz))
 

@@ -13,47 +13,39 @@ The two maps of single visits are grounded, associated and decided over as the r
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ovman.agents.dualmap.mapped import RunMaps, read
-from ovman.agents.interface import VISITS
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
+from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, UniformPick
 from ovman.agents.reference.grounding import similarities
-from ovman.agents.reference.object_map import ObjectMap
 from ovman.agents.reference.reasoning import two_visits_recorded
-from ovman.agents.reference.single_visit import UniformPick
 from ovman.language import noun
-from ovman.models.settings import Need, Source
-from ovman.task import Query
-
-if TYPE_CHECKING:
-    from ovman.evaluation.context import Recorded
+from ovman.models.settings import Need
+from ovman.perception.object_map import ObjectMap
 
 
-def predict_maintained(query: Query, recorded: Recorded) -> tuple[Answer | UniformPick | Abstention, None]:
+def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer | UniformPick | Abstention, None]:
     """The static arms dualmap_maintained and grounding_dualmap_maintained.
 
     Own grounding: the centre of the most similar object, of equally similar ones the first that was saved. Handed grounding: a
     pick among the objects nearest to where either visit recorded an instance, as ``grounding_by_truth`` has it. Abstains with
     NOTHING_GROUNDED where that is none.
     """
-    found = _maps(recorded).maintained[recorded.visits["first"], recorded.visits["second"]].object_map()
-    if recorded.grounding is Source.OWN:
-        return most_similar(found, recorded.noun(noun(query.category))), None
-    return any_of(found, {index for which in VISITS for index in recorded.true_objects(which, found.p)}), None
+    found = _maps(context).maintained[context.visits.first, context.visits.second].object_map()
+    if not context.privileged_grounding:
+        return most_similar(found, context.noun(noun(query.category))), None
+    return any_of(found, {index for which in VISITS for index in context.true_objects(which, found.p)}), None
 
 
-def predict_two_visits(query: Query, recorded: Recorded) -> tuple[Answer | Abstention, None]:
+def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arms dualmap_two_visits and grounding_dualmap_two_visits: the reference agent's rules on DualMap's maps.
 
     A map knows one place of every object, its box's centre, so that MOVING is answered with that of the latest-seen one that is
     new.
     """
-    visits = _maps(recorded).visits
-    maps = [visits[recorded.visits[which]].object_map() for which in VISITS]
-    return two_visits_recorded(query, recorded, maps)[0], None
+    visits = _maps(context).visits
+    map_1, map_2 = (visits[context.visits[which]].object_map() for which in VISITS)
+    return two_visits_recorded(query, context, map_1, map_2)[0], None
 
 
 def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
@@ -65,11 +57,11 @@ def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:
 
 
 def any_of(found: ObjectMap, meant: set[int]) -> UniformPick | Abstention:
-    """The places of the objects of these indices, one as likely as another; NOTHING_GROUNDED where there are none."""
+    """The places of the objects of these indices, equally likely; NOTHING_GROUNDED without any."""
     if not meant:
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
     return UniformPick(tuple(sorted((float(x), float(z)) for x, z in found.p[sorted(meant)])))
 
 
-def _maps(recorded: Recorded) -> RunMaps:
-    return recorded.made(Need.DUALMAP, read)[recorded.run]
+def _maps(context: PredictionContext) -> RunMaps:
+    return context.made(Need.DUALMAP, read)[context.run]

@@ -13,19 +13,20 @@ from ovman.perception.protocols import TextEncoder
 
 SELDOM_MOVED = ("stool", "cabinet", "couch", "shelf", "armchair", "bathtub", "chair", "sofa", "table", "rack", "bed")
 OFTEN_MOVED = ("box", "cup", "cushion", "lamp", "pillow", "bowl", "microwave", "plant")
-"""DualMap's prototypes of furniture and of what stands on it, those of them that are words of the vocabulary: what an encoder was
-not taught says nothing."""
+"""DualMap's prototypes of furniture and of movable objects, restricted to words that the encoder was trained on."""
 
 
 def class_names() -> tuple[str, ...]:
-    """The noun of every category that can be an instance. There is no "unknown": the detector finds things without classes, and
-    the list has all that there is."""
+    """The noun of every category of instances. The list is complete, so that it needs no class "unknown"."""
     return tuple(noun(category) for category in SYNONYMS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Classes:
-    """names: of C classes; feature (C, K): their unit embeddings; low_mobility (C,) bool: furniture that seldom moves."""
+    """The C classes.
+
+    names: of the classes; feature (C, K): unit embeddings of the names; low_mobility (C,) bool: furniture that seldom moves.
+    """
 
     names: tuple[str, ...]
     feature: np.ndarray
@@ -33,11 +34,11 @@ class Classes:
 
     @staticmethod
     def of(encoder: TextEncoder, mobility_margin: float, least_cosine: float) -> Classes:
-        """The classes as an encoder reads their names.
+        """The classes with an encoder's embeddings.
 
-        A class is furniture that seldom moves if its name is at least so near to the word for some (least_cosine), and not
-        nearer by more than the margin to a word for what is moved often. All words have much in common for a small text tower:
-        the mean of the names is taken off first.
+        A class has low mobility if its greatest cosine to the words of SELDOM_MOVED is above `least_cosine` and at most
+        `mobility_margin` below its greatest cosine to those of OFTEN_MOVED. The mean embedding of the names is subtracted first,
+        because a small text tower maps all words close together.
         """
         names = class_names()
         feature = encoder.texts(names)

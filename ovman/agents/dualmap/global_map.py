@@ -1,6 +1,6 @@
-"""DualMap's global (abstract) map: anchors, i.e. furniture that seldom moves, with what was seen on it.
+"""DualMap's global (abstract) map: anchors, i.e. furniture that seldom moves, with the objects on them.
 
-Source: DualMap's abstract map. No anchor is ever deleted: furniture at a new place is a new anchor.
+Source: DualMap's abstract map. Anchors are never deleted; furniture at a new place becomes a new anchor.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ovman.models.settings.baselines import DualmapGlobal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Related:
-    """What was seen on an anchor: position (2,) x and z of its box's centre, metres; feature (K,) of unit length."""
+    """An object on an anchor: position (2,) x and z of its box's centre, metres; feature (K,) of unit length."""
 
     position: np.ndarray
     feature: np.ndarray
@@ -30,13 +30,16 @@ class Related:
 
     @staticmethod
     def of(thing: MapObject) -> Related:
-        """What the global map keeps of an object that stands on furniture."""
+        """The record of an object on furniture."""
         return Related(thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Anchor:
-    """uid: the name of the object that it was first; flat (N, 2): its points on the floor plane, one a voxel, metres."""
+    """A piece of furniture.
+
+    uid: of its first object; flat (N, 2): its points on the floor plane, one a voxel, metres; related: the objects on it.
+    """
 
     uid: int
     flat: np.ndarray
@@ -49,7 +52,7 @@ class Anchor:
 
     @staticmethod
     def of(departure: Departure, voxel_m: float) -> Anchor:
-        """The anchor that furniture becomes when it leaves a local map."""
+        """The anchor of furniture that leaves a local map."""
         thing = departure.object
         return Anchor(
             thing.uid,
@@ -75,19 +78,19 @@ class Anchor:
 
 
 class GlobalMap:
-    """Anchors in the order that they came in, after those of an earlier visit if there are any."""
+    """Anchors in the order of arrival, after preloaded ones of an earlier visit."""
 
     def __init__(self, voxel_m: float, constants: DualmapGlobal, preloaded: Iterable[Anchor] = ()) -> None:
         self.anchors: list[Anchor] = list(preloaded)
         self._voxel_m, self._constants = voxel_m, constants
 
     def take(self, departures: Iterable[Departure]) -> None:
-        """Take in what has left a local map, one after the other."""
+        """Add departures from a local map, in their order."""
         for departure in departures:
             self.merge(Anchor.of(departure, self._voxel_m))
 
     def merge(self, new: Anchor) -> None:
-        """Merge with the anchor whose footprint it shares the greatest fraction of, if that is above `overlap`; else add it."""
+        """Merge with the anchor of greatest overlap of footprints if that is above `overlap`; else add the anchor."""
         if self.anchors:
             prints = np.stack([anchor.footprint for anchor in self.anchors])
             shared = overlap(new.footprint, prints)
@@ -108,7 +111,7 @@ def overlap(rectangle: np.ndarray, rectangles: np.ndarray) -> np.ndarray:
 
 
 def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:
-    """The old anchor with both clouds and all that was seen on them; it looks like the one of more points on the floor plane."""
+    """Both anchors as one, with the uid of the old one, and feature and class of the one with more points on the floor plane."""
     looks = new if len(new.flat) > len(old.flat) else old
     return replace(
         old,

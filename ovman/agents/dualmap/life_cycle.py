@@ -1,4 +1,4 @@
-"""The life of an object in the local map: it is updated, then either waits and stays or is pending and goes.
+"""The life cycle of an object in the local map: updated, then either waiting and kept, or pending and removed.
 
 Source: the object status of DualMap's local map.
 """
@@ -16,8 +16,10 @@ from ovman.models.settings.baselines import DualmapLife
 
 
 class Phase(StrEnum):
-    """UPDATING: seen within the window. PENDING: out of it and unstable. WAITING: out of it and stable. SETTLED: has waited, so
-    that the local map has no more to do with it. GONE: was pending for too long.
+    """Phase of an object.
+
+    UPDATING: seen within the window. PENDING: unstable and not seen within it. WAITING: stable and not seen within it. SETTLED:
+    has waited long enough and is final. GONE: was pending for too long.
     """
 
     UPDATING = "updating"
@@ -29,7 +31,7 @@ class Phase(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Stage:
-    """A phase, and for how many keyframes it has lasted."""
+    """A phase and its duration in keyframes."""
 
     phase: Phase = Phase.UPDATING
     frames: int = 0
@@ -38,7 +40,7 @@ class Stage:
 def advanced(stage: Stage, missed: int, stable: bool, constants: DualmapLife) -> Stage:
     """The stage of an object after a keyframe.
 
-    missed: keyframes since it was last seen, 0 where this one shows it; stable: as ``is_stable`` has it.
+    missed: keyframes since the last observation, 0 if this one has it; stable: as ``is_stable``.
     """
     if missed <= constants.window:
         return Stage()
@@ -58,9 +60,9 @@ def flush_frames(constants: DualmapLife) -> int:
 
 
 def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: DualmapLife) -> bool:
-    """Whether an object was observed often enough, and as what it is.
+    """Whether an object was observed often enough and with a consistent class.
 
-    classes, confidences: of its observations in their order; kinds: how many classes there are.
+    classes, confidences: of its observations in their order; kinds: number of classes.
     """
     if len(classes) < constants.stable:
         return False
@@ -69,10 +71,10 @@ def is_stable(classes: Sequence[int], confidences: Sequence[float], kinds: int, 
 
 
 def converged(classes: Sequence[int], confidences: Sequence[float], kinds: int, constants: DualmapLife) -> bool:
-    """Whether a Bayes filter over an object's class has come to rest.
+    """Whether a Bayes filter over an object's class has converged.
 
-    Each observation has the likelihood of its confidence for its own class, and the rest shared out equally among the others;
-    before the first all of the `kinds` classes are as likely.
+    The likelihood of an observation is its confidence for its own class; the others share the rest equally. The prior over the
+    `kinds` classes is uniform.
     """
     history = _posteriors(classes, confidences, kinds)
     greatest = history.max(axis=1)

@@ -1,6 +1,6 @@
 """DualMap's local (concrete) map: observations of keyframes are matched to objects, which settle or go.
 
-Source: DualMap's concrete map. Nothing that has settled is ever deleted or moved: an object at a new place is a new entry.
+Source: DualMap's concrete map. A settled object is never deleted or moved; at a new place it becomes a new entry.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ovman.models.settings.baselines import DualmapGlobal, DualmapLocal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Departure:
-    """Furniture that leaves the local map for the global one, with what stands on it."""
+    """Furniture that leaves the local map for the global one, with the objects on it."""
 
     object: MapObject
     related: tuple[MapObject, ...]
@@ -28,8 +28,8 @@ class Departure:
 class LocalMap:
     """The map of one run. Its keyframes are numbered from 0.
 
-    kinds: how many classes there are; draws: the names of its objects;
-    handing_on: None where objects that have settled stay (local mapping only), else what is "on" what, and settled objects leave.
+    kinds: number of classes; draws: random names of the objects; handing_on: None keeps settled objects (local mapping only),
+    else they leave, with the constants of the relation "on"; unknown: the class of what no name fits, or None.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class LocalMap:
         self._handing_on, self._unknown = handing_on, unknown
 
     def copy(self, draws: np.random.Generator) -> LocalMap:
-        """A map of its own that goes on from here, its new objects named by `draws`."""
+        """An independent copy; `draws` names its new objects."""
         other = LocalMap(self._kinds, self._constants, draws, self._handing_on, self._unknown)
         other.objects = [thing.copy() for thing in self.objects]
         other.departures = list(self.departures)
@@ -55,7 +55,7 @@ class LocalMap:
         return other
 
     def observe(self, seen: Sequence[RunObservation]) -> None:
-        """One keyframe. All observations are matched to the map as it was before; several may be of one object."""
+        """Process one keyframe. Observations are matched to the map before it; several may match one object."""
         self.frame += 1
         touched = set()
         before = len(self.objects)
@@ -70,7 +70,7 @@ class LocalMap:
         self._advance(before)
 
     def flush(self) -> None:
-        """Empty keyframes until nothing is undecided: what is unstable goes."""
+        """Process empty keyframes until every object has settled or gone."""
         for _ in range(flush_frames(self._constants.life)):
             self.observe(())
 
@@ -100,12 +100,12 @@ class LocalMap:
             self._hand_on(self._handing_on)
 
     def stable(self, thing: MapObject) -> bool:
-        """Whether an object may stay."""
+        """Whether an object is stable."""
         classes, confidences = [s.class_id for s in thing.seen], [s.confidence for s in thing.seen]
         return is_stable(classes, confidences, self._kinds, self._constants.life)
 
     def _hand_on(self, constants: DualmapGlobal) -> None:
-        """Settled furniture departs with what is on it; what else has settled and is on nothing is dropped."""
+        """Settled furniture departs with the objects on it; other settled objects that lie on nothing are dropped."""
         leaving: set[int] = set()
         for thing in self.objects:
             if thing.stage.phase is not Phase.SETTLED or thing.uid in leaving:
@@ -126,11 +126,11 @@ _FRESH = Stage()
 
 
 def matches(seen: Sequence[RunObservation], objects: Sequence[MapObject], constants: DualmapLocal) -> list[int | None]:
-    """For each observation the index of the object that it is one of, None for something new.
+    """The index of the matching object for each observation, None for a new object.
 
-    The similarity is spatial, the fraction of the observation's points near the object's cloud (0 where their boxes hardly
-    overlap), plus visual, the cosine of their features. An observation is one of the most similar object if that is above
-    `match`; of equally similar ones the first. As `match` is at least 1, features alone match nothing.
+    Similarity is spatial (fraction of the observation's points near the object's cloud, 0 if the boxes hardly overlap) plus
+    visual (cosine of the features). An observation matches the most similar object if the similarity is above `match`; ties go
+    to the first. As `match` is at least 1, features alone match nothing.
     """
     if not seen or not objects:
         return [None] * len(seen)

@@ -17,7 +17,7 @@ from ovman.models.settings.baselines import DualmapLocal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunObservation:
-    """One observation as one run has it. cloud: the points that the run drew."""
+    """One observation with the cloud of one run."""
 
     class_id: int
     confidence: float
@@ -27,7 +27,7 @@ class RunObservation:
 
     @staticmethod
     def of(observation: ObjectObservation, run: int, cloud: Cloud | None = None) -> RunObservation:
-        """What the run of that number makes of an observation. cloud: that of the points it drew, if there is one already."""
+        """The observation for the run of that number. cloud: the cloud of its points, if it exists already."""
         return RunObservation(
             observation.class_id,
             observation.confidence,
@@ -39,9 +39,11 @@ class RunObservation:
 
 @dataclass(slots=True, eq=False)
 class MapObject:
-    """uid: a random number, of which the order of a saved map comes; seen: its observations, at least one, and frames: in which
-    keyframes of the map's life; parts: its cloud in pieces, first what was thinned last, then what came since; total: sum of its
-    features; stage: where it is in its life.
+    """An object of a local map.
+
+    uid: random number that orders saved maps; seen: its observations, at least one; frames: their keyframes; parts: its cloud in
+    pieces, first the last thinned cloud, then later observations; total: sum of its features; box (6,): least x, y, z and
+    greatest x, y, z, metres; stage: of its life cycle.
     """
 
     uid: int
@@ -54,7 +56,7 @@ class MapObject:
 
     @staticmethod
     def of(uid: int, seen: Sequence[RunObservation], frames: Sequence[int], constants: DualmapLocal) -> MapObject:
-        """The object that these observations make, in their order."""
+        """The object of these observations, in their order."""
         first = seen[0]
         made = MapObject(uid, [first], [frames[0]], [first.cloud], first.feature.copy(), first.cloud.box)
         for observation, frame in zip(seen[1:], frames[1:], strict=True):
@@ -62,12 +64,12 @@ class MapObject:
         return made
 
     def copy(self) -> MapObject:
-        """An object of its own that grows independently."""
+        """An independent copy."""
         seen, frames, parts = list(self.seen), list(self.frames), list(self.parts)
         return MapObject(self.uid, seen, frames, parts, self.total.copy(), self.box, self.stage)
 
     def add(self, seen: RunObservation, frame: int, constants: DualmapLocal) -> None:
-        """Append an observation's cloud, thinning at every `thin_every`-th, and its share of the running mean of the features."""
+        """Add an observation: its cloud, thinned at every `thin_every`-th, and its feature."""
         self.seen.append(seen)
         self.frames.append(frame)
         self.total += seen.feature
@@ -101,20 +103,22 @@ class MapObject:
 
     @property
     def class_id(self) -> int:
-        """The commonest class, of equally common ones the one that was seen first."""
+        """The commonest class; ties go to the one that was seen first."""
         return Counter(seen.class_id for seen in self.seen).most_common(1)[0][0]
 
     @property
     def low_mobility(self) -> bool:
-        """Most of its observations are of furniture that seldom moves."""
+        """Whether most of its observations are of furniture that seldom moves."""
         return 2 * sum(seen.low_mobility for seen in self.seen) > len(self.seen)
 
     @property
     def first_seen(self) -> int:
+        """Keyframe of the first observation."""
         return self.frames[0]
 
     @property
     def last_seen(self) -> int:
+        """Keyframe of the last observation."""
         return self.frames[-1]
 
     @property
@@ -125,8 +129,8 @@ class MapObject:
 
 
 def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:
-    """The two classes that an object was seen as in most common keyframes from keyframe `since` on: (class, class, keyframes),
-    the smaller class first; None where no keyframe shows two.
+    """The pair of classes that most keyframes from `since` on observe together: (class, class, keyframes), the smaller class
+    first; None if no keyframe has two classes.
     """
     kinds: dict[int, set[int]] = {}
     for seen, frame in zip(reversed(thing.seen), reversed(thing.frames), strict=True):
@@ -141,7 +145,7 @@ def together(thing: MapObject, since: int) -> tuple[int, int, int] | None:
 
 
 def parted(whole: MapObject, a: int, b: int, uid: int, constants: DualmapLocal) -> tuple[MapObject, MapObject]:
-    """An object as the two that its classes a and b say it is. The commoner keeps the name and what was seen as a third class."""
+    """The two objects of an object's classes a and b. The commoner class keeps the uid and observations of other classes."""
     counts = Counter(seen.class_id for seen in whole.seen)
     lesser = a if counts[a] < counts[b] else b
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ovman.agents.dualmap.global_map import Anchor, Related
 from ovman.agents.dualmap.map_object import MapObject
-from ovman.agents.reference.object_map import ObjectMap
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
+from ovman.perception.object_map import ObjectMap
 
 SCHEMA = "ovman-dualmap/2"
 

@@ -1,4 +1,4 @@
-"""From a detector's masks to those that DualMap observes: none twice, none too small, each pixel in one of them at most."""
+"""From a detector's masks to those of DualMap's observations: no duplicates, none too small, disjoint."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
 def filtered(
     masks: np.ndarray, rgb: np.ndarray, min_mask_px: float, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The masks that are observed, of masks (N, H, W) bool in a picture rgb (H, W, 3).
+    """The observed masks among masks (N, H, W) bool of a picture rgb (H, W, 3).
 
-    Returns which of the N they are (M,), the masks (M, H, W) bool, disjoint, and the same before anything was subtracted. Masks
-    below min_mask_px pixels go; of two that are the same the larger stays; one that overlaps a larger one of the same colours is
-    merged into it; what still overlaps is the smaller one's; what that leaves below min_mask_px goes.
+    Returns their indices (M,), the disjoint masks (M, H, W) bool, and the same masks before overlaps were removed. The steps:
+    drop masks below min_mask_px pixels; of duplicates keep the larger; merge a mask into a larger one of the same colours that it
+    overlaps; give remaining overlaps to the smaller mask; drop what is then below min_mask_px.
     """
     sizes = np.array([np.count_nonzero(mask) for mask in masks], np.int64)
     kept = np.flatnonzero(sizes >= max(min_mask_px, 1))
@@ -58,7 +58,7 @@ def _shared(masks: np.ndarray, sizes: np.ndarray) -> np.ndarray:
 
 
 def _first_of_same(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np.ndarray:
-    """Which masks, the largest first, are not the same as a larger one that is kept."""
+    """Indices of the masks, the largest first, that duplicate no larger kept one."""
     kept: list[int] = []
     for i in range(len(sizes)):
         union = sizes[kept] + sizes[i] - shared[i, kept]
@@ -70,7 +70,7 @@ def _first_of_same(shared: np.ndarray, sizes: np.ndarray, same_iou: float) -> np
 def _merged(
     flat: np.ndarray, kept: np.ndarray, shared: np.ndarray, colours: np.ndarray, constants: DualmapObservation
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Masks (N, H * W), the largest first, without those that were merged into a larger one; and which of them they are."""
+    """Masks (M, H * W), the largest first, after merging masks into larger ones; and their indices."""
     meet = np.argwhere(np.triu(shared > 0, 1)).tolist()
     if not meet:
         return flat, kept

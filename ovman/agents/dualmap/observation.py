@@ -1,4 +1,4 @@
-"""What one keyframe shows of one object, as DualMap's maps are given it."""
+"""The input of DualMap's maps: one object in one keyframe."""
 
 from __future__ import annotations
 

@@ -1,7 +1,6 @@
-"""The observations of dense walks as .npz files without pickles. Imports no network library: who only reads starts fast.
+"""The observations of dense walks as files of arrays. Imports no network library, so that reading starts fast.
 
-A frame that several walks of a scene have in common lies in the file once. Points are kept to the millimetre and in no order,
-features in half precision.
+A frame that walks of a scene share is stored once. Points are stored to the millimetre and unordered, features in half precision.
 """
 
 from __future__ import annotations
@@ -29,8 +28,7 @@ class Walk:
     """A dense walk as DualMap saw it.
 
     frames: the observations of every keyframe, in their order; views: of every keyframe, the index of the recorded tour's view
-    that it is, None between them; names: of the classes that class_id is an index of; unknown: the class of what no name fits,
-    None where there is none.
+    that it is, None between views; names: of the classes, indexed by class_id; unknown: the class of what no name fits, or None.
     """
 
     frames: tuple[tuple[ObjectObservation, ...], ...]
@@ -40,7 +38,7 @@ class Walk:
 
     @property
     def kinds(self) -> int:
-        """How many classes there are."""
+        """Number of classes."""
         return len(self.names)
 
 
@@ -50,7 +48,7 @@ def packed(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
     clouds = [cloud for one in seen for cloud in one.clouds]
     points = np.concatenate([np.zeros((0, 3), np.float32), *clouds])
     if np.abs(points).max(initial=0.0) > REACH_M:
-        raise ValueError(f"a point lies farther than {REACH_M} m from the origin; this is no home")
+        raise ValueError(f"a point lies farther than {REACH_M} m from the origin; no home is so large")
     millimetres = np.rint(points * np.float32(MILLIMETRES)).astype(np.int16)
     ordered = [_ordered(millimetres[start:end]) for start, end in _spans(np.array([len(cloud) for cloud in clouds], np.int64))]
     return {
@@ -66,7 +64,7 @@ def packed(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
 
 
 def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
-    """The shots of `packed`, with what the precision of the arrays leaves of them."""
+    """The shots of `packed`, up to the precision of the arrays."""
     points = (_summed(arrays["steps"]) / MILLIMETRES).astype(np.float32)
     clouds = [points[start:end] for start, end in _spans(arrays["points"])]
     features = arrays["feature"].astype(np.float32)
@@ -82,14 +80,15 @@ def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
 
 
 def _ordered(cloud: np.ndarray) -> np.ndarray:
-    """Points (N, 3) int16 with neighbours one after the other: by layers, then by slices of a layer, then along them."""
+    """Points (N, 3) int16 ordered by layers, slices of a layer, and along a slice, so that neighbours follow each other."""
     x, y, z = (cloud[:, axis] for axis in range(3))
     return cloud[np.lexsort((x, z // SLICE_MM, y // SLICE_MM))]
 
 
 def _steps(points: np.ndarray) -> np.ndarray:
-    """From each of the points (N, 3) int16 to the next, as (3, 2, N) uint8: signs last, low and high bytes apart. So they are
-    small numbers, which compress to half of what the points do."""
+    """Differences of consecutive points (N, 3) int16 as (3, 2, N) uint8: zigzag-coded, low and high bytes apart.
+
+    They compress to half the size of the points."""
     steps = np.diff(points, axis=0, prepend=np.zeros((1, 3), np.int16))
     folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
     return np.stack([folded.T & 0xFF, folded.T >> 8], axis=1).astype(np.uint8)
@@ -104,7 +103,7 @@ def _summed(steps: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Taken:
-    """A walk as its frames were taken: which shot each of them is (F,), and which view of the tour (F,), NO_VIEW between."""
+    """The frames of a walk: indices of their shots (F,), and of the tour's views (F,), NO_VIEW between views."""
 
     shots: np.ndarray
     views: np.ndarray
@@ -127,7 +126,7 @@ def write_walks(
 
 
 def read_walks(path: Path) -> dict[str, Walk]:
-    """The walks of a scene by their visits' names. ArrayFileError for a file that is none of walks."""
+    """The walks of a scene by their visits' names. ArrayFileError for a damaged file or another kind."""
     arrays = read_arrays(path, WALKS)
     low, names = arrays["low_mobility"].tolist(), tuple(arrays["names"].tolist())
     shots = [[(one, one.box) for one in shot.seen] for shot in unpacked(arrays)]
@@ -148,5 +147,5 @@ def read_walks(path: Path) -> dict[str, Walk]:
 
 
 def _spans(counts: np.ndarray) -> list[tuple[int, int]]:
-    """Beginning and end of parts of so many entries each, one after the other."""
+    """Begin and end of consecutive parts with these numbers of entries."""
     return list(pairwise(accumulate(counts.tolist(), initial=0)))

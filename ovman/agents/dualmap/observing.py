@@ -1,4 +1,4 @@
-"""From a frame to DualMap's observations: masks, their classes and features, and the clouds that each run draws of them."""
+"""From a frame to DualMap's observations: masks, their classes and features, and the clouds of every run."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
 from ovman.sim.walk import Frame
 
 EVERY_PX, HIGH = 4, 0.95
-"""One pixel in so many of a row and of a column is asked how high it is, and this share of them lies below the ceiling: what is
-seen through a window may be higher."""
+"""Stride in pixels and quantile of the height of a frame. Points above the quantile may be seen through a window."""
 
 
 class Observer:
-    """What DualMap sees with. `constants` is the section dualmap.observation of config.yaml.
+    """DualMap's observer.
 
-    What is stated in pixels of a published frame is scaled: a mask of a smaller frame counts with proportionally fewer pixels,
-    more of its pixels are drawn, and the border of a crop is narrower, so that the same things give the same clouds.
+    Pixel counts of the constants refer to a published frame and are scaled to the frame: in a smaller frame the smallest mask has
+    proportionally fewer pixels, a larger share of its pixels is drawn, and the border of a crop is narrower. Clouds of an object
+    are thus as dense in frames of all sizes.
     """
 
     def __init__(self, detector: Segmenter, encoder: ImageTextEncoder, constants: DualmapObservation) -> None:
@@ -34,7 +34,7 @@ class Observer:
         self.classes = Classes.of(encoder, constants.mobility_margin, constants.low_mobility)
 
     def look(self, frames: Sequence[Frame], draws: Sequence[Sequence[np.random.Generator]]) -> list[Shot]:
-        """What each of the frames shows. draws: of each frame, the generators of the runs, which draw pixels."""
+        """The observations of each frame. draws: for each frame, one generator of pixels per run."""
         found = self._detector.detect([frame.rgb for frame in frames])
         looks = [self._clouded(*one) for one in zip(frames, found, draws, strict=True)]
         crops = [crop for look in looks for crop, _, _ in look]
@@ -47,7 +47,7 @@ class Observer:
     def _clouded(
         self, frame: Frame, segments: Segments, runs: Sequence[np.random.Generator]
     ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...]]]:
-        """Crop, confidence and clouds of every object of a frame of which each run has a cloud."""
+        """Crop, confidence and clouds of every object of a frame that has a cloud in each run."""
         scale = frame.depth.size / self._constants.published_px
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
         objects = []
@@ -72,7 +72,7 @@ class Observer:
     def _clouds(
         self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
     ) -> tuple[np.ndarray, ...]:
-        """Of each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
+        """For each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
         rows, columns = np.nonzero(mask & (frame.depth > 0))
         drawn = [draw.choice(len(rows), int(share * len(rows)), replace=False, shuffle=False) for draw in runs]
         every = np.concatenate(drawn)
@@ -87,6 +87,6 @@ class Observer:
 
 
 def _top_m(frame: Frame) -> float:
-    """Height of the highest that a frame shows, metres; what is seen through a window aside."""
+    """Height of the top of a frame, metres, without outliers seen through windows."""
     rows, columns = (axis.ravel() for axis in np.mgrid[: frame.depth.shape[0] : EVERY_PX, : frame.depth.shape[1] : EVERY_PX])
     return float(np.quantile(pixel_points(frame.depth, rows, columns, frame.camera)[:, 1], HIGH))

@@ -1,10 +1,9 @@
 """The two readings of DualMap over two visits: a map of each, and one map that was maintained through both.
 
-CONCATENATED_LOCAL: the local map, run once over the first visit's keyframes and then the second's. PRELOADED_GLOBAL: the global
-map of the second visit, which began with the anchors of the first. Neither forgets where something was: nothing in DualMap
-deletes or moves what has settled. What differs from run to run is what differs in DualMap itself: which pixels of a mask make its
-cloud, and the order in which objects are saved, which is that of random names. DualMap can also lose keyframes where its mapper
-falls behind the camera; here it keeps up, and loses none.
+CONCATENATED_LOCAL: the local map, run over the first visit's keyframes and then the second's. PRELOADED_GLOBAL: the global map
+of the second visit, which begins with the anchors of the first. Both keep former places, because DualMap never deletes or moves a
+settled object. Runs differ as DualMap's do: in the pixels of a mask that make its cloud, and in the order of saved objects, which
+is that of random names. DualMap's mapper can also drop keyframes when it falls behind the camera; here it processes all of them.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ from ovman.models.settings.baselines import Dualmap
 
 Keyframes = Sequence[Sequence[ObjectObservation]]
 Looks = Sequence[Sequence[RunObservation]]
-"""Keyframes as one run has them."""
+"""Keyframes of one run."""
 Draws = Callable[..., np.random.Generator]
-"""Given the names of the visits, whence the names of the objects come."""
+"""From names of visits to the generator of the objects' names."""
 
 
 class Maintained(StrEnum):
-    """Which map is maintained; the maps of single visits are of the same kind."""
+    """The kind of the maintained map and of the maps of single visits."""
 
     CONCATENATED_LOCAL = "concatenated_local"
     PRELOADED_GLOBAL = "preloaded_global"
@@ -52,7 +51,7 @@ class Run:
     unknown: int | None = None
 
     def read(self, maintained: Maintained, walks: Mapping[str, Keyframes], pairs: Iterable[Pair]) -> RunMaps:
-        """The maps of the visits in `walks`, by name, and of the pairs of them."""
+        """The maps of the visits in `walks`, by name, and of the given pairs of visits."""
         pairs = list(dict.fromkeys(pairs))
         seen = self._looks(walks)
         if maintained is Maintained.CONCATENATED_LOCAL:
@@ -60,7 +59,7 @@ class Run:
         return self._preloaded_global(seen, pairs)
 
     def _looks(self, walks: Mapping[str, Keyframes]) -> dict[str, Looks]:
-        """The keyframes as this run has them. Walks share frames, and so what is found out about their clouds."""
+        """The keyframes of this run. Walks share frames and therefore clouds."""
         clouds: dict[int, Cloud] = {}
 
         def seen(one: ObjectObservation) -> RunObservation:
@@ -109,14 +108,14 @@ class Run:
         return local
 
     def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = ()) -> list[Anchor]:
-        """The anchors of a visit in the order in which they are saved, after those that were there before it."""
+        """The anchors of a visit, with the preloaded ones, in the order in which they are saved."""
         found = GlobalMap(self.constants.local_map.voxel_m, self.constants.global_map, preloaded)
         found.take(departures)
         return sorted(found.anchors, key=lambda anchor: anchor.uid)
 
 
 def _settled(local: LocalMap, frames: int) -> Mapped:
-    """What a local map holds when it is saved."""
+    """A flushed local map as it is saved."""
     local.flush()
     return Mapped(tuple(Entry.of_object(thing) for thing in sorted(local.objects, key=lambda thing: thing.uid)), frames)
 

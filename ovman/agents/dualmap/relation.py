@@ -1,4 +1,4 @@
-"""Which object of a local map stands on which."""
+"""The relation "on" between objects of a local map."""
 
 from __future__ import annotations
 
@@ -10,9 +10,7 @@ from ovman.models.settings.baselines import DualmapGlobal
 
 
 def major_plane(thing: MapObject, bin_m: float) -> float | None:
-    """Height in metres of the commonest bin of an object's points, of equally common ones the lowest; None for what is no
-    furniture, which has none.
-    """
+    """Height in metres of the commonest bin of an object's points, the lowest in a tie; None unless it is furniture."""
     if not thing.low_mobility:
         return None
     bins, counts = np.unique(np.floor(thing.columns[UP] / bin_m).astype(np.int64), return_counts=True)
@@ -20,7 +18,7 @@ def major_plane(thing: MapObject, bin_m: float) -> float | None:
 
 
 def lies_on(upper: MapObject, lower: MapObject, constants: DualmapGlobal) -> bool:
-    """Whether an object without a major plane lies on one that has one."""
+    """Whether an object without a major plane lies on one with a major plane."""
     if upper.low_mobility or not lower.low_mobility:
         return False
     above = footprint(upper.box)

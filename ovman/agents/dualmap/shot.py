@@ -1,4 +1,4 @@
-"""What one frame showed, whichever walks it is a frame of."""
+"""The objects of one frame, independent of the walks that share it."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ import numpy as np
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FrameObject:
-    """One object in a frame: its class, its feature (K,) of unit length, how sure the detector was, and of every run the points
-    (N, 3) float32 that were drawn of it, world frame, metres."""
+    """One object in a frame.
+
+    feature (K,): of unit length; confidence: of the detector; clouds: for every run the drawn points (N, 3) float32, world frame,
+    metres.
+    """
 
     class_id: int
     feature: np.ndarray
@@ -26,12 +29,12 @@ class FrameObject:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shot:
-    """The objects in a frame, and top_m, the height of the highest that it shows, metres."""
+    """The objects in a frame. top_m: height of the top of the frame, metres."""
 
     seen: tuple[FrameObject, ...]
     top_m: float
 
 
 def without_ceiling(shot: Shot, ceiling_m: float, margin_m: float) -> Shot:
-    """The shot without what has the middle of its box within a margin of the height of the ceiling."""
+    """The shot without objects whose box has its middle within a margin of the height of the ceiling."""
     return Shot(tuple(one for one in shot.seen if abs((one.box[1] + one.box[4]) / 2 - ceiling_m) >= margin_m), shot.top_m)

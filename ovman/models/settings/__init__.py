@@ -1,7 +1,22 @@
 """The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
 
 from ovman.models.settings.arms import Arm, Arms, Kind, Need, Source, arms_of, named, of_kind
+from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
 from ovman.models.settings.values import Section
 
-__all__ = ["Arm", "Arms", "Kind", "Need", "Section", "Settings", "Source", "arms_of", "named", "of_kind"]
+__all__ = [
+    "Arm",
+    "Arms",
+    "Comparisons",
+    "Kind",
+    "Need",
+    "Pair",
+    "PaperRows",
+    "Section",
+    "Settings",
+    "Source",
+    "arms_of",
+    "named",
+    "of_kind",
+]

@@ -22,6 +22,7 @@ from ovman.models.settings.benchmark import (
     Success,
     Tour,
 )
+from ovman.models.settings.comparisons import Comparisons, PaperRows
 from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.values import Section
 
@@ -50,3 +51,5 @@ class Settings(Section):
     cow: Cow
     plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")
     arms: Arms
+    comparisons: Comparisons
+    paper: PaperRows

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Self, cast
+from typing import TYPE_CHECKING, Annotated, Any, Self, cast, get_args, get_origin
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PrivateAttr
 
@@ -26,6 +26,20 @@ Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
 Listed = BeforeValidator(_sequence)
 """A list in YAML is a tuple here."""
+
+
+def listed(value: Any) -> Any:
+    """A mapping of a setting as JSON that keeps its order: a list of its entries, which have their names, or of its items."""
+    if not isinstance(value, dict):
+        return value
+    return [dict(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
+
+
+def _by_name(entries: list[Any], kind: Any) -> dict[str, Any]:
+    """The inverse of `listed`. kind: of the mapping's values."""
+    if isinstance(kind, type) and issubclass(kind, Section):
+        return {entry["name"]: kind.model_validate(entry) for entry in entries}
+    return dict(entries)
 
 
 class Section(BaseModel):
@@ -59,6 +73,8 @@ class Section(BaseModel):
             kind, inner = cls.model_fields[name].annotation, f"{path}.{name}" if path else name
             if isinstance(kind, type) and issubclass(kind, Section):
                 fields[name] = kind.owned(value, stage, inner)
+            elif get_origin(kind) is dict:
+                fields[name] = _by_name(value, get_args(kind)[1])
             else:
                 fields[name] = tuple(value) if isinstance(value, list) else value
         # A section of which the stage owns nothing is there, so that the error names the constant.

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.report.paper_comparison import sources
-from ovman.report.paper_comparison.baselines import HANDED, MAINTAINED, TWICE
-from ovman.report.paper_comparison.budget import GROUNDING, POSITIONS
-from ovman.report.paper_comparison.comparison import found
-from ovman.report.paper_comparison.memory import ONE, TWO
+from ovman.report.paper_comparison.comparison import RELATIONS, static
 from ovman.report.paper_comparison.metrics import Metrics
 from ovman.report.paper_comparison.paper import Paper
-from ovman.report.paper_comparison.sources import RELATIONS
 
 DARK, LIGHT, INK, PALE = "#1f5a94", "#a9c9e6", "#24292f", "#d0d7de"
-RUNGS = ((TWO, "own perception"), (GROUNDING, "grounding handed over"), (POSITIONS, "positions handed over"))
+RUNGS = (
+    ("static.two", "own perception"),
+    ("static.grounding_two", "grounding handed over"),
+    ("static.positions_two", "positions handed over"),
+)
+"""Rows of the paper in the chart of the error budget, each with its title."""
 DIAMOND = {"marker": "D", "markersize": 5, "markerfacecolor": "white"}
 ABOVE = {"textcoords": "offset points", "ha": "center", "fontsize": 9, "color": INK}
 DPI = 150
@@ -28,9 +28,9 @@ def budget(metrics: Metrics, paper: Paper, output: Path) -> None:
     """Success of the two-visit agent with each source of error handed over: bars of ours with intervals, beside the paper's."""
     plt = _pyplot()
     figure, axis = plt.subplots(figsize=(7.6, 2.9))
-    for place, (arm, _) in enumerate(RUNGS):
-        theirs, first = _paper(paper, f"static.{arm}.all"), place == 0
-        if ours := _bar(axis, metrics, place - 0.2, arm, "all", DARK, "here" if first else None):
+    for place, (row, _) in enumerate(RUNGS):
+        theirs, first = _paper(paper, f"{row}.all"), place == 0
+        if ours := _bar(axis, metrics, place - 0.2, row, "all", DARK, "here" if first else None):
             axis.annotate(f"{ours[0]:.3f}", (place - 0.2, ours[1]), (0, 3), **ABOVE)
         axis.bar(place + 0.2, theirs, 0.36, color=PALE, label="paper" if first else None, zorder=2)
         axis.annotate(f"{theirs:.3f}", (place + 0.2, theirs), (0, 3), **ABOVE)
@@ -43,7 +43,10 @@ def budget(metrics: Metrics, paper: Paper, output: Path) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Two readings of the same maps by relation. one: the arm that reads one state, words: what the legend calls that."""
+    """Two readings of the same maps by relation, as rows of the paper.
+
+    one: the row of an arm that reads one state; words: what the legend calls it; two: the row of one that reads two visits.
+    """
 
     title: str
     one: str
@@ -52,12 +55,17 @@ class Panel:
 
 
 OURS = (
-    Panel("our maps, own grounding", ONE, TWO, "one visit (expected)"),
-    Panel("our maps, grounding handed over", f"{HANDED}{ONE}", f"{HANDED}{TWO}", "one visit (expected)"),
+    Panel("our maps, own grounding", "static.one", "static.two", "one visit (expected)"),
+    Panel("our maps, grounding handed over", "static.grounding_one", "static.grounding_two", "one visit (expected)"),
 )
 DUALMAP = (
-    Panel("DualMap's maps, own grounding", MAINTAINED, TWICE, "one maintained map"),
-    Panel("DualMap's maps, grounding handed over", f"{HANDED}{MAINTAINED}", f"{HANDED}{TWICE}", "one maintained map"),
+    Panel("DualMap's maps, own grounding", "static.dualmap_one", "static.dualmap_two", "one maintained map"),
+    Panel(
+        "DualMap's maps, grounding handed over",
+        "static.grounding_dualmap_one",
+        "static.grounding_dualmap_two",
+        "one maintained map",
+    ),
 )
 
 
@@ -68,7 +76,7 @@ def memory(metrics: Metrics, paper: Paper, output: Path) -> None:
     Without metrics of DualMap there is no right side.
     """
     plt = _pyplot()
-    there = any(found(sources.static(arm), metrics) for panel in DUALMAP for arm in (panel.one, panel.two))
+    there = any(metrics.find(static(row)) for panel in DUALMAP for row in (panel.one, panel.two))
     sides = [OURS, DUALMAP] if there else [OURS]
     figure, axes = plt.subplots(2, len(sides), figsize=(7.6 if len(sides) == 1 else 12.4, 6.0), squeeze=False)
     for column, panels in enumerate(sides):
@@ -80,22 +88,22 @@ def memory(metrics: Metrics, paper: Paper, output: Path) -> None:
 
 
 def _panel(axis: Any, metrics: Metrics, paper: Paper, panel: Panel) -> None:
-    for offset, arm, colour, words in ((-0.2, panel.one, LIGHT, panel.words), (0.2, panel.two, DARK, "two visits")):
+    for offset, row, colour, words in ((-0.2, panel.one, LIGHT, panel.words), (0.2, panel.two, DARK, "two visits")):
         for place, relation in enumerate(RELATIONS):
-            theirs, first = _paper(paper, f"static.{arm}.{relation}"), place == 0
-            label = "paper" if first and arm == panel.two else None
+            theirs, first = _paper(paper, f"{row}.{relation}"), place == 0
+            label = "paper" if first and row == panel.two else None
             axis.plot(place + offset, theirs, color=INK, linestyle="", label=label, zorder=4, **DIAMOND)
-            _bar(axis, metrics, place + offset, arm, relation, colour, words if first else None)
+            _bar(axis, metrics, place + offset, row, relation, colour, words if first else None)
     axis.set_xticks(range(len(RELATIONS)), [relation.upper() for relation in RELATIONS], fontsize=8)
     axis.set_title(panel.title, loc="left", fontsize=9, color=INK, pad=18)
     axis.legend(frameon=False, ncols=3, loc="lower left", bbox_to_anchor=(-0.02, 0.97), fontsize=8)
 
 
 def _bar(
-    axis: Any, metrics: Metrics, place: float, arm: str, relation: str, colour: str, label: str | None
+    axis: Any, metrics: Metrics, place: float, row: str, relation: str, colour: str, label: str | None
 ) -> tuple[float, float] | None:
     """Draws a static rate of ours with its interval. The rate and the upper end; None, and nothing drawn, without metrics."""
-    rate, low, high = (found(sources.static(arm, relation, column), metrics) for column in ("rate", "low", "high"))
+    rate, low, high = (metrics.find(static(row, relation, column)) for column in ("rate", "low", "high"))
     if rate is None or low is None or high is None:
         return None
     reach = [[max(0.0, rate.value - low.value)], [max(0.0, high.value - rate.value)]]

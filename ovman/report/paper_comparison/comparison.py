@@ -4,165 +4,155 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
+from ovman.analysis.difficulty import MANY, By
 from ovman.analysis.language import What
-from ovman.report.markdown import pipe_table
-from ovman.report.paper_comparison import sources
-from ovman.report.paper_comparison.baselines import COW
-from ovman.report.paper_comparison.budget import GROUNDING, ORACLE, ORACLE_POSITIONS, POSITIONS
-from ovman.report.paper_comparison.memory import ONE, ONE_EMBODIED, TWO, TWO_EMBODIED
-from ovman.report.paper_comparison.metrics import Cell, Metrics, Missing
+from ovman.analysis.taxonomy import LOST, Verdict
+from ovman.models.relation import Relation
+from ovman.models.settings import Arm, Kind, Settings, Source
+from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading
 from ovman.report.paper_comparison.paper import Paper
-from ovman.report.paper_comparison.sources import ALL, RELATIONS, Read
 from ovman.report.paper_comparison.statement import Form
 from ovman.report.paper_comparison.writing import EMPTY, papers, written
+from ovman.report.tables.table import pipe_table
 
 HERE, PAPER = "here", "paper"
+RELATIONS = tuple(relation.value for relation in Relation)
+EPISODES = "episodes"
+"""The row of the taxonomy that counts all episodes."""
+_EVERY = (*RELATIONS, ALL)
+_INTERVALS = ("one", "two", "positions_two")
+_NUMBERS_OF_INSTANCES = (("two", "2", "two"), ("three", "3", "three"), ("four or more", f"{MANY}+", "more"))
+_LANGUAGE = (
+    ("object understood", What.OBJECT, ""),
+    ("relation understood", What.RELATION, ""),
+    ("both understood", What.BOTH, "parser_accuracy"),
+    ("success, noun and relation supplied", What.SUPPLIED, "success_supplied"),
+    ("success, relation inferred", What.RELATION_INFERRED, "success_inferred"),
+    ("success, noun and relation inferred", What.INFERRED, ""),
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """One row of ours and one of the paper's. title: of both; row: the paper's, "static.two_visits"; columns: their keys.
+    """One row of ours and one of the paper's. title: of both; row: the paper's, "static.two"; columns: their keys.
 
-    read: the figure of ours for a column. optional: shown only where the metrics have something of it, as of a released system.
+    reading: where the figure of ours for a column is.
     """
 
     title: str
     row: str
     columns: tuple[str, ...]
-    read: Callable[[str], Read]
+    reading: Callable[[str], Reading]
     form: Form = Form.RATE
-    optional: bool = False
 
 
-_EVERY = (*RELATIONS, ALL)
-_HEADS = tuple(column.upper() for column in _EVERY)
+def static(arm: str, relation: str = ALL, column: str = "rate") -> Reading:
+    """A static arm's success on a relation, or on all episodes. arm: its name, or a row of the paper."""
+    return Reading(file="static_rates", where={"arm": arm, "relation": relation}, column=column)
 
 
-def _static(title: str, arm: str, row: str | None = None) -> Line:
-    read = lambda relation: sources.static(arm, relation)  # noqa: E731
-    return Line(title, f"static.{row or arm}", _EVERY, read, optional=row is not None)
+def embodied(arm: str, relation: str = ALL, column: str = "rate") -> Reading:
+    """An embodied arm's success, the mean over its seeds. arm: its name, or a row of the paper."""
+    return Reading(file="embodied_rates", where={"arm": arm, "relation": relation}, column=column)
 
 
-def _embodied(title: str, arm: str, row: str | None = None) -> Line:
-    def read(column: str) -> Read:
-        return sources.embodied(arm, ALL, "spl") if column == "spl" else sources.embodied(arm, column)
-
-    return Line(title, f"embodied.{row or arm}", (*_EVERY, "spl"), read, optional=row is not None)
-
-
-def _dualmap(handed: str, words: str) -> tuple[Line, ...]:
-    """DualMap's two readings: ours of it, and the released system beside the same rows of the paper."""
-    return tuple(
-        line
-        for reading, memory in (("maintained", "maintained map"), ("two_visits", "two visits"))
-        for row in (f"{handed}dualmap_{reading}",)
-        for line in (
-            _static(f"dualmap (reimplemented), {memory}{words}", row),
-            _static(f"DualMap (released), {memory}{words}", f"{handed}dualmap_released_{reading}", row),
-        )
+def outcomes(verdict: str, relation: str = ALL) -> Reading:
+    """How many episodes of the agent have a verdict; EPISODES: how many there are. LOST is counted under the first seed."""
+    shown = Verdict.SUCCESS.value if verdict == EPISODES else verdict
+    return Reading(
+        file="taxonomy",
+        where={"arm": "agent", "verdict": shown, "relation": relation},
+        column="n" if verdict == EPISODES else "episodes",
+        nth_seed=0 if verdict == LOST else None,
     )
 
 
-STATIC = (
-    _static("one visit", ONE),
-    *_dualmap("", ""),
-    _static("two visits", TWO),
-    *_dualmap("grounding_", ", grounding handed over"),
-    _static("one visit, grounding handed over", f"grounding_{ONE}"),
-    _static("two visits, grounding handed over", GROUNDING),
-    _static("one visit, positions handed over", f"positions_{ONE}"),
-    _static("two visits, positions handed over", POSITIONS),
-)
-EMBODIED = (
-    _embodied("cow (reimplemented)", COW),
-    _embodied("CoW (released)", f"{COW}_released", COW),
-    _embodied("cow (reimplemented), 500 actions", f"{COW}_500", f"{COW}_500"),
-    _embodied("one visit", ONE_EMBODIED),
-    _embodied("two visits", TWO_EMBODIED),
-    _embodied("two visits, true positions", ORACLE_POSITIONS),
-    _embodied("oracle", ORACLE),
-)
-TAXONOMY = tuple(
-    Line(title, f"taxonomy.{key}", _EVERY, lambda relation, key=key: sources.outcomes(key, relation), Form.COUNT)
-    for key, title in (
-        ("success", "success"),
-        ("abstain", "abstained (no candidate)"),
-        ("elsewhere", "elsewhere (> 2 m)"),
-        ("near_miss", "near miss (1–2 m)"),
-        ("wrong_instance", "wrong instance"),
-        ("episodes", "episodes"),
-        ("lost_in_navigation", "lost in navigation, first seed †"),
-    )
-)
-LINES = {"static": STATIC, "embodied": EMBODIED, "taxonomy": TAXONOMY}
-_INTERVALS = (
-    ("one visit", ONE_EMBODIED, "embodied_interval_single_visit"),
-    ("two visits", TWO_EMBODIED, "embodied_interval_two_visits"),
-    ("two visits, true positions", ORACLE_POSITIONS, "embodied_interval_oracle_positions"),
-)
-_NUMBERS_OF_INSTANCES = (
-    ("two", sources.TWO_INSTANCES, "two"),
-    ("three", sources.THREE_INSTANCES, "three"),
-    ("four or more", sources.MORE_INSTANCES, "more"),
-)
-_LANGUAGE = (
-    ("object understood", What.OBJECT.value, ""),
-    ("relation understood", What.RELATION.value, ""),
-    ("both understood", What.BOTH.value, "parser_accuracy"),
-    ("success, noun and relation supplied", What.SUPPLIED.value, "success_supplied"),
-    ("success, relation inferred", What.RELATION_INFERRED.value, "success_inferred"),
-    ("success, noun and relation inferred", What.INFERRED.value, ""),
-)
-USED = frozenset(
-    {f"{line.row}.{column}" for lines in LINES.values() for line in lines if not line.optional for column in line.columns}
-    | {key for *_, key in _INTERVALS}
-    | {f"{what}_with_{key}" for *_, key in _NUMBERS_OF_INSTANCES for what in ("success", "episodes")}
-)
-"""Keys of the paper's figures that the tables show."""
+def static_lines(settings: Settings, paper: Paper) -> list[Line]:
+    """The static arms of section `paper`, each beside its row of the paper."""
+    return [Line(title, row, _EVERY, partial(static, arm)) for title, arm, row in _beside(settings, paper, Kind.STATIC)]
+
+
+def embodied_lines(settings: Settings, paper: Paper) -> list[Line]:
+    """The embodied arms of section `paper`, each beside its row of the paper."""
+    return [
+        Line(title, row, (*_EVERY, "spl"), partial(_embodied_or_spl, arm))
+        for title, arm, row in _beside(settings, paper, Kind.EMBODIED)
+    ]
+
+
+def _embodied_or_spl(arm: str, column: str) -> Reading:
+    return embodied(arm, ALL, "spl") if column == "spl" else embodied(arm, column)
+
+
+def taxonomy_lines(paper: Paper) -> list[Line]:
+    """The outcomes of the agent, each beside its row of the paper."""
+    rows = (*(verdict.value for verdict in Verdict), EPISODES, LOST)
+    return [Line(paper.titles[f"taxonomy.{row}"], f"taxonomy.{row}", _EVERY, partial(outcomes, row), Form.COUNT) for row in rows]
+
+
+def _beside(settings: Settings, paper: Paper, kind: Kind) -> list[tuple[str, str, str]]:
+    """Title, arm and row of the paper. The first arm of a row has the paper's title if the row has one, others have their own."""
+    rows = settings.paper.static if kind is Kind.STATIC else settings.paper.embodied
+    lines, seen = [], set()
+    for name, row in rows.items():
+        if name in settings.arms:
+            key = f"{kind}.{row}"
+            own = _title(settings.arms[name])
+            lines.append((own if row in seen else paper.titles.get(key, own), name, key))
+            seen.add(row)
+    return lines
+
+
+def _title(arm: Arm) -> str:
+    if arm.kind is Kind.EMBODIED:
+        return arm.system
+    handed = "positions" if arm.positions is Source.HANDED else "grounding" if arm.grounding is Source.HANDED else ""
+    return f"{arm.system}, {arm.memory}" + (f", {handed} handed over" if handed else "")
 
 
 def beside_paper(lines: Sequence[Line], what: str, metrics: Metrics, paper: Paper) -> str:
     """A Markdown table with two rows a line: ours, then the paper's if it has one. what: head of the first column."""
-    columns = lines[0].columns
-    heads = [*_HEADS, *(column.upper() for column in columns[len(_HEADS) :])]
+    columns = lines[0].columns if lines else _EVERY
     body = []
     for line in lines:
-        if line.optional and all(found(line.read(column), metrics) is None for column in columns):
-            continue
-        body.append([line.title, HERE, *(_cell(line.read(column), metrics, line.form) for column in columns)])
+        body.append([line.title, HERE, *(_cell(line.reading(column), metrics, line.form) for column in columns)])
         if any(f"{line.row}.{column}" in paper for column in columns):
             body.append(["", PAPER, *(_papers(paper, f"{line.row}.{column}", line.form) for column in columns)])
-    return pipe_table([what, "", *heads], body, [False, False, *[True] * len(columns)])
+    return pipe_table([what, "", *(column.upper() for column in columns)], body, [False, False, *[True] * len(columns)])
 
 
 def intervals(metrics: Metrics, paper: Paper) -> str:
     """Embodied success with its interval."""
     body = [
         [
-            title,
-            _cell(sources.embodied(arm), metrics, Form.RATE),
-            _interval(arm, metrics),
-            _papers(paper, key, Form.RATE),
+            paper.titles[f"embodied.{row}"],
+            _cell(embodied(f"embodied.{row}"), metrics),
+            _interval(f"embodied.{row}", metrics),
+            _papers(paper, f"embodied_interval_{row}"),
         ]
-        for title, arm, key in _INTERVALS
+        for row in _INTERVALS
     ]
     return pipe_table(["agent", "here", "interval, here", "interval, paper"], body, [False, True, True, True])
 
 
 def difficulty(metrics: Metrics, paper: Paper) -> str:
     """Static success of the two-visit agent by the number of instances of the category."""
-    body = []
-    for title, group, key in _NUMBERS_OF_INSTANCES:
-        body.append(
-            [
-                title,
-                _cell(sources.with_instances(TWO, group, "n"), metrics, Form.COUNT),
-                _cell(sources.with_instances(TWO, group), metrics, Form.RATE),
-                _papers(paper, f"episodes_with_{key}", Form.COUNT),
-                _papers(paper, f"success_with_{key}", Form.RATE),
-            ]
-        )
+
+    def reading(group: str, column: str) -> Reading:
+        return Reading(file="difficulty", where={"by": By.INSTANCES.value, "group": group, "arm": "static.two"}, column=column)
+
+    body = [
+        [
+            title,
+            _cell(reading(group, "n"), metrics, Form.COUNT),
+            _cell(reading(group, "rate"), metrics),
+            _papers(paper, f"episodes_with_{key}", Form.COUNT),
+            _papers(paper, f"success_with_{key}"),
+        ]
+        for title, group, key in _NUMBERS_OF_INSTANCES
+    ]
     heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
     return pipe_table(heads, body, [False, True, True, True, True])
 
@@ -170,37 +160,38 @@ def difficulty(metrics: Metrics, paper: Paper) -> str:
 def language(metrics: Metrics, paper: Paper) -> str:
     """What is understood of held-out sentences, and the success that is left."""
     body = [
-        [title, _cell(sources.language(what), metrics, Form.RATE), _papers(paper, key, Form.RATE)]
+        [title, _cell(Reading(file="language", where={"what": what.value}), metrics), _papers(paper, key)]
         for title, what, key in _LANGUAGE
     ]
     return pipe_table(["held-out sentences", "here", "paper"], body, [False, True, True])
 
 
 def origins(metrics: Metrics) -> tuple[str, ...]:
-    """Where the held-out sentences are from, as the metrics say; none where they say nothing."""
+    """Where the held-out sentences are from, as the metrics say; empty where they say nothing."""
     try:
-        return tuple(dict.fromkeys(filter(None, metrics.texts("language.csv", "origin"))))
+        return tuple(dict.fromkeys(filter(None, metrics.frame("language")["origin"])))
     except Missing:
         return ()
 
 
+def keys_of(lines: Sequence[Line], paper: Paper) -> set[str]:
+    """Keys of the paper's figures that tables of the page show: those of `lines`, of the intervals and of the difficulty."""
+    return (
+        {key for line in lines for column in line.columns if (key := f"{line.row}.{column}") in paper}
+        | {f"embodied_interval_{row}" for row in _INTERVALS}
+        | {f"{what}_with_{key}" for *_, key in _NUMBERS_OF_INSTANCES for what in ("success", "episodes")}
+    )
+
+
 def _interval(arm: str, metrics: Metrics) -> str:
-    ends = [_cell(sources.embodied(arm, ALL, bound), metrics, Form.RATE) for bound in ("low", "high")]
+    ends = [_cell(embodied(arm, ALL, bound), metrics) for bound in ("low", "high")]
     return EMPTY if EMPTY in ends else " – ".join(ends)
 
 
-def found(read: Read, metrics: Metrics) -> Cell | None:
-    """A figure, or None where the metrics do not have it."""
-    try:
-        return read(metrics)
-    except Missing:
-        return None
-
-
-def _cell(read: Read, metrics: Metrics, form: Form) -> str:
-    cell = found(read, metrics)
+def _cell(reading: Reading, metrics: Metrics, form: Form = Form.RATE) -> str:
+    cell = metrics.find(reading)
     return EMPTY if cell is None else written(cell.value, form)
 
 
-def _papers(paper: Paper, key: str, form: Form) -> str:
+def _papers(paper: Paper, key: str, form: Form = Form.RATE) -> str:
     return papers(paper[key], form) if key in paper else EMPTY

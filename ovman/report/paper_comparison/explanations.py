@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -10,13 +10,12 @@ import yaml
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 from ovman.report.paper_comparison.statement import Judgement, Statement, Verdict
-from ovman.report.paper_comparison.statements import STATEMENTS
 
 EXPLANATIONS = Path(__file__).with_name("explanations.yaml")
 
 
 class Explanation(BaseModel):
-    """verdict: the one that it explains. text: Markdown of one paragraph. episodes: whose frames were looked at."""
+    """verdict: the one that is explained. text: Markdown of one paragraph. episodes: those of which frames were inspected."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -28,7 +27,7 @@ class Explanation(BaseModel):
 _FILE = TypeAdapter(dict[str, Explanation])
 
 
-def read(path: Path = EXPLANATIONS, statements: tuple[Statement, ...] = STATEMENTS) -> dict[str, Explanation]:
+def read(statements: Iterable[Statement], path: Path = EXPLANATIONS) -> dict[str, Explanation]:
     """By the key of the statement. Raises ValueError in one line for the key of no statement, and for what is no explanation."""
     try:
         explanations = _FILE.validate_python(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
@@ -44,10 +43,10 @@ def read(path: Path = EXPLANATIONS, statements: tuple[Statement, ...] = STATEMEN
 
 
 def beside(judgement: Judgement, explanations: Mapping[str, Explanation]) -> str | None:
-    """What the page says below a verdict, one paragraph of Markdown; None where nothing is to be said.
+    """What the page says below a verdict, one paragraph of Markdown; None for a verdict that needs no note.
 
     A verdict other than the explained one is flagged and its text left out: it was written about other results. A statement that
-    does not hold and that nobody has explained is flagged, too.
+    does not hold and has no explanation is flagged, too.
     """
     explanation = explanations.get(judgement.statement.key)
     if explanation is None:
@@ -57,7 +56,7 @@ def beside(judgement: Judgement, explanations: Mapping[str, Explanation]) -> str
     if explanation.verdict is not judgement.verdict:
         return (
             f"⚠ The explanation at hand was written when the verdict was “{explanation.verdict}”. "
-            f"Now it is “{judgement.verdict}”, so the explanation is left out until somebody looks again."
+            f"Now it is “{judgement.verdict}”, so the explanation is left out until it is reviewed."
         )
     seen = f" (Looked at: {', '.join(f'`{episode}`' for episode in explanation.episodes)}.)" if explanation.episodes else ""
     return f"{' '.join(explanation.text.split())}{seen} *Written by hand.*"

@@ -1,45 +1,55 @@
-"""The stage "findings": the page that sets our results beside the paper's (docs/results.md), and its charts."""
+"""The stage "paper_comparison": the page that sets our results beside the paper's (docs/results.md), and its charts."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from jinja2 import Environment, StrictUndefined
 
+from ovman.analysis.frames import rows_of, typed
+from ovman.analysis.scores import Score
 from ovman.models.settings import Settings
-from ovman.report.markdown import pipe_table
-from ovman.report.paper_comparison import charts, comparison, sources
-from ovman.report.paper_comparison.baselines import COW, MAINTAINED, TWICE
-from ovman.report.paper_comparison.budget import GROUNDING, ORACLE, POSITIONS
-from ovman.report.paper_comparison.comparison import EMBODIED, STATIC, TAXONOMY, beside_paper, found
-from ovman.report.paper_comparison.explanations import Explanation, beside
+from ovman.report.paper_comparison import charts, comparison
+from ovman.report.paper_comparison import statement as statements
+from ovman.report.paper_comparison.comparison import beside_paper, embodied, static
+from ovman.report.paper_comparison.explanations import EXPLANATIONS, Explanation, beside
 from ovman.report.paper_comparison.explanations import read as read_explanations
-from ovman.report.paper_comparison.memory import ONE, TWO, TWO_EMBODIED
-from ovman.report.paper_comparison.metrics import Metrics, Missing
-from ovman.report.paper_comparison.paper import Paper
-from ovman.report.paper_comparison.sources import ALL, EPISODES, Read
-from ovman.report.paper_comparison.statement import Form, Judgement, Quantity, Verdict, judged
-from ovman.report.paper_comparison.statements import GROUPS, STATEMENTS
+from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading, arms_by_row
+from ovman.report.paper_comparison.paper import PAPER, Paper
+from ovman.report.paper_comparison.statement import Form, Judgement, Quantity, Verdict, every, judged
 from ovman.report.paper_comparison.writing import EMPTY, papers, written
-from ovman.report.perception import bars
+from ovman.report.tables.perception import bars
+from ovman.report.tables.table import pipe_table
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
 FIGURES = "figures"
 """Directory of the charts beside the page, under results/ and under docs/ alike."""
 OWN_WEIGHTS = "models/"
 
-_SUMMARY: tuple[tuple[str, Read, str], ...] = (
-    ("two visits, own perception, static", sources.static(TWO), f"static.{TWO}.all"),
-    ("one visit, own perception, static", sources.static(ONE), f"static.{ONE}.all"),
-    ("two visits, own perception, navigating", sources.embodied(TWO_EMBODIED), f"embodied.{TWO_EMBODIED}.all"),
-    ("two visits, grounding handed over, static", sources.static(GROUNDING), f"static.{GROUNDING}.all"),
-    ("two visits, positions handed over, static", sources.static(POSITIONS), f"static.{POSITIONS}.all"),
-    ("dualmap (reimplemented), maintained map, static", sources.static(MAINTAINED), f"static.{MAINTAINED}.all"),
-    ("dualmap (reimplemented), two visits, static", sources.static(TWICE), f"static.{TWICE}.all"),
-    ("cow (reimplemented), navigating", sources.embodied(COW), f"embodied.{COW}.all"),
-    ("oracle, navigating", sources.embodied(ORACLE), f"embodied.{ORACLE}.all"),
+
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """The files that the page is made from beside the metrics."""
+
+    paper: Path = PAPER
+    statements: Path = statements.STATEMENTS
+    explanations: Path = EXPLANATIONS
+    template: Path = TEMPLATE
+
+
+_SUMMARY: tuple[tuple[str, str, Reading], ...] = (
+    ("two visits, own perception, static", "static.two", static("static.two")),
+    ("one visit, own perception, static", "static.one", static("static.one")),
+    ("two visits, own perception, navigating", "embodied.two", embodied("embodied.two")),
+    ("two visits, grounding handed over, static", "static.grounding_two", static("static.grounding_two")),
+    ("two visits, positions handed over, static", "static.positions_two", static("static.positions_two")),
+    ("dualmap (reimplemented), maintained map, static", "static.dualmap_one", static("static.dualmap_one")),
+    ("dualmap (reimplemented), two visits, static", "static.dualmap_two", static("static.dualmap_two")),
+    ("cow (reimplemented), navigating", "embodied.cow", embodied("embodied.cow")),
+    ("oracle, navigating", "embodied.oracle", embodied("embodied.oracle")),
 )
 _COSTS = {
     "mapping_s": "mapping_s_an_episode",
@@ -47,7 +57,7 @@ _COSTS = {
     "pass_min": "embodied_pass_min",
     "cow_min": "cow_pass_min",
 }
-USED = frozenset({"taxonomy.episodes.all", *_COSTS.values(), *(key for *_, key in _SUMMARY)})
+USED = frozenset({"taxonomy.episodes.all", *_COSTS.values(), *(f"{row}.all" for _, row, _ in _SUMMARY)})
 """Keys of the paper's figures that the page shows outside of its tables and statements."""
 _MARK = {Verdict.HOLDS: "✓ holds", Verdict.FAILS: "✗ does not hold", Verdict.UNKNOWN: "? cannot be told"}
 _BREAK = "<br>"
@@ -63,46 +73,44 @@ _RATES = {
 
 
 def run(
-    metrics_files: Sequence[Path],
-    paper_file: Path,
-    explanations_file: Path,
-    template_file: Path,
-    constants: Settings,
-    page: Path,
-    budget_chart: Path,
-    memory_chart: Path,
+    metrics_files: Sequence[Path], sources: Sources, constants: Settings, *, page: Path, budget_chart: Path, memory_chart: Path
 ) -> None:
-    """Writes the page (Markdown) and its two charts (PNG). Byte-stable.
+    """Write the page (Markdown) and its two charts (PNG). Byte-stable.
 
-    metrics_files: csv files of results/metrics by their names; a figure that none of them has makes its verdicts "cannot be told"
-    and its cells empty. constants: what the stage owns. Raises ValueError in one line for files that contradict themselves.
+    metrics_files: csv files of results/metrics by their names; a figure that is in none of them makes its verdicts "cannot be
+    told" and its cells empty. constants: what the stage owns. Raises ValueError in one line for files that contradict themselves.
     """
-    metrics, paper = Metrics.read(metrics_files), Paper.read(paper_file)
-    explanations = read_explanations(explanations_file)
-    text = rendered(metrics, paper, explanations, template_file.read_text(encoding="utf-8"), constants)
-    page.write_text(text, encoding="utf-8", newline="\n")
+    metrics = Metrics.load(metrics_files, arms_by_row(constants.comparisons, constants.paper))
+    page.write_text(rendered(metrics, sources, constants), encoding="utf-8", newline="\n")
+    paper = Paper.read(sources.paper)
     charts.budget(metrics, paper, budget_chart)
     charts.memory(metrics, paper, memory_chart)
-    for judgement in (judged(statement, metrics) for statement in STATEMENTS):
+    for judgement in (judged(statement, metrics) for statement in every(statements.read(sources.statements))):
         print(
             f"{judgement.statement.key}: {judgement.verdict}" + (f" ({judgement.missing})" if judgement.missing else ""),
             flush=True,
         )
 
 
-def rendered(metrics: Metrics, paper: Paper, explanations: Mapping[str, Explanation], template: str, constants: Settings) -> str:
-    """The page, Markdown."""
-    judgements = {title: [judged(statement, metrics) for statement in group] for title, group in GROUPS.items()}
+def rendered(
+    metrics: Metrics, sources: Sources, constants: Settings, explanations: Mapping[str, Explanation] | None = None
+) -> str:
+    """The page, Markdown. explanations: those of the sources if not given."""
+    paper, groups = Paper.read(sources.paper), statements.read(sources.statements)
+    if explanations is None:
+        explanations = read_explanations(every(groups), sources.explanations)
+    judgements = {group.title: [judged(statement, metrics) for statement in group.statements] for group in groups}
     verdicts = Counter({verdict.value: 0 for verdict in Verdict})
     verdicts.update(judgement.verdict.value for group in judgements.values() for judgement in group)
-    numbers = {statement.key: number for number, statement in enumerate(STATEMENTS, 1)}
-    episodes = found(sources.static(POSITIONS, ALL, "n"), metrics) or found(sources.outcomes(EPISODES), metrics)
+    numbers = {statement.key: number for number, statement in enumerate(every(groups), 1)}
+    episodes = metrics.find(static("static.positions_two", ALL, "n")) or metrics.find(comparison.outcomes(comparison.EPISODES))
     perception = constants.perception
+    template = sources.template.read_text(encoding="utf-8")
     environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
     text = environment.from_string(template).render(
         summary=_summary(metrics, paper),
         verdicts=verdicts,
-        statements=len(STATEMENTS),
+        statements=len(numbers),
         episodes=EMPTY if episodes is None else written(episodes.value, Form.COUNT),
         paper_episodes=papers(paper["taxonomy.episodes.all"], Form.COUNT),
         embedded=constants.benchmark.backend == "embedded",
@@ -135,10 +143,10 @@ def rendered(metrics: Metrics, paper: Paper, explanations: Mapping[str, Explanat
             }
             for title, group in judgements.items()
         ],
-        static=beside_paper(STATIC, "arm", metrics, paper),
-        embodied=beside_paper(EMBODIED, "agent", metrics, paper),
+        static=beside_paper(comparison.static_lines(constants, paper), "arm", metrics, paper),
+        embodied=beside_paper(comparison.embodied_lines(constants, paper), "agent", metrics, paper),
         intervals=comparison.intervals(metrics, paper),
-        taxonomy=beside_paper(TAXONOMY, "outcome", metrics, paper),
+        taxonomy=beside_paper(comparison.taxonomy_lines(paper), "outcome", metrics, paper),
         difficulty=comparison.difficulty(metrics, paper),
         language=comparison.language(metrics, paper),
         origins="; ".join(comparison.origins(metrics)),
@@ -158,9 +166,9 @@ def _named(judgement: Judgement, numbers: Mapping[str, int]) -> str:
 
 def _summary(metrics: Metrics, paper: Paper) -> str:
     rows = []
-    for words, read, key in _SUMMARY:
-        cell = found(read, metrics)
-        rows.append([words, f"**{written(cell.value, Form.RATE)}**" if cell else EMPTY, papers(paper[key], Form.RATE)])
+    for words, row, reading in _SUMMARY:
+        cell = metrics.find(reading)
+        rows.append([words, f"**{written(cell.value, Form.RATE)}**" if cell else EMPTY, papers(paper[f"{row}.all"], Form.RATE)])
     return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
 
 
@@ -169,9 +177,9 @@ def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper)
         [
             str(numbers[judgement.statement.key]),
             judgement.statement.claim,
-            _BREAK.join(quantity.label for quantity in judgement.statement.quantities),
-            _BREAK.join(_here(judgement, quantity) for quantity in judgement.statement.quantities),
-            _BREAK.join(_papers(quantity, paper) for quantity in judgement.statement.quantities),
+            _BREAK.join(quantity.label for quantity in judgement.statement.figures.values()),
+            _BREAK.join(_here(judgement, name) for name in judgement.statement.figures),
+            _BREAK.join(_papers(quantity, paper) for quantity in judgement.statement.figures.values()),
             _MARK[judgement.verdict].replace(" ", "\u00a0"),
         ]
         for judgement in group
@@ -180,9 +188,10 @@ def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper)
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, ["-:", "-", "-", "-:", "-:", "-"], *rows))
 
 
-def _here(judgement: Judgement, quantity: Quantity) -> str:
-    cell = judgement.cells.get(quantity.name)
-    return EMPTY if cell is None else written(cell.value, quantity.form).replace(" ", "\u00a0")
+def _here(judgement: Judgement, name: str) -> str:
+    if name not in judgement.cells:
+        return EMPTY
+    return written(judgement.cells[name].value, judgement.statement.figures[name].form).replace(" ", "\u00a0")
 
 
 def _papers(quantity: Quantity, paper: Paper) -> str:
@@ -192,8 +201,8 @@ def _papers(quantity: Quantity, paper: Paper) -> str:
 def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper) -> str:
     """One item of a list: key, test, and where each figure of ours and of the paper's is."""
     statement = judgement.statement
-    places = list(dict.fromkeys(paper[q.paper].place for q in statement.quantities if q.paper))
-    found_at = [f"  - {q.label}: {judgement.cells[q.name].source}" for q in statement.quantities if q.name in judgement.cells]
+    places = list(dict.fromkeys(paper[quantity.paper].place for quantity in statement.figures.values() if quantity.paper))
+    found_at = [f"  - {statement.figures[name].label}: {cell.source}" for name, cell in judgement.cells.items()]
     number, at = numbers[statement.key], "; ".join(places) or "in words only"
     lines = [f"- **{number}** `{statement.key}` holds if {statement.rule}. Paper: {at}."]
     if judgement.missing:
@@ -203,11 +212,11 @@ def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper) -> 
 
 def _perception(metrics: Metrics) -> str:
     try:
-        rows = metrics.rows("perception.csv")
+        scores = rows_of(Score, typed(metrics.frame("perception"), Score))
     except Missing as error:
         return f"Nothing can be told: {error}.\n"
     body = [
         [_RATES.get(bar.rate, bar.rate), written(bar.reached, Form.RATE), f"≥ {written(bar.least, Form.RATE)}", bar.verdict]
-        for bar in bars(rows).values()
+        for bar in bars(scores).values()
     ]
     return pipe_table(["rate", "here", "bar", ""], body, [False, True, True, False])

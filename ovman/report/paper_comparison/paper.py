@@ -1,15 +1,16 @@
-"""The paper's own figures (ovman/report/paper.yaml), checked, by key."""
+"""The paper's own figures (paper.yaml), checked, by key."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Annotated
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-PAPER = Path(__file__).parents[1] / "paper.yaml"
+PAPER = Path(__file__).with_name("paper.yaml")
 
 
 class Figure(BaseModel):
@@ -37,6 +38,7 @@ class _Rows(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     place: str
+    titles: dict[str, str] = {}
     rows: dict[str, dict[str, float]]
 
 
@@ -48,21 +50,28 @@ class _File(BaseModel):
     later: dict[str, str]
 
 
-class Paper(Mapping[str, Figure]):
-    """Every figure by its key: "static.two_visits.all" of a table, "parser_accuracy" of the text.
+@cache
+def _parsed(text: str) -> _File:
+    return _File.model_validate(yaml.safe_load(text))
 
-    later: beginnings of keys that nothing is compared with yet, and what they wait for.
+
+class Paper(Mapping[str, Figure]):
+    """Every figure by its key: "static.two.all" of a table, "parser_accuracy" of the text.
+
+    titles: of rows of the tables, by "static.two". later: beginnings of keys that nothing is compared with yet, and what they
+    wait for.
     """
 
-    def __init__(self, figures: Mapping[str, Figure], later: Mapping[str, str]) -> None:
+    def __init__(self, figures: Mapping[str, Figure], later: Mapping[str, str], titles: Mapping[str, str]) -> None:
         self._figures = dict(figures)
+        self.titles = dict(titles)
         self.later = dict(later)
 
     @classmethod
     def read(cls, path: Path = PAPER) -> Paper:
         """Raises ValueError in one line that names the file and the key."""
         try:
-            content = _File.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+            content = _parsed(path.read_text(encoding="utf-8"))
         except yaml.YAMLError as error:
             raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
         except ValidationError as error:
@@ -74,17 +83,18 @@ class Paper(Mapping[str, Figure]):
             for row, cells in table.rows.items()
             for column, value in cells.items()
         }
-        return cls(figures | content.text, content.later)
+        titles = {f"{name}.{row}": title for name, table in content.tables.items() for row, title in table.titles.items()}
+        return cls(figures | content.text, content.later, titles)
 
     def __getitem__(self, key: str) -> Figure:
         return self._figures[key]
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self._figures)
 
     def __len__(self) -> int:
         return len(self._figures)
 
     def for_later(self, key: str) -> bool:
-        """Whether a figure is declared as waiting for metrics that there are not."""
+        """Whether a figure is declared as waiting for metrics that do not exist."""
         return key.startswith(tuple(self.later))

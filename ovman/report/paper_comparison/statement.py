@@ -2,11 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from enum import Enum, StrEnum
+from enum import StrEnum
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Self
 
-from ovman.report.paper_comparison.metrics import Cell, Metrics, Missing
+import yaml
+from jinja2 import StrictUndefined, TemplateSyntaxError, meta
+from jinja2.environment import TemplateExpression
+from jinja2.sandbox import SandboxedEnvironment
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+
+from ovman.report.paper_comparison.metrics import Cell, Metrics, Missing, Reading
+
+STATEMENTS = Path(__file__).with_name("statements.yaml")
+_EXPRESSIONS = SandboxedEnvironment(undefined=StrictUndefined)
 
 
 class Verdict(StrEnum):
@@ -17,8 +29,8 @@ class Verdict(StrEnum):
     UNKNOWN = "cannot be told"
 
 
-class Form(Enum):
-    """How a figure is written: a rate or a difference of rates, a count, a p value, metres, or words for neither."""
+class Form(StrEnum):
+    """How a figure is written: a rate or a difference of rates, a count, the expectation of one, a p value, or metres."""
 
     RATE = "rate"
     DIFFERENCE = "difference"
@@ -28,44 +40,102 @@ class Form(Enum):
     METRES = "metres"
 
 
-@dataclass(frozen=True, slots=True)
-class Quantity:
-    """One figure of a statement. name: what its test calls it. label: what the page calls it. paper: key of the paper's figure.
+@cache
+def _compiled(text: str) -> TemplateExpression:
+    return _EXPRESSIONS.compile_expression(text, undefined_to_none=False)
 
-    read: the figure here; raises Missing where the metrics do not have it. decides: whether the test looks at it; a figure that
-    only is shown may be missing.
+
+def _expression(text: str) -> str:
+    try:
+        _compiled(text)
+    except TemplateSyntaxError as error:
+        raise ValueError(f"{text!r} is no expression: {error.message}") from None
+    return text
+
+
+class Quantity(BaseModel):
+    """One figure of a statement: a number of the metrics (`read`) or an expression over the figures before it (`of`).
+
+    label: what the page calls it. paper: key of the paper's figure. decides: whether the test looks at it; a figure that is only
+    shown may be missing.
     """
 
-    name: str
-    label: str
-    read: Callable[[Metrics], Cell]
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    label: Annotated[str, Field(min_length=1)]
+    read: Reading | None = None
+    of: str | None = None
     paper: str | None = None
     form: Form = Form.RATE
     decides: bool = True
 
+    @model_validator(mode="after")
+    def _one_of_two(self) -> Self:
+        if (self.read is None) == (self.of is None):
+            raise ValueError("a figure has either read or of")
+        if self.of is not None:
+            _expression(self.of)
+        return self
 
-@dataclass(frozen=True, slots=True)
-class Statement:
-    """key: stable, names the statement in explanations. claim: the paper's, in our words. rule: the test in words.
 
-    holds: the test, a function of the deciding figures by name, of nothing else.
-    """
+class Statement(BaseModel):
+    """claim: the paper's, in our words. rule: the test in words. holds: the test, an expression over the deciding figures."""
 
-    key: str
-    claim: str
-    quantities: tuple[Quantity, ...]
-    rule: str
-    holds: Callable[[Mapping[str, float]], bool]
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
-    def __post_init__(self) -> None:
-        names = [quantity.name for quantity in self.quantities]
-        if len(set(names)) < len(names):
-            raise ValueError(f"statement {self.key}: two figures have one name")
+    key: Annotated[str, Field(min_length=1)]
+    claim: Annotated[str, Field(min_length=1)]
+    figures: Mapping[str, Quantity]
+    rule: Annotated[str, Field(min_length=1)]
+    holds: str
+
+    @model_validator(mode="after")
+    def _test(self) -> Self:
+        _expression(self.holds)
+        return self
+
+
+class Group(BaseModel):
+    """Statements under one heading of the page."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    title: str
+    statements: tuple[Statement, ...]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _keyed(cls, value: dict[str, object]) -> dict[str, object]:
+        by_key = value.get("statements")
+        if not isinstance(by_key, dict):
+            return value
+        return {**value, "statements": [{**entry, "key": key} for key, entry in by_key.items()]}
+
+
+def read(path: Path = STATEMENTS) -> tuple[Group, ...]:
+    """The statements, in the order of the page. Raises ValueError in one line that names the file and the key."""
+    try:
+        return _parsed(path.read_text(encoding="utf-8"))
+    except yaml.YAMLError as error:
+        raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise ValueError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
+@cache
+def _parsed(text: str) -> tuple[Group, ...]:
+    return TypeAdapter(tuple[Group, ...]).validate_python(yaml.safe_load(text))
+
+
+def every(groups: Iterable[Group]) -> tuple[Statement, ...]:
+    """The statements of all groups, in order; the page numbers them from 1."""
+    return tuple(statement for group in groups for statement in group.statements)
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """A statement with its figures here (those that there are, by name) and the verdict; missing: what could not be found."""
+    """A statement with its figures here (those that were found, by name) and the verdict; missing: what could not be found."""
 
     statement: Statement
     verdict: Verdict
@@ -77,13 +147,28 @@ def judged(statement: Statement, metrics: Metrics) -> Judgement:
     """The verdict on a statement. Raises ValueError only for metrics that contradict themselves."""
     cells: dict[str, Cell] = {}
     missing = None
-    for quantity in statement.quantities:
+    for name, quantity in statement.figures.items():
         try:
-            cells[quantity.name] = quantity.read(metrics)
+            cells[name] = _figure(quantity, cells, metrics)
         except Missing as error:
             if quantity.decides and missing is None:
                 missing = str(error)
     if missing is not None:
         return Judgement(statement, Verdict.UNKNOWN, cells, missing)
-    deciding = {quantity.name: cells[quantity.name].value for quantity in statement.quantities if quantity.decides}
-    return Judgement(statement, Verdict.HOLDS if statement.holds(deciding) else Verdict.FAILS, cells)
+    deciding = {name: cells[name].value for name, quantity in statement.figures.items() if quantity.decides}
+    holds = _compiled(statement.holds)(**deciding)
+    return Judgement(statement, Verdict.HOLDS if holds else Verdict.FAILS, cells)
+
+
+def _figure(quantity: Quantity, cells: Mapping[str, Cell], metrics: Metrics) -> Cell:
+    if quantity.read is not None:
+        return metrics.read(quantity.read)
+    values = {name: cell.value for name, cell in cells.items()}
+    text = quantity.of or ""
+    if absent := [name for name in _names(text) if name not in values]:
+        raise Missing(f"{absent[0]} is not known")
+    return Cell(float(_compiled(text)(**values) or 0.0), text)
+
+
+def _names(text: str) -> list[str]:
+    return sorted(meta.find_undeclared_variables(_EXPRESSIONS.parse(f"{{{{ {text} }}}}")))

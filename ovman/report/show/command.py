@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from ovman.atomic import replace_bytes
 from ovman.models.settings import arms_of
 from ovman.report.show.index import index
 from ovman.report.show.page import page
@@ -46,12 +46,8 @@ def file_name(episode: str) -> Path:
 
 def _write(path: Path, text: str) -> Path:
     """A file that is there whole or not at all. ShowError where it cannot be written."""
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        partial.write_text(text, encoding="utf-8", newline="\n")
-        os.replace(partial, path)
+        replace_bytes(path, text.encode())
     except OSError as error:
-        partial.unlink(missing_ok=True)
         raise ShowError(f"{path}: {error.strerror}; name another place with --output") from None
     return path

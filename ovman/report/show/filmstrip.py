@@ -1,18 +1,19 @@
-"""The frames of a tour as small pictures: what was detected outlined, what was grounded filled, the true masks on top."""
+"""The frames of a tour as small pictures with outlines of detections, filled grounded objects, and true masks on top."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
 
+from ovman.models.episode import Episode
 from ovman.models.visit import Visit
 from ovman.perception import tour_files
+from ovman.perception.detected import Detected
 from ovman.report.show.reasoning import Item, Reasoning
 
 QUALITY = 78
@@ -35,7 +36,7 @@ class Outline:
 
 @dataclass(frozen=True, slots=True)
 class TourFrame:
-    """A view of a tour. picture: a data URI; target_px: size of the target's true mask, 0 where it is not seen."""
+    """A view of a tour. picture: a data URI; target_px: size of the target's true mask, 0 if it is not seen."""
 
     view: int
     yaw_deg: float
@@ -49,7 +50,7 @@ class TourFrame:
 
 @dataclass(frozen=True, slots=True)
 class Stand:
-    """A waypoint and the frames that were taken from it. number: counts from 1; at: (x, z) in metres."""
+    """A waypoint and its frames. number: counts from 1; at: (x, z) in metres."""
 
     number: int
     at: tuple[float, float]
@@ -57,15 +58,15 @@ class Stand:
 
 
 def stands(
-    visit: Visit, directory: Path, episode: Mapping[str, Any], detected: Any, reasonings: Sequence[Reasoning], which: int
+    visit: Visit, directory: Path, episode: Episode, detected: Detected | None, reasonings: Sequence[Reasoning], which: int
 ) -> list[Stand]:
-    """The frames of a recorded tour, by waypoint. detected: None where there are no detections; which: 0 or 1, the visit."""
+    """The frames of a recorded tour, by waypoint. detected: None without detections; which: 0 or 1, the visit."""
     named = [[(k, item, reasoning) for item in reasoning.items[which]] for k, reasoning in enumerate(reasonings)]
-    own = [entry for row in named for entry in row if entry[2].arm != "positions_two_visits"]
-    masks = None if detected is None else detected.masks()
+    own = [entry for row in named for entry in row if entry[2].own_maps]
+    masks = np.zeros((0, 0, 0), bool) if detected is None else detected.masks()
     found: list[tuple[tuple[float, float], list[TourFrame]]] = []
     for index, view in enumerate(visit.views):
-        outlines = [] if masks is None else _detections(detected, masks, index, own)
+        outlines = [] if detected is None else _detections(detected, masks, index, own)
         frame = _frame(visit, directory, index, episode, outlines)
         at = (view.pose.x, view.pose.z)
         if not found or found[-1][0] != at:
@@ -98,17 +99,16 @@ def picture(path: Path) -> tuple[str, int, int]:
     return "data:image/jpeg;base64," + base64.b64encode(data.tobytes()).decode("ascii"), width, height
 
 
-def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any], outlines: list[Outline]) -> TourFrame:
+def _frame(visit: Visit, directory: Path, index: int, episode: Episode, outlines: list[Outline]) -> TourFrame:
     view = visit.views[index]
     uri, width, height = picture(directory / f"{index:02d}_rgb.png")
     ids = tour_files.picture(directory / f"{index:02d}_ids.png")
     truths = []
     for number, name in enumerate(view.instances, start=1):
-        kind = "target" if name == episode["target"] else "distractor" if name == episode["distractor"] else "instance"
-        if kind != "instance" and name not in view.seen:
-            continue
-        if name in visit.present and visit.present[name].category == episode["category"] and name in view.seen:
-            truths.append(Outline(outline(ids == number), f"true {kind}", f"{name}: {view.seen[name]} px (truth)"))
+        kind = "target" if name == episode.target else "distractor" if name == episode.distractor else "instance"
+        if name in view.seen and name in visit.present and visit.present[name].category == episode.category:
+            mask: np.ndarray = ids == number
+            truths.append(Outline(outline(mask), f"true {kind}", f"{name}: {view.seen[name]} px (truth)"))
     return TourFrame(
         view=index,
         yaw_deg=view.pose.yaw_deg,
@@ -117,12 +117,12 @@ def _frame(visit: Visit, directory: Path, index: int, episode: Mapping[str, Any]
         height=height,
         outlines=tuple(outlines),
         truths=tuple(truths),
-        target_px=view.seen.get(episode["target"], 0),
+        target_px=view.seen.get(episode.target, 0),
     )
 
 
-def _detections(detected: Any, masks: np.ndarray, index: int, items: Sequence[tuple[int, Item, Reasoning]]) -> list[Outline]:
-    """The outlines of a view's detections, each with the object of the map that it belongs to and for whom that is grounded."""
+def _detections(detected: Detected, masks: np.ndarray, index: int, items: Sequence[tuple[int, Item, Reasoning]]) -> list[Outline]:
+    """The outlines of a view's detections, each with its map object and the arms that ground that object."""
     outlines = []
     for n in np.flatnonzero(detected.view == index).tolist():
         place = (float(detected.point[n][0]), float(detected.point[n][2]))
@@ -138,7 +138,7 @@ def _detections(detected: Any, masks: np.ndarray, index: int, items: Sequence[tu
 
 
 def _member(item: Item, view: int, place: tuple[float, float]) -> bool:
-    """Whether a detection at `place` in `view` is one of those that an object of the map was made from."""
+    """Whether an object of the map contains the detection at `place` in `view`."""
     return any(
         seen == view and abs(x - place[0]) < SAME_PLACE_M and abs(z - place[1]) < SAME_PLACE_M
         for seen, (x, z) in zip(item.views, item.track, strict=True)

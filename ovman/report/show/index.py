@@ -1,4 +1,4 @@
-"""The index of many pages: one row an episode, with what became of it under every arm."""
+"""The index of many pages: one row an episode, with the verdict on every arm."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the words of a drawing go, so that they hide neither each other nor what they name."""
+"""Placement of the words of a drawing, so that they hide neither each other nor what they name."""
 
 from __future__ import annotations
 
@@ -22,10 +22,12 @@ class Box:
 
     @staticmethod
     def around(at: Point, half_width: float, half_height: float) -> Box:
+        """The box around a middle."""
         return Box(at[0] - half_width, at[1] - half_height, at[0] + half_width, at[1] + half_height)
 
     @property
     def middle(self) -> Point:
+        """Its centre."""
         return (self.left + self.right) / 2, (self.top + self.bottom) / 2
 
     def overlap(self, other: Box) -> float:
@@ -37,18 +39,18 @@ class Box:
 
 @dataclass
 class Labels:
-    """Places words beside points, each where it overlaps least with what is there: in the order in which they are asked for."""
+    """Places words beside points, one after the other, each where it overlaps least with what is taken already."""
 
     width: float
     height: float
     taken: list[Box] = field(default_factory=list)
 
     def keep(self, at: Point, radius: float) -> None:
-        """Nothing is to be written over the disc."""
+        """Take the disc, so that no words are placed over it."""
         self.taken.append(Box.around(at, radius, radius))
 
     def place(self, at: Point, radius: float, words: str, size: float, padding: float = 1.0) -> Box:
-        """The box of words of a letter size beside a disc at `at`, which is taken from now on."""
+        """The box of words of a letter size beside a disc at `at`; the box is taken from now on."""
         half_width = len(words) * size * WIDTH_OF_A_CHARACTER / 2 + padding
         half_height = size * 0.6 + padding
 

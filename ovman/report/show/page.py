@@ -1,25 +1,29 @@
-"""The page about one episode: what the agent was asked, what it made of it, what was true. One HTML file, self-contained."""
+"""The page about one episode: the query, the answers of the arms, and the truth. One self-contained HTML file."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from itertools import groupby
+import math
+from collections.abc import Sequence
+from itertools import groupby, pairwise, zip_longest
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from ovman.agents.interface import VISITS
+from ovman.models.change import Change
+from ovman.models.episode import Episode
+from ovman.models.geometry import Point, Position
+from ovman.models.settings import Settings
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
 from ovman.report.show.reasoning import Reasoning, reasonings
 from ovman.report.show.results import MAKE, Results
 from ovman.report.show.room import Room
 from ovman.report.show.verdicts import embodied_rows, static_rows
-from ovman.task import Relation
 
 
 def environment() -> Environment:
-    """Of the templates beside this module; every value that goes into a page is escaped unless it is a drawing made here."""
+    """The environment of the templates beside this module; all values are escaped except drawings of this package."""
     return Environment(
         loader=PackageLoader("ovman.report.show", "templates"),
         autoescape=True,
@@ -29,14 +33,14 @@ def environment() -> Environment:
     )
 
 
-def page(results: Results, episode_id: str, settings: Any) -> str:
-    """The page about an episode as HTML; equal files give equal text. settings: an `ovman.workflow.Settings`.
+def page(results: Results, episode_id: str, settings: Settings) -> str:
+    """The page about an episode as HTML; equal files give equal text.
 
-    Raises ShowError where there is no such episode or its scene is missing. What else is missing is named on the page.
+    Raises ShowError for an unknown episode or a missing scene. The page names other missing files.
     """
     (name,) = results.chosen([episode_id])
     episode = results.episodes[name]
-    room = Room(results.scene(episode["scene"]), episode)
+    room = Room(results.scene(episode.scene), episode)
     found = reasonings(results, episode, settings)
     static, embodied = static_rows(results, episode), embodied_rows(results, episode)
     tours = [_tour(results, episode, found, visit) for visit in (0, 1)]
@@ -45,9 +49,9 @@ def page(results: Results, episode_id: str, settings: Any) -> str:
         .get_template("page.html")
         .render(
             episode=episode,
-            relation=Relation(episode["relation"]),
-            changes=[_change(change) for change in episode["changes"]],
-            answer=room.answer,
+            relation=episode.relation,
+            changes=[_change(change) for change in episode.changes],
+            answer=episode.answer,
             reasonings=[_evidence(reasoning) for reasoning in found],
             plans=[visit_plan(room, found, visit) for visit in (0, 1)],
             beyond=[max((beyond(room, reasoning, visit) for reasoning in found), default=0) for visit in (0, 1)],
@@ -67,7 +71,7 @@ def page(results: Results, episode_id: str, settings: Any) -> str:
     )
 
 
-def _tour(results: Results, episode: Mapping[str, Any], found: Sequence[Reasoning], visit: int) -> list[Stand]:
+def _tour(results: Results, episode: Episode, found: Sequence[Reasoning], visit: int) -> list[Stand]:
     which = VISITS[visit]
     directory = results.visit_directory(episode, which)
     recorded = results.visit(directory)
@@ -77,36 +81,37 @@ def _tour(results: Results, episode: Mapping[str, Any], found: Sequence[Reasonin
 
 
 def _rows(tours: Sequence[Sequence[Stand]]) -> list[tuple[Stand | None, Stand | None]]:
-    """The waypoints of both tours beside each other."""
-    return [tuple(tour[k] if k < len(tour) else None for tour in tours) for k in range(max(len(tour) for tour in tours))]
+    """The waypoints of both tours side by side."""
+    first, second = tours
+    return list(zip_longest(first, second))
 
 
-def _change(change: Mapping[str, Any]) -> str:
+def _change(change: Change) -> str:
     """A scripted change in words."""
 
-    def at(point: Mapping[str, float]) -> str:
-        return f"({point['x']:.2f}, {point['z']:.2f})"
+    def at(point: Position | Point | None) -> str:
+        x, z = (point.x, point.z) if isinstance(point, Position) else point or (math.nan, math.nan)
+        return f"({x:.2f}, {z:.2f})"
 
-    before, after, path = change["before"], change["after"], change["path"]
-    match change["kind"]:
-        case "displace":
-            away = ((before["x"] - after["x"]) ** 2 + (before["z"] - after["z"]) ** 2) ** 0.5
-            return f"was put from {at(before)} to {at(after)}, {away:.2f} m away"
-        case "enable":
-            return f"was added at {at(after)}"
-        case "disable":
-            return f"was taken away from {at(before)}"
-        case _:
-            length = sum(((a["x"] - b["x"]) ** 2 + (a["z"] - b["z"]) ** 2) ** 0.5 for a, b in zip(path, path[1:], strict=False))
-            return f"moved during the second tour, {length:.2f} m from {at(path[0])} to {at(path[-1])}"
+    before, after, path = change.before, change.after, change.path
+    if change.kind == "enable":
+        return f"was added at {at(after)}"
+    if change.kind == "disable":
+        return f"was taken away from {at(before)}"
+    if path:
+        length = sum(math.dist(one, other) for one, other in pairwise(path))
+        return f"moved during the second tour, {length:.2f} m from {at(path[0])} to {at(path[-1])}"
+    away = math.nan if before is None or after is None else math.dist((before.x, before.z), (after.x, after.z))
+    return f"was put from {at(before)} to {at(after)}, {away:.2f} m away"
 
 
 def _evidence(reasoning: Reasoning) -> dict[str, Any]:
-    """What the tables below the overlay say of a reasoning."""
+    """The tables about a reasoning below the overlay."""
     pairs = sorted(reasoning.pairs, key=lambda pair: (pair.cost_m, pair.first, pair.second))
     return {
         "arm": reasoning.arm,
         "title": reasoning.title,
+        "own_maps": reasoning.own_maps,
         "pairs": pairs,
         "unmatched": [
             sorted(reasoning.unmatched(v), key=lambda i: (-(i.nearest_m if i.nearest_m is not None else float("inf")), i.id))
@@ -118,13 +123,13 @@ def _evidence(reasoning: Reasoning) -> dict[str, Any]:
 
 
 def _similarities(found: Sequence[Reasoning]) -> tuple[float, float] | None:
-    """The least and the greatest similarity of the objects that are drawn."""
+    """The least and the greatest similarity of the drawn objects."""
     known = [i.similarity for r in found for items in r.items for i in items if i.similarity is not None]
     return (min(known), max(known)) if known else None
 
 
-def _absent(results: Results, episode: Mapping[str, Any], found: Sequence[Reasoning]) -> list[str]:
-    """What the results do not have, each with the command that makes it."""
+def _absent(results: Results, episode: Episode, found: Sequence[Reasoning]) -> list[str]:
+    """Sentences about missing files, each with the command that makes them."""
     missing = []
     if any(results.visit(results.visit_directory(episode, which)) is None for which in VISITS):
         missing.append(f"No recorded tours here: “{MAKE}” records them.")
@@ -132,8 +137,8 @@ def _absent(results: Results, episode: Mapping[str, Any], found: Sequence[Reason
         missing.append(f"No detections here: “{MAKE}” makes them.")
     if any(results.map(episode, which) is None for which in VISITS):
         missing.append(f"No maps here: “{MAKE}” makes them.")
-    elif episode["noun"] not in results.nouns:
-        missing.append(f"No embedding of “{episode['noun']}” here, so no similarities: “{MAKE}” makes it.")
+    elif episode.noun not in results.nouns:
+        missing.append(f"No embedding of “{episode.noun}” here, so no similarities: “{MAKE}” makes it.")
     if not found:
         missing.append(f"No evidence of any arm here: “{MAKE}” records it.")
     return missing

@@ -1,13 +1,13 @@
-"""The maps of a page: each visit as the agent had it, and what it made of the two; the truth is a layer of its own."""
+"""The maps of a page: the arms' map of each visit, and their association of both; the truth is a separate layer."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
-from ovman.agents.reference.decision import Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
+from ovman.models.prediction import Answer, UniformBox, UniformPick
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels
@@ -40,7 +40,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
     draw_room(drawing, frame, room, visit)
     kept = Labels(frame.width, frame.height)
     draw_waypoints(drawing, frame, room, kept)
-    # The truth finds its places first and is drawn last.
+    # Labels of the truth are placed first; the truth is drawn last.
     truth = svg.layer()
     draw_instances(truth, frame, room, visit, kept)
     for k, reasoning in enumerate(reasonings):
@@ -58,7 +58,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
 
 
 def beyond(room: Room, reasoning: Reasoning, visit: int) -> int:
-    """How many objects of a map lie beyond the edge of its drawing."""
+    """Number of objects of a map beyond the edge of its drawing."""
     frame = frame_of(room, [reasoning], *VISIT_SIZE)
     return sum(not frame.shows(*item.at) for item in reasoning.items[visit])
 
@@ -81,8 +81,8 @@ def overlay_plan(
     kept = Labels(frame.width, frame.height)
     for at in sorted({item.at for reasoning in reasonings for visit in (0, 1) for item in reasoning.grounded(visit)}):
         kept.keep(frame.at(*at), 5.0)
-    kept.keep(frame.at(room.episode["spawn"]["x"], room.episode["spawn"]["z"]), 8.0)
-    # What is drawn over the evidence finds its places first.
+    kept.keep(frame.at(room.episode.spawn.x, room.episode.spawn.z), 8.0)
+    # Labels above the evidence are placed first.
     above = svg.layer()
     draw_pin(above, frame, room, kept)
     _predictions(svg.group(above, "predictions"), frame, static, kept)
@@ -114,8 +114,8 @@ def _hex(share: float) -> str:
 
 
 def radius(item: Item) -> float:
-    """Of an object's mark: its area grows with the number of detections."""
-    return min(4.0 + 1.6 * item.sightings**0.5, 12.0)
+    """Radius of an object's mark, which grows with the number of detections."""
+    return min(4.0 + 1.6 * math.sqrt(item.sightings), 12.0)
 
 
 def _mark(parent: Element, frame: PlanFrame, item: Item, visit: int, name: str, fill: str) -> None:
@@ -152,9 +152,7 @@ def _association(parent: Element, frame: PlanFrame, reasoning: Reasoning, labels
     by_id = [{item.id: item for item in reasoning.grounded(visit)} for visit in (0, 1)]
     for pair in reasoning.pairs:
         one, other = by_id[0][pair.first], by_id[1][pair.second]
-        title = (
-            f"objects {pair.first} and {pair.second} were taken for one: cost {pair.cost_m:.2f} m, {pair.distance_m:.2f} m apart"
-        )
+        title = f"objects {pair.first} and {pair.second} were matched: cost {pair.cost_m:.2f} m, {pair.distance_m:.2f} m apart"
         svg.polyline(parent, [frame.at(*one.at), frame.at(*other.at)], "pair", title)
     for visit in (0, 1):
         alone = {item.id for item in reasoning.unmatched(visit)}
@@ -190,16 +188,17 @@ def _boxes(parent: Element, frame: PlanFrame, static: Sequence[StaticRow]) -> No
 
 def _predictions(parent: Element, frame: PlanFrame, static: Sequence[StaticRow], labels: Labels) -> None:
     """Predicted points with the letters of the arms that predict them; the candidates of stochastic picks as small diamonds."""
-    points: dict[tuple[float, float], list[StaticRow]] = {}
+    points: dict[tuple[float, float], list[tuple[Answer, StaticRow]]] = {}
     for row in static:
         if isinstance(row.outcome, UniformPick):
             for x, z in row.outcome.candidates:
                 at = frame.at(x, z)
                 svg.path(parent, _diamond(at, 4.0), "candidate", f"{row.letter}: one of its candidates")
         elif isinstance(row.outcome, Answer):
-            points.setdefault((round(row.outcome.x, 2), round(row.outcome.z, 2)), []).append(row)
-    for rows in points.values():
-        at = frame.at(rows[0].outcome.x, rows[0].outcome.z)
+            points.setdefault((round(row.outcome.x, 2), round(row.outcome.z, 2)), []).append((row.outcome, row))
+    for answers in points.values():
+        rows = [row for _, row in answers]
+        at = frame.at(answers[0][0].x, answers[0][0].z)
         name = rows[0].verdict
         words = " ".join(row.letter for row in rows) + SIGNS.get(name, "")
         title = "; ".join(f"{row.letter}: {row.arm.system}, {row.arm.memory}: {row.words}" for row in rows)

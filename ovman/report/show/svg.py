@@ -1,4 +1,7 @@
-"""Elements of a drawing. The standard library's XML writer escapes what is written into them."""
+"""Elements of an SVG drawing with CSS classes and tooltips. The XML writer of the standard library escapes their text.
+
+matplotlib writes no classes and no tooltips; the page's style sheet and its layers need both.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ def drawing(width: float, height: float, name: str, label: str) -> Element:
 
 
 def group(parent: Element, name: str) -> Element:
+    """A <g> of class `name`."""
     return SubElement(parent, "g", {"class": name})
 
 
@@ -26,6 +30,7 @@ def layer() -> Element:
 
 
 def circle(parent: Element, at: Point, radius: float, name: str, title: str = "", **more: str) -> Element:
+    """A disc; title: its tooltip; more: further attributes."""
     return _titled(SubElement(parent, "circle", _at("c", at) | {"r": number(radius), "class": name} | more), title)
 
 
@@ -36,20 +41,24 @@ def square(parent: Element, at: Point, radius: float, name: str, title: str = ""
 
 
 def rectangle(parent: Element, corner: Point, width: float, height: float, name: str, title: str = "", **more: str) -> Element:
+    """An upright rectangle by its upper left corner."""
     size = {"width": number(width), "height": number(height), "class": name}
     return _titled(SubElement(parent, "rect", _at("", corner) | size | more), title)
 
 
 def polyline(parent: Element, points: Sequence[Point], name: str, title: str = "", **more: str) -> Element:
+    """A line through points."""
     through = " ".join(f"{number(u)},{number(v)}" for u, v in points)
     return _titled(SubElement(parent, "polyline", {"points": through, "class": name} | more), title)
 
 
 def path(parent: Element, d: str, name: str, title: str = "", **more: str) -> Element:
+    """A path; d: as SVG has it."""
     return _titled(SubElement(parent, "path", {"d": d, "class": name} | more), title)
 
 
 def cross(parent: Element, at: Point, radius: float, name: str, title: str = "") -> Element:
+    """A diagonal cross."""
     (u, v), r = at, radius
     arms = [(u - r, v - r, u + r, v + r), (u - r, v + r, u + r, v - r)]
     return path(parent, "".join(f"M{number(a)} {number(b)}L{number(c)} {number(d)}" for a, b, c, d in arms), name, title)
@@ -73,6 +82,7 @@ def arrowhead(parent: Element, at: Point, yaw_deg: float, radius: float, name: s
 
 
 def text(parent: Element, at: Point, words: str, name: str, **more: str) -> Element:
+    """Words whose anchor is at `at`."""
     element = SubElement(parent, "text", _at("", at) | {"class": name} | more)
     element.text = words
     return element

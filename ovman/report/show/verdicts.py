@@ -1,22 +1,21 @@
-"""Each arm's answer and what the metrics say of it. Nothing is judged here: a verdict is the metrics' or there is none."""
+"""The answers of the arms with the verdicts of the metrics. Nothing is judged here."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
-from ovman.evaluation.prediction import Outcome
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
+from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind, of_kind
 from ovman.report.show.results import MAKE, Results
 from ovman.task import Relation
 
 Point = tuple[float, float]
 FOUND, MISSED, CHANCE, ABSTAINED, UNKNOWN = "found", "missed", "chance", "abstained", "unknown"
-"""What became of an answer; CHANCE where the arm is a stochastic pick, UNKNOWN where the metrics say nothing."""
+"""Verdicts; CHANCE is that of a stochastic pick, UNKNOWN stands for a missing row of the metrics."""
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 REASONS: Mapping[str, str] = {
     "displacement_above_tau": "even the steadiest pair moved",
@@ -28,14 +27,16 @@ REASONS: Mapping[str, str] = {
 
 @dataclass(frozen=True, slots=True)
 class StaticRow:
-    """A run of an arm that predicts a point. letter: its name on the maps; answer: in words; verdict: one of the words above;
-    words: the verdict in more words; beside: the true instance that the predicted point is nearest to, and how far from it; run:
-    which one of an arm that has several, else None.
+    """A run of an arm that predicts a point.
+
+    letter: its name on the maps; answer: in words; verdict: one of the constants above; words: the verdict in more words;
+    distance_m: from the answer; beside: the true instance nearest to the predicted point, and its distance; run: its number for
+    an arm with several runs, else None.
     """
 
     letter: str
     arm: Arm
-    outcome: Outcome | None
+    outcome: Predicted | None
     answer: str
     verdict: str
     words: str
@@ -46,8 +47,10 @@ class StaticRow:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A run of an embodied arm. at: where it ended, None if nowhere; yaw_deg: where it looked; own_task: whether it was judged on
-    a task of its own as well.
+    """A run of an embodied arm.
+
+    at: (x, z) of the stop in metres, None without one; yaw_deg: heading at the stop; own_task: whether it was also judged on a
+    task of its own.
     """
 
     seed: int
@@ -60,21 +63,23 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class EmbodiedRow:
+    """The runs of an embodied arm. letter: its name on the maps."""
+
     letter: str
     arm: Arm
     stops: tuple[Stop, ...]
 
 
-def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]:
+def static_rows(results: Results, episode: Episode) -> list[StaticRow]:
     """The static arms in the order of the tables, those with several runs once a run."""
-    predictions, relation = results.predictions(episode["id"]), Relation(episode["relation"])
+    predictions, relation = results.predictions(episode.id), episode.relation
     rows = []
     for letter, arm in zip(LETTERS, of_kind(results.arms, Kind.STATIC), strict=False):
         runs = predictions.get(arm.name, {})
         if not runs:
             rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
         for run, prediction in runs.items():
-            verdict, words, distance = _static(results.static_verdict(arm.name, run, episode["id"]))
+            verdict, words, distance = _static(results.static_verdict(arm.name, run, episode.id))
             outcome = prediction.outcome
             name, number = (f"{letter}{run}", run) if len(runs) > 1 else (letter, None)
             beside = _beside(outcome, episode)
@@ -82,22 +87,21 @@ def static_rows(results: Results, episode: Mapping[str, Any]) -> list[StaticRow]
     return rows
 
 
-def embodied_rows(results: Results, episode: Mapping[str, Any]) -> list[EmbodiedRow]:
+def embodied_rows(results: Results, episode: Episode) -> list[EmbodiedRow]:
     """The embodied arms in the order of the tables; their letters follow those of the static arms."""
     rows = []
     for letter, arm in zip(
         LETTERS[len(of_kind(results.arms, Kind.STATIC)) :], of_kind(results.arms, Kind.EMBODIED), strict=False
     ):
-        verdicts = results.embodied_verdicts(arm.name, episode["id"])
+        verdicts = results.embodied_verdicts(arm.name, episode.id)
         runs = results.runs(arm.name, episode)
-        past = Relation(episode["relation"]).past
-        stops = tuple(_stop(seed, run, verdicts.get(seed), past) for seed, run in runs.items())
+        stops = tuple(_stop(seed, run, verdicts.get(seed), episode.relation.past) for seed, run in runs.items())
         rows.append(EmbodiedRow(letter, arm, stops))
     return rows
 
 
-def answer_words(outcome: Outcome, relation: Relation) -> str:
-    """What an arm answered, in words; an abstention with what its rule for the relation found wanting."""
+def answer_words(outcome: Predicted, relation: Relation) -> str:
+    """The answer of an arm in words; an abstention with its reason."""
     match outcome:
         case Answer(x, z):
             return f"({x:.2f}, {z:.2f})"
@@ -135,17 +139,17 @@ def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
     return (FOUND, "found", distance) if success == 1.0 else (MISSED, "missed", distance)
 
 
-def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None, past: bool) -> Stop:
-    at = None if run["stop"] is None else (run["stop"]["x"], run["stop"]["z"])
-    yaw = 0.0 if run["stop"] is None else run["stop"]["yaw_deg"]
+def _stop(seed: int, run: Score, row: Mapping[str, str] | None, past: bool) -> Stop:
+    at = None if run.stop is None else (run.stop.x, run.stop.z)
+    yaw = 0.0 if run.stop is None else run.stop.yaw_deg
     if row is None:
         return Stop(seed, at, yaw, UNKNOWN, f"not judged yet: “{MAKE}” judges it")
     if row["outcome"] == "abstained":
         return Stop(seed, at, yaw, ABSTAINED, "abstained")
     success = row["success"] == "1"
     ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
-    away = "" if run["answer_distance_m"] is None else f"{run['answer_distance_m']:.2f} m away · "
-    pixels = None if past else run.get("visible_px")
+    away = "" if run.answer_distance_m is None else f"{run.answer_distance_m:.2f} m away · "
+    pixels = None if past else run.visible_px
     seen = "" if not pixels else f"sees {max(pixels.values())} px · "
     own = {"1": " · any instance: found", "0": " · any instance: missed"}.get(row.get("own_success", ""), "")
     weight = f" · SPL {float(row['spl']):.2f}" if success else ""
@@ -153,13 +157,11 @@ def _stop(seed: int, run: Mapping[str, Any], row: Mapping[str, str] | None, past
     return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
 
 
-def _beside(outcome: Outcome, episode: Mapping[str, Any]) -> str:
-    """The true instance nearest to a predicted point, as the visit that the relation answers from has it."""
+def _beside(outcome: Predicted, episode: Episode) -> str:
+    """The true instance nearest to a predicted point, in the visit that the relation answers from."""
     if not isinstance(outcome, Answer):
         return ""
-    world = episode["world_1" if Relation(episode["relation"]).past else "world_2"]
-    gap, name = min((math.hypot(outcome.x - k["x"], outcome.z - k["z"]), k["id"]) for k in world)
-    called = (
-        "the target" if name == episode["target"] else "the distractor" if name == episode["distractor"] else "another instance"
-    )
+    world = episode.world_1 if episode.relation.past else episode.world_2
+    gap, name = min((math.hypot(outcome.x - k.x, outcome.z - k.z), k.id) for k in world)
+    called = "the target" if name == episode.target else "the distractor" if name == episode.distractor else "another instance"
     return f"{gap:.2f} m from {called}"

@@ -1,10 +1,9 @@
-"""What the engine costs a client: start, reset, steps with and without image, memory, two engines at once.
+"""Cost of the engine for a client: start, reset, steps with and without images, memory, two engines at once.
 
     python bench/engine.py
 
-Times are wall clock on this machine, least and median; ratios compare figures of this one run. Resets are told in time of the
-processor as well: they are long enough for a busy machine to interrupt every one of them. The last table holds the figures
-against their bars.
+Times are wall clock on this machine, least and median; ratios compare figures of one run. Resets are also measured in processor
+time, because on a busy machine every one of them is interrupted. The last table compares the figures with their bounds.
 """
 
 from __future__ import annotations
@@ -30,7 +29,7 @@ from ovman_engine import executable
 SCENE, OTHERS = "FloorPlan201", ("FloorPlan1", "FloorPlan330", "FloorPlan423", "FloorPlan7", "FloorPlan212", "FloorPlan305")
 SETTINGS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
 BARS = {"start": 1500.0, "step": 3.0, "reset": 150.0, "memory": 200.0, "pair": 1.8}
-"""Milliseconds, megabytes, and how many times the frames of one engine two of them draw."""
+"""Milliseconds, megabytes, and the number of frames of two engines relative to one."""
 PAIR_FRAMES = 60
 
 
@@ -49,7 +48,7 @@ def row(name: str, found: list[float], note: str = "") -> None:
 
 
 def first_event_ms() -> float:
-    """From the start of the process to the end of its first message."""
+    """Milliseconds from the start of the process to the end of its first message."""
     with tempfile.TemporaryDirectory() as directory:
         pipes = {f"AI2THOR_FIFO_{end}_PIPE_PATH": f"{directory}/{end.lower()}.pipe" for end in ("SERVER", "CLIENT")}
         for path in pipes.values():
@@ -71,7 +70,7 @@ def resident_mb(pid: int, name: str = "VmRSS") -> float:
 
 @contextmanager
 def client(**options: Any) -> Iterator[Any]:
-    """The real ai2thor Controller on the scene, with an engine behind it."""
+    """The ai2thor Controller on the scene, with the engine."""
     from ai2thor.controller import Controller
 
     controller = Controller(local_executable_path=executable(), scene=SCENE, **SETTINGS, **options)

@@ -1,11 +1,11 @@
-"""What a frame costs, on one core, as ratios to a bare Embree cast of the same rays over the same triangles.
+"""Cost of a frame on one core, relative to a bare Embree cast of the same rays against the same triangles.
 
     python bench/frame.py [--scene FloorPlan201] [--repeats 30]
 
-The measured kinds take turns, so that they share whatever else the machine does; each prints its least and its median wall time,
-the least time of the processor that it and the process behind it took, and the ratio of that to the bare cast's (measure/bare.py
-says what that is). MuJoCo draws the same triangles from the same
-place, as it comes and as fast as it goes. The last table holds the figures against their bars.
+The measured kinds take turns, so that the load of the machine affects all of them alike. Each prints its least and its median
+wall time, the least processor time of this process and the one behind it, and the ratio of that to the bare cast
+(measure/bare.py). MuJoCo draws the same triangles from the same place, with its defaults and at its fastest. The last table
+compares the figures with their bounds.
 """
 
 from __future__ import annotations
@@ -30,15 +30,15 @@ from ovman_engine.world.world import World
 
 SMALL, LARGE = (300, 300), (640, 480)
 BARS = {SMALL: 2.2, LARGE: 3.0}
-"""Frame through the Controller over bare cast."""
+"""Time of a frame through the Controller over that of the bare cast."""
 RIVAL_BAR = 2.0
-"""MuJoCo's time over that of the frame inside the process."""
+"""MuJoCo's time over that of a frame inside the process."""
 CAST, PACKETS, FRAME, CONTROLLER = "bare cast", "primary rays in packets", "RGB + depth + ids", "RGB + depth + ids, Controller"
 RIVAL, RIVAL_PLAIN = "MuJoCo, RGB + depth + ids", "MuJoCo, no shadows, 1 sample"
 
 
 def mover(world: World) -> Callable[[], object]:
-    """Shifts one movable object to and fro."""
+    """Moves one movable object to and fro."""
     obj = next(o for o in world.plan.objects if o.moveable)
     state = {"side": 1.0}
 
@@ -52,8 +52,8 @@ def mover(world: World) -> Callable[[], object]:
 
 @contextmanager
 def controller_frame(scene: str, width: int, height: int) -> Iterator[tuple[Callable[[], object], int]]:
-    """(a call, the engine's process) for a frame through the real Controller with RGB, depth and ids; the agent looks to and fro
-    by half a degree: the engine draws no view twice."""
+    """A call for a frame through the Controller with RGB, depth and ids, and the engine's process id. The agent turns to and fro
+    by half a degree, because the engine draws no view twice."""
     from ai2thor.controller import Controller
 
     import ovman_engine

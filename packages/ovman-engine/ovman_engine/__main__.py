@@ -51,7 +51,7 @@ def _serve(wire: Wire, width: int, height: int) -> None:
 
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
     if draws and not kernels.ready():
-        log.note("ovman-engine: compiling what draws, which happens once on a machine and takes about half a minute")
+        log.note("ovman-engine: compiling the rendering kernels, once on this machine, in about half a minute")
         kernels.compile_all()
     engine = Engine(width, height, draws)
     wire.send(engine.first_message())

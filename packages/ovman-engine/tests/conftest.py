@@ -24,7 +24,7 @@ settings.register_profile("same", derandomize=True)
 settings.load_profile("same")
 
 BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}
-"""What the benchmark initialises the engine with."""
+"""Initialize arguments of the benchmark."""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -69,7 +69,7 @@ def controller(shared: Any) -> Any:
 
 
 class InProcess:
-    """The engine without pipes: answers as the client would decode them."""
+    """The engine without pipes; replies are decoded as the client does."""
 
     def __init__(self, scene: str = "FloorPlan201", **initialize: Any) -> None:
         self.engine = Engine(300, 300, draws=False)

@@ -1,4 +1,4 @@
-"""What the first actions do, seen through the unmodified ai2thor Controller and the engine's own process."""
+"""Actions, tested through the unmodified ai2thor Controller and the engine's own process."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def test_start(controller):
 
 
 def test_masks_and_depth_agree_with_boxes(controller):
-    """What a mask shows, carried back into the room by its depth, lies in the box of the object: rows, columns, signs and all."""
+    """Points of a mask, projected back by their depth, lie in the box of the object: rows, columns and signs are right."""
     checked = 0
     for yaw in (0, 90, 210):
         act(controller, "Teleport", rotation=yaw, horizon=30)
@@ -412,7 +412,7 @@ def test_removal_lasts_till_reset(controller):
 
 
 def test_a_scene_without_objects(controller):
-    """It is walked, drawn and simulated as any other."""
+    """An empty scene can be walked, drawn and simulated."""
     metadata = act(controller, "Pass")
     everything, here = [o["objectId"] for o in metadata["objects"]], metadata["agent"]["position"]
     assert act(controller, "RemoveObjsFromScene", objectIds=everything)["objects"] == []
@@ -510,7 +510,7 @@ REST = ["GetReachablePositions", "RotateLeft", "MoveBack", "Pass", "Pass", "Pass
 
 
 def walk(controller):
-    """What a client sees on a walk on which a thing is dropped."""
+    """Events of a walk on which an object is dropped."""
     events = [controller.reset("FloorPlan201")]
     vase = first(events[0].metadata, "Vase")
     above = {**vase["position"], "y": vase["position"]["y"] + 0.3}
@@ -519,7 +519,7 @@ def walk(controller):
 
 
 def test_two_engines_at_once_show_the_same_and_fast_emit_changes_nothing(controller, start):
-    """Byte for byte: also where one sends every event in full and the other patches those in which nothing changed."""
+    """Events are equal to the byte, also if one engine sends them all in full and the other sends patches."""
     with start(scene="FloorPlan201", **{**controller.initialization_parameters, "fastActionEmit": False}) as other:
         assert other.unity_pid != controller.unity_pid
         for one, two in zip(walk(controller), walk(other), strict=True):

@@ -1,4 +1,4 @@
-"""Pictures against geometry: depth, ids, and that a frame is a function of the world and the view alone."""
+"""Images against geometry: depth and ids are exact, and a frame is a function of the world and the view."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def rays_of(view: View) -> np.ndarray:
 
 
 def view_of(world: World, number: int, **fields) -> View:
-    """One of many views of a world: a reachable cell, a heading and a pitch that only the number decides."""
+    """A view of a world: a reachable cell, a heading and a pitch that are functions of the number."""
     cells = world.reachable()
     cell = np.array(cells[number * 37 % len(cells)])
     return View(cell + [0, 0.675, 0], float(number * 70 % 360), float([0, 30, 0, 60][number % 4]), **fields)
@@ -130,7 +130,7 @@ def test_what_is_seen_of_an_object_lies_in_its_box(scene):
                 box = world.box(renderer.names[i])
                 local = np.abs((points[frame.ids == i] - box.centre) @ box.rotation)
                 if renderer.names[i].startswith("CounterTop"):
-                    local[:, 1] = 0  # the recorded box is the slab; what carries it is drawn too
+                    local[:, 1] = 0  # the recorded box is that of the slab; its body is drawn too
                 inside += (local <= box.half + 0.02).all(axis=1).sum()
                 total += len(local)
     assert total > 5000
@@ -244,7 +244,7 @@ def test_normals_are_unit_and_face_the_viewer():
 
 
 def test_a_mirror_shows_what_it_faces():
-    """The wall behind the viewer is bright at one side; so is the mirror, on the same side as it would be in a photograph."""
+    """The wall behind the viewer is bright on one side, and so is the mirror, on the same side as in a photograph."""
     paint = {
         "mirror": materials.Material(np.array([0.1, 0.1, 0.1]), gloss=1.0),
         "red": materials.Material(np.array([0.9, 0.02, 0.02]), gloss=0.0),
@@ -261,7 +261,7 @@ def test_a_mirror_shows_what_it_faces():
 
 
 def test_light_and_shadow_shape_the_picture():
-    """Under a lamp, what is below a slab gets less light than what is beside it, and contact darkens where walls meet."""
+    """Under a lamp, the floor below a slab gets less light than beside it, and corners are darkened."""
     slab = ("slab", np.array([0.0, 1.0, 0.0]), np.array([1.5, 1.05, 1.5]))
     view = View(np.array([0.75, 0.9, 0.75]), 0, 90, width=60, height=60, orthographic_size=0.3)
     open_, under = (Renderer(Stage(("hall", LOW, HIGH), *more)).frame(view).rgb for more in ((), (slab,)))
@@ -277,7 +277,7 @@ def test_impossible_views_are_refused(bad):
 
 
 def soup(rng: np.random.Generator, count: int) -> triangle_mesh.TriangleMesh:
-    """Triangles anywhere, each an instance of its own."""
+    """Random triangles, each an instance."""
     numbers = np.arange(count, dtype=np.int32)
     vertices = rng.uniform(-1, 1, (3 * count, 3)).astype(np.float32)
     corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
@@ -320,7 +320,7 @@ def test_rays_meet_the_nearest_triangle_of_what_stays_and_what_was_displaced(see
 
 
 def test_the_rays_of_a_view_are_those_through_its_pixels():
-    """Pictures are cast in squares of pixels; those that stick out over the rim see nothing twice and leave nothing out."""
+    """Images are cast in tiles; tiles that exceed the image neither repeat nor miss a pixel."""
     world = World(floorplan.load("FloorPlan201"))
     renderer = Renderer(world)
     for width, height in ((1, 1), (3, 5), (18, 13), (16, 16)):
@@ -334,7 +334,7 @@ def test_the_rays_of_a_view_are_those_through_its_pixels():
 
 
 def test_textures_move_with_the_object():
-    """The colour at a point of an object is the same wherever the object is."""
+    """The colour at a point of an object does not depend on the object's pose."""
     world = World(floorplan.load("FloorPlan201"))
     meshes = scene_mesh.of_plan(world.plan, world.room)
     looks = painter.Appearance.of(meshes.materials)

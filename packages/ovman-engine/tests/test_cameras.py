@@ -1,4 +1,4 @@
-"""Cameras besides the agent's own: what the client gets of each, what they see, and the map of a scene."""
+"""Third-party cameras and the map view: what the client receives, and what they show."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ HERE = {"position": {"x": -2.0, "y": 1.5, "z": 3.0}, "rotation": {"x": 20.0, "y"
 
 @pytest.fixture(scope="module")
 def home(start):
-    """A Controller of its own, whose pictures are small."""
+    """A Controller with small images."""
     with start(scene="FloorPlan201", width=120, height=90, **KINDS) as controller:
         yield controller
 
@@ -39,7 +39,7 @@ def angles(rotation):
 
 
 def shares(image, other, slack=0.0):
-    """Share of pixels that two images have in common."""
+    """Fraction of equal pixels of two images."""
     return float((np.abs(image.astype(float) - other).reshape(image.shape[0] * image.shape[1], -1).max(axis=1) <= slack).mean())
 
 
@@ -332,7 +332,7 @@ def test_the_map_view_shows_the_whole_room_and_goes_as_it_came(scene, name):
 
 
 def test_from_outside_one_looks_into_the_room(scene):
-    """The usual recipes for a picture from above, and a corner view: neither ceiling nor near walls stand in the way."""
+    """Usual views from above and from a corner: neither the ceiling nor near walls hide the scene."""
     event = scene.step("GetMapViewCameraProperties")
     properties, bounds = event.metadata["actionReturn"], event.metadata["sceneBounds"]
     middle, size = bounds["center"], max(bounds["size"].values())

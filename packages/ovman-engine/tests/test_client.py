@@ -1,4 +1,4 @@
-"""What the unmodified client does by itself and reads off every event: sizes, numbers, units, and engines beside each other."""
+"""What the unmodified client does by itself and reads from every event: sizes, numbers, units, and several engines at once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ovman_engine.plan import floorplan
 
 @pytest.fixture(scope="module")
 def small(start):
-    """A Controller whose pictures are smaller than a Unity window may be, with clipping planes of its own."""
+    """A Controller with images below Unity's minimum, and its own clipping planes."""
     options = {"renderDepthImage": True, "cameraNearPlane": 0.3, "cameraFarPlane": 12, "fieldOfView": 60}
     with start(scene="FloorPlan401", width=200, height=150, depth_format=DepthFormat.Normalized, **options) as controller:
         yield controller
@@ -35,7 +35,7 @@ def test_small_pictures_and_planes_from_the_start(small):
 
 
 def test_depth_in_the_units_that_the_client_asks_for(small):
-    """Millimetres and fractions of the range between the planes come from the same metres."""
+    """Depth in millimetres, and as a fraction of the range between the planes, comes from the same metres."""
     formats = {}
     for wanted in DepthFormat:
         small.server.depth_format = wanted
@@ -105,7 +105,7 @@ def test_two_engines_beside_each_other_do_not_touch(start, small):
 
 
 def test_resets_let_go_of_worlds_and_keep_a_bounded_number_of_plans():
-    """Also where the same few plans come again and again: what is made anew each time must not pile up."""
+    """This holds for few plans that repeat as well: what is rebuilt each time must not accumulate."""
     served, worlds, plans = engine.Engine(32, 32), [], []
     for name in ("FloorPlan401", "FloorPlan402", "FloorPlan12", "FloorPlan403", "FloorPlan405", "FloorPlan406") * 2:
         calls = (

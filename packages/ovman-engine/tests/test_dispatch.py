@@ -1,4 +1,4 @@
-"""Names and arguments of actions: what is matched, converted, refused, and with which code and words."""
+"""Dispatch: which actions and arguments are matched, converted or refused, with which code and message."""
 
 from __future__ import annotations
 
@@ -150,7 +150,7 @@ def test_refusals_codes_and_exceptions(probe):
 
 
 TAKE_ANYTHING = {"CreateHouse", "InitialRandomSpawn"}
-"""Actions with an argument that they look into themselves."""
+"""Actions that check an argument themselves."""
 
 
 def test_every_action_has_a_signature_that_arguments_can_be_converted_to():
@@ -200,7 +200,7 @@ def fuzzed(engine):
 
 
 def by_kind(parameter):
-    """Values of the parameter's kind, sane ones mostly."""
+    """Values of the parameter's kind, mostly plausible."""
     lengths = st.floats(-3, 3) | st.floats(allow_nan=False)
     vectors = st.fixed_dictionaries({"x": lengths, "y": lengths, "z": lengths})
     pose = st.fixed_dictionaries(
@@ -225,7 +225,7 @@ def by_kind(parameter):
 
 @st.composite
 def calls(draw):
-    """Arguments by which some action could be called, one in ten of them anything."""
+    """Arguments with which an action may be called, one in ten of them arbitrary."""
     way = draw(st.sampled_from([way for name in sorted(TABLE) if name not in ("Reset", "SetRandomSeed") for way in TABLE[name]]))
     given = {p: draw(st.integers(0, 9)) for p in way.parameters if p.required or draw(st.booleans())}
     return {"action": way.name, **{p.name: draw(json_values if wild == 9 else by_kind(p)) for p, wild in given.items()}}

@@ -1,4 +1,4 @@
-"""What kinds of agent there are, how they see and move, and what they are told. Contract: thor_engine, sections 2 and 4."""
+"""The kinds of agent: body, camera, motion and arguments. Contract, sections 2 and 4."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def test_a_move_may_be_held_to_the_neighbourhood_of_an_object(engine):
 @settings(max_examples=20, derandomize=True, deadline=None)
 @given(yaw=st.floats(0, 360), step=st.sampled_from([0.2, 0.25, 0.4]), index=st.integers(0, 10**6))
 def test_positions_along_its_own_axes_are_where_moves_along_them_lead(engine, yaw, step, index):
-    """Sets are closed under free moves, each position of one has a free neighbour in it, and the agent stays where it is."""
+    """Reachable sets are closed under free moves, and the agent does not move."""
     e = shared_engine(engine)
     spots = e.do("GetReachablePositions", gridSize=1.0)["actionReturn"]
     spot = spots[index % len(spots)]
@@ -179,7 +179,7 @@ def test_the_set_follows_what_stands_in_the_room(engine):
 
 
 def test_what_overlaps_the_agent_does_not_count(engine):
-    """Contract, section 2: an edge is free if the cast hits nothing but what overlaps the agent where it is."""
+    """Contract, section 2: an edge is free if the sweep hits nothing except what overlaps the agent at its start."""
     e = engine()
     table = next(o for o in e.agent["objects"] if o["objectType"] == "CoffeeTable")
     e.do("DisableObject", objectId=table["objectId"])
@@ -228,7 +228,7 @@ def test_a_locobot_through_the_client(start):
 
 
 def test_another_embodiment_is_another_event(controller):
-    """Also where nothing else is different, and the event might be sent as a patch of the one before."""
+    """This holds if nothing else changed, and the event might be a patch."""
     same = {"fieldOfView": 70, "snapToGrid": False, "applyActionNoise": False}
     tall = controller.step("Initialize", **same).metadata
     short = controller.step("Initialize", agentMode="locobot", **same).metadata
@@ -317,7 +317,7 @@ def test_a_locobot_goes_under_what_hangs_above_it():
 
 
 def test_bodies_are_kept_off_the_agent_that_there_is(engine):
-    """What is teleported to just above a locobot's head would be in a default agent's chest."""
+    """An object just above a locobot's head would be in the chest of a default agent."""
     for mode, allowed in (("default", set()), ("locobot", {0.4})):
         e = engine(agentMode=mode)
         vase = next(o for o in e.agent["objects"] if o["objectType"] == "Vase")
@@ -328,7 +328,7 @@ def test_bodies_are_kept_off_the_agent_that_there_is(engine):
             assert e.agent["lastActionSuccess"] == (above in allowed), (mode, above, e.agent["errorMessage"])
 
 
-# The room around it
+# The surroundings
 
 
 def test_a_wide_counter_blocks_where_it_is_seen_and_not_in_its_opening():

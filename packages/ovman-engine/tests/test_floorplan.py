@@ -1,4 +1,4 @@
-"""The floor plans are those of the metadata: every record, every box, the start that the recorded distances tell of."""
+"""Floor plans equal the metadata: every record and box, and the start that follows from the recorded distances."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ print([[float(v).hex() for v in floorplan.load(name).start] for name in floorpla
 
 
 def test_starts_are_the_same_whatever_the_processor_multiplies_matrices_with():
-    """OpenBLAS has kernels for each of two processors, whose last bits differ; other processors take neither."""
+    """OpenBLAS has different kernels for two types of processors, with different last bits; other processors skip both."""
     found = {
         subprocess.run(
             [sys.executable, "-c", STARTS],

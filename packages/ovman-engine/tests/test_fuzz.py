@@ -1,4 +1,4 @@
-"""Whatever a client sends: the answer decodes, the world stays consistent, no action fails for a reason but its own."""
+"""For any request, the answer decodes, the world stays consistent, and no action fails inside the engine."""
 
 from __future__ import annotations
 
@@ -78,7 +78,8 @@ def plausible(scene):
 
 @st.composite
 def requests(draw, values):
-    """An action by its signature, mostly: arguments left out, wrong ones, unknown ones; sometimes no known action at all."""
+    """A request by the signature of an action, mostly: with missing, wrong and unknown arguments; sometimes of no known
+    action."""
     if draw(rare) == 0:
         return draw(st.dictionaries(st.sampled_from(["action", "x", "sequenceId", "objectId", "renderImage"]), wild, max_size=4))
     way = draw(st.sampled_from(WAYS))
@@ -93,14 +94,14 @@ def requests(draw, values):
 
 
 def sequences(shortest, longest):
-    """Scenes, each with a sequence of actions that fit it."""
+    """Scenes with sequences of fitting actions."""
     return st.sampled_from(SCENES).flatmap(
         lambda s: st.tuples(st.just(s), st.lists(requests(plausible(s)), min_size=shortest, max_size=longest))
     )
 
 
 class Client:
-    """The engine in this process, its messages read by the client's own decoding."""
+    """The engine in this process; the client's own code decodes its messages."""
 
     def __init__(self, monkeypatch):
         from ai2thor.fifo_server import FifoServer
@@ -151,7 +152,7 @@ def check(client, request, before):
     assert event or metadata["errorMessage"] or silent, request
     shape = (metadata["screenHeight"], metadata["screenWidth"])
     for image in (event.frame, event.depth_frame, event.instance_segmentation_frame, event.semantic_segmentation_frame):
-        if image is not None and 1 not in shape:  # the client squeezes depth
+        if image is not None and 1 not in shape:  # the client converts depth
             assert image.shape[:2] == shape, (request, image.shape, shape)
     if event.frame is not None:
         assert len(event.third_party_camera_frames) == len(metadata["thirdPartyCameras"] or [])
@@ -212,7 +213,7 @@ shapes = st.from_regex(rb'\{"action": ?[\[\]{}"0-9a-z,:.\\ud]{0,40}\}?', fullmat
 @settings(max_examples=300, **bounded)
 @given(st.binary(max_size=200) | st.text(max_size=80).map(str.encode) | shapes)
 def test_random_bytes(client, body):
-    """An answer with a metadata frame, whatever the bytes are."""
+    """Any bytes are answered with a metadata frame."""
     frames = client.engine.answer(body)
     assert [field for field, _ in frames] == [1] and not client.logged
 

@@ -113,7 +113,7 @@ def test_controller_starts_in_a_house(home):
 
 
 def test_metadata(home):
-    """Objects with their own ids where the house has them; the floors are the rooms'."""
+    """Objects have their own ids and poses; the floors are those of the rooms."""
     objects = {o["objectId"]: o for o in home.last_event.metadata["objects"]}
     assert set(objects) == {"room|2", "room|3", "door|2|3", "window|2|0", "DiningTable|2|0", "Apple|2|1", "Bed|3|0"}
     types = {name: o["objectType"] for name, o in objects.items()}
@@ -131,7 +131,7 @@ def test_metadata(home):
 
 
 def test_walls_stop_and_doors_let_through(home):
-    """All of both rooms that is free is reached, no point is in a wall, and the way leads through the door."""
+    """All free points of both rooms are reached, none is in a wall, and the way leads through the door."""
     found = reached(home)
     assert (found[:, 0] < 4.5).sum() > 100 and (found[:, 0] > 5.5).sum() > 50
     assert not ((found[:, 0] > 7) & (found[:, 1] < 2)).any()
@@ -153,7 +153,7 @@ def test_a_shut_door_is_a_wall(home):
 
 
 def test_every_piece_of_a_wall_stands():
-    """On both sides of a door, over it, and for bodies as for the agent."""
+    """Walls are solid on both sides of a door and over it, for bodies and the agent."""
     world = World(plan_of(read(house())))
     names = [w.name for w in world.room.solids]
     assert len(set(names)) == len(names)
@@ -168,7 +168,7 @@ def test_every_piece_of_a_wall_stands():
 
 
 def test_pictures(home):
-    """Every pixel shows something of the house; the depth of a wall is its distance; through the door the other room is seen."""
+    """Every pixel shows the house; the depth of a wall is its distance; the other room is visible through the door."""
     event = home.step("TeleportFull", position=point(3.0, 2.5, 0.9), rotation=point(0, 0, 90), horizon=0, standing=True)
     assert event.frame.std() > 10
     assert {"door|2|3", "room|2", "room|3", "wall|2|5.00|0.00|5.00|4.00"} <= set(event.instance_masks)
@@ -180,7 +180,7 @@ def test_pictures(home):
 
 
 def test_things_are_handled(home):
-    """The floor is in both rooms, tables hold what is put on them, walls let nothing through."""
+    """Both rooms have a floor, tables hold what is put on them, and walls let nothing pass."""
     placed = home.step("PlaceObjectAtPoint", objectId="Apple|2|1", position=point(6.0, 1.0, 1.0))
     assert placed.metadata["lastActionSuccess"], placed.metadata["errorMessage"]
     apple = next(o for o in placed.metadata["objects"] if o["objectId"] == "Apple|2|1")
@@ -204,7 +204,7 @@ def test_other_scenes_before_and_after(home):
 
 
 def test_no_agent_in_the_house(engine):
-    """It stands in a room, clear of everything."""
+    """The agent stands in a room, clear of everything."""
     plain = house()
     del plain["metadata"]
     world = World(plan_of(read(plain)))
@@ -214,7 +214,7 @@ def test_no_agent_in_the_house(engine):
 
 
 def test_the_older_format_of_holes():
-    """A hole as a box, as in the pip package's own houses."""
+    """Holes may be boxes, as in procthor's own houses."""
     older = house()
     for opening in (*older["doors"], *older["windows"]):
         low, high = opening.pop("holePolygon")
@@ -225,7 +225,7 @@ def test_the_older_format_of_holes():
 
 
 def test_rooms_open_to_each_other():
-    """An empty wall neither stops nor is seen."""
+    """An empty wall is neither solid nor visible."""
     open_plan = house()
     for wall in open_plan["walls"]:
         if "5.00|0.00|5.00|4.00" in wall["id"]:
@@ -260,7 +260,7 @@ def test_rooms_open_to_each_other():
     ],
 )
 def test_what_is_no_house(engine, broken, message):
-    """Refused with what is wrong and where; the scene stays as it is."""
+    """The refusal names the place and the reason, and the scene stays."""
     given = copy.deepcopy(house())
     broken(given)
     with pytest.raises(InvalidHouse) as caught:

@@ -1,4 +1,4 @@
-"""What draws is compiled before a client waits for a picture."""
+"""All kernels are compiled before a client waits for an image."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Looks: glass is seen through, the sun shines through windows, sinks are hollow, sheets show every type."""
+"""Appearance: glass is seen through, the sun shines through windows, sinks are hollow, sheets show every type."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ovman_engine.world.world import World
 
 LOW, HIGH = np.array([-2.0, 0.0, -3.0]), np.array([4.0, 2.5, 5.0])
 SOFT_M = 0.3
-"""How far a patch of sunlight spreads beyond its edge at the resolution that light is reckoned at."""
+"""Blur of the edge of a sunlit patch on the coarse grid."""
 PAINT = {
     "main": materials.Material(np.array([0.5, 0.4, 0.3])),
     "glass": materials.Material(np.array([0.6, 0.7, 0.7]), gloss=1.0, clear=True),
@@ -28,7 +28,7 @@ PAINT = {
 
 
 class Hall:
-    """A room with slabs in it, world coordinates: (slot, low, high)."""
+    """A room with slabs (slot, low, high) in world coordinates."""
 
     def __init__(self, *slabs) -> None:
         self.plan = floorplan.FloorPlan("Hall", "none", (), np.zeros(3), 0.0)
@@ -43,7 +43,7 @@ class Hall:
 
 def example(name: str):
     """A module of the examples."""
-    path = Path(__file__).parents[2] / "examples" / f"{name}.py"
+    path = Path(__file__).parents[1] / "examples" / f"{name}.py"
     spec = importlib.util.spec_from_file_location(name, path)
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
@@ -110,7 +110,7 @@ def test_the_sun_only_adds_light_and_only_where_it_falls_through_a_window():
 
 
 def test_one_looks_into_sinks_onto_their_bowls():
-    """Nothing that a sink hangs into stands in its bowl."""
+    """Furniture under a sink does not fill its bowl."""
     looked = 0
     for name in ("FloorPlan1", "FloorPlan12", "FloorPlan20", "FloorPlan403", "FloorPlan417", "FloorPlan426"):
         world = World(floorplan.load(name))

@@ -1,4 +1,4 @@
-"""Metadata: all of AI2-THOR's keys, the recorded numbers where nothing was touched, and consistency where something was."""
+"""Metadata: all of AI2-THOR's keys, recorded numbers for untouched objects, and consistent numbers for touched ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ flatSurfacesOnGrid distances normals isOpenableGrid segmentedObjectIds objectIds
 actionStringsReturn actionFloatsReturn actionVector3sReturn visibleRange currentTime sceneBounds actionReturn depthFormat
 """
 SEEN = {"distance", "visible", "isInteractable"}
-"""What depends on where the agent is."""
+"""Keys that depend on the agent."""
 
 
 def xyz(vector):
@@ -163,7 +163,7 @@ def test_colours_tell_all_instances_and_classes_of_a_scene_apart():
 
 
 def test_bodies_of_all_scenes_are_where_the_records_have_them():
-    """What would be reported of an object that was put where it is: its box to 1 mm and its rotation to 0.1 degrees."""
+    """An object put where it is is reported within 1 mm and 0.1 degrees of its record."""
     for name in floorplan.names():
         for obj in floorplan.load(name).objects:
             body = Body.of(obj)
@@ -185,7 +185,7 @@ def test_bodies_of_all_scenes_are_where_the_records_have_them():
 
 
 def test_the_scene_is_at_rest_if_nothing_moves(engine):
-    """What falls is moving until it lies; what was let go while time stands still is not."""
+    """A falling object is moving until it rests; a released object is not while physics is paused."""
     scene = engine("FloorPlan206", fastActionEmit=False)
     book = next(o for o in scene.agent["objects"] if o["pickupable"])
     above = {**scene.agent["agent"]["position"], "y": scene.agent["agent"]["position"]["y"] + 0.6}
@@ -224,7 +224,7 @@ def test_a_filter_leaves_out_objects_but_not_what_is_known_of_them(engine):
 
 
 def test_renamed_objects_leave_nothing_behind(engine):
-    """SetObjectPoses gives new ids; what was known under the old ones is forgotten."""
+    """SetObjectPoses gives new ids, and metadata of the old ones are dropped."""
     scene = engine("FloorPlan311")
     movable = [o for o in scene.agent["objects"] if o["moveable"] or o["pickupable"]]
     for shift in (0.0, 0.1, 0.2):

@@ -38,7 +38,7 @@ def scene(engine, request):
 
 
 def test_every_pose_shows_the_object_and_no_other_does(scene):
-    """Each is a TeleportFull after which it is visible; and a pose at which it can be reached, wholly near, is among them."""
+    """TeleportFull to each pose shows the object, and every pose from which it is interactable and wholly near is among them."""
     before = state(scene)
     rng = np.random.default_rng(3)
     cells = scene.do("GetReachablePositions")["actionReturn"]
@@ -135,10 +135,10 @@ def test_turns_that_do_not_make_a_circle_need_rotations(engine):
 
 
 def test_paths_are_taut_and_free_and_no_longer_than_a_walk(scene):
-    """Between any two reachable places: over the floor, never shorter than straight, never longer than over the lattice, no
-    corner that could be left out; the way back is as long."""
+    """Paths between reachable positions stay on the floor, are never shorter than the straight line nor longer than on the
+    lattice, have no superfluous corner, and are as long in reverse."""
     before = state(scene)
-    floor, rng = _floor(scene.engine), np.random.default_rng(5)
+    floor, rng = _floor(scene.engine.session), np.random.default_rng(5)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     at = {(round(c["x"] / 0.25), round(c["z"] / 0.25)): c for c in cells}
     bent = 0
@@ -175,7 +175,7 @@ def walk(at, start, end):
 
 
 def test_a_path_to_an_object_ends_where_it_can_be_seen(scene):
-    """The place is reachable, the object can be reached from it, and no place so near in steps is passed by."""
+    """The target is reachable and shows the object, and no position that needs fewer steps does."""
     before = state(scene)
     cells = {(round(c["x"], 3), round(c["z"], 3)) for c in scene.do("GetReachablePositions")["actionReturn"]}
     complete = 0
@@ -260,7 +260,7 @@ def test_paths_to_nothing_are_refused(engine):
 def test_ends_beside_the_mesh_are_taken_for_the_nearest_points_on_it(engine):
     """As in AI2-THOR: not farther than 0.2 m, and only one of both ends by more than the allowed error."""
     scene = engine("FloorPlan206")
-    floor = _floor(scene.engine)
+    floor = _floor(scene.engine.session)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     y = scene.agent["agent"]["position"]["y"]
     beside = [

@@ -1,4 +1,4 @@
-"""What was touched falls, settles, rolls and stays in the room; all else stays where it is."""
+"""Touched objects fall, settle, roll and stay in the room; all others stay where they are."""
 
 from __future__ import annotations
 
@@ -233,7 +233,7 @@ def test_time_is_paid_for_in_ticks_whatever_the_slices() -> None:
 
 
 def fall(world: World, name: str, at: np.ndarray) -> list[bytes]:
-    """Every pose of a thing that is let fall, to the bit."""
+    """Every pose of a falling object, to the bit."""
     world.teleport(name, at, kinematic=False)
     poses = []
     for _ in range(12):
@@ -243,7 +243,7 @@ def fall(world: World, name: str, at: np.ndarray) -> list[bytes]:
 
 
 def test_a_kept_scene_moves_like_a_freshly_compiled_one(monkeypatch):
-    """Two things fall in turns, in worlds of one plan: what one does to its scene is none of the other's business."""
+    """Objects that fall in turns in two worlds of one plan do not influence each other."""
     plan = PLANS["FloorPlan201"]
     things = [o.object_id for o in plan.objects if o.record["pickupable"]][:2]
     at = {name: np.array(World(plan).box(name).centre) + [0.02, 0.4, 0.0] for name in things}

@@ -1,4 +1,4 @@
-"""Materials, colours and lights drawn anew: what changes, what must not, and how it is undone. Contract, section 4."""
+"""Random materials, colours and lights: what changes, what must not, and how it is restored. Contract, section 4."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def test_room_types(engine):
 
 
 def test_lighting_within_its_ranges(controller):
-    """Brighter and darker than the scene is, and of no other hue if there is no saturation to have one."""
+    """Lights are brighter and darker than the scene's own, and without saturation have the same hue."""
     plain = view(controller).frame.mean()
     assert view(controller, "RandomizeLighting", brightness=[1.6, 1.8], randomizeColor=False).frame.mean() > plain
     assert view(controller, "RandomizeLighting", brightness=[0.3, 0.2], synchronized=True, saturation=[0, 0]).frame.mean() < plain

@@ -1,4 +1,4 @@
-"""What rests, rests, until it is touched or struck, and again afterwards; nothing is ever lost. Physics itself: test_physics."""
+"""Objects at rest stay until they are touched or hit, and rest again afterwards; none is lost. Physics itself: test_physics."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ SAMPLE = [
 ]
 POSE_KEYS = ("position", "rotation", "axisAlignedBoundingBox", "objectOrientedBoundingBox")
 LOST_M = 0.75
-"""Farther than this outside the bounds of a scene, an object would be lost."""
+"""An object farther than this outside the bounds of a scene counts as lost."""
 
 
 def settle(world: World, seconds: float = 20.0) -> None:
@@ -160,7 +160,7 @@ def test_a_bystander_that_is_hit_moves_and_the_table_does_not(engine: Callable[.
 
 
 def test_bodies_let_loose_in_each_other_do_not_throw_each_other_about() -> None:
-    """Everything movable at its recorded place at once, overlaps and all; then all of it in one heap."""
+    """All movable objects at their recorded poses at once, overlaps included; then all in one heap."""
     for scene in SAMPLE[::3]:
         world = World(floorplan.load(scene))
         poses = [{"objectName": b.name, "position": b.pose.position, "rotation": b.pose.rotation} for b in movable(world)]
@@ -184,7 +184,7 @@ def test_energy_never_grows() -> None:
         world.teleport(body.object_id, at + body.pose.position - body.box.centre, force=True)
 
     def energy() -> float:
-        """That of spins is left out, so this is a lower bound of what there is."""
+        """A lower bound of the energy: rotation is left out."""
         return sum(b.obj.mass * (9.81 * b.box.centre[1] + 0.5 * float(b.velocity[:3] @ b.velocity[:3])) for b in heap)
 
     start = energy()
@@ -211,7 +211,7 @@ def test_the_load_of_what_is_disabled_falls_and_what_it_held_when_disabled_falls
     assert hidden.box.centre[1] < heights[hidden.name] - 0.1
 
 
-def test_an_object_that_comes_back_into_an_occupied_place_disturbs_nobody() -> None:
+def test_an_object_that_comes_back_into_an_occupied_place_disturbs_nothing() -> None:
     world = World(floorplan.load("FloorPlan203"))
     first, second = named(world, "Bowl"), named(world, "Vase")
     world.set_active(first.object_id, False)
@@ -236,7 +236,7 @@ def test_what_is_far_outside_stays_where_it_was_put() -> None:
 
 
 def test_what_cannot_be_woken_is_struck_in_vain() -> None:
-    """A sofa whose middle is outside of where things move, and a vase that slides against it."""
+    """A sofa with its centre outside the simulated bounds, and a vase that slides against it."""
     world = World(floorplan.load("FloorPlan203"))
     sofa, vase, (_, high) = named(world, "Sofa"), named(world, "Vase"), world.bounds()
     floor_y, reach = world.plan.floor_y, sofa.box.bounds()[1] - sofa.box.centre

@@ -1,4 +1,4 @@
-"""An engine that is treated badly: it answers in AI2-THOR's form or ends, and leaves nothing behind."""
+"""Abuse of the engine: it answers in AI2-THOR's form or ends, and leaves nothing behind."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Client:
             stderr=log,
             stdin=subprocess.DEVNULL,
             cwd=directory,
-            # Under nohup the tests, and with them the engine, would be deaf to it.
+            # under nohup, the tests and so the engine would ignore the signal
             preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
         )
         self.reader = open(environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0)  # noqa: SIM115
@@ -98,7 +98,7 @@ def connect(engine_environment):
     ids=["four gigabytes", "another protocol", "noise", "cut short"],
 )
 def test_garbage_on_the_pipe(connect, garbage):
-    """However it is cut, the engine ends at the end of the pipe at the latest."""
+    """Whatever the bytes, the engine ends at the end of the pipe at the latest."""
     client = connect()
     try:
         client.writer.write(garbage)
@@ -129,8 +129,9 @@ def test_client_that_dies_while_it_reads_an_image(connect):
     assert client.gone() == 0
 
 
-def test_pipes_that_somebody_else_holds_open(engine_environment, alive):
-    """The client is killed while the engine writes an image to it, a fork of it still has the pipes: no end of file comes."""
+def test_pipes_that_another_process_holds_open(engine_environment, alive):
+    """The client is killed while the engine writes an image, and a fork of the client keeps the pipes, so that no end of file
+    comes."""
     program = f"import subprocess, time; print(subprocess.Popen({shlex.split(executable())!r}).pid, flush=True); time.sleep(600)"
     starter = subprocess.Popen([sys.executable, "-c", program], env=engine_environment, stdout=subprocess.PIPE, text=True)
     pid = int(starter.stdout.readline())
@@ -166,7 +167,7 @@ def test_ends_when_it_is_told_to(connect, number):
     assert client.reader.read(1) == b""
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk to write to")
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_log_on_a_full_disk(connect):
     with open("/dev/full", "w") as full:
         client = connect(log=full)
@@ -177,7 +178,7 @@ def test_log_on_a_full_disk(connect):
         assert client.gone() == 0
 
 
-def test_log_that_nobody_reads(connect):
+def test_log_without_a_reader(connect):
     read, write = os.pipe()
     client = connect(log=write)
     os.close(write)
@@ -189,7 +190,7 @@ def test_log_that_nobody_reads(connect):
 
 
 def test_log_has_an_end(tmp_path, monkeypatch):
-    """However many actions throw."""
+    """The log is limited for any number of failing actions."""
     monkeypatch.setattr(log, "_left", log.LIMIT_BYTES)
     with (tmp_path / "log").open("w") as file:
         monkeypatch.setattr(sys, "stderr", file)
@@ -248,7 +249,7 @@ def test_resolution_that_is_refused_is_not_taken(controller):
 
 
 def test_events_of_many_large_pictures_are_refused(controller):
-    """Before they are drawn."""
+    """The action is refused before anything is drawn."""
     arguments = {"position": {"x": 0, "y": 1, "z": 0}, "rotation": {"x": 0, "y": 0, "z": 0}, "renderImage": False}
     assert controller.step("ChangeResolution", x=4096, y=2048, renderImage=False)
     added = [bool(controller.step("AddThirdPartyCamera", **arguments)) for _ in range(5)]
@@ -262,7 +263,7 @@ def test_objections():
 
 
 def test_memory_of_hostile_sessions_is_bounded(connect):
-    """Hundreds of scenes, objects that do not exist and images asked for: the engine's memory does not grow with them."""
+    """Memory does not grow with hundreds of scenes, unknown objects and images."""
     client = connect()
 
     def resident():

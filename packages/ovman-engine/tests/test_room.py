@@ -1,4 +1,4 @@
-"""Walls from the evidence of floor plans."""
+"""Walls inferred from floor plans."""
 
 from __future__ import annotations
 

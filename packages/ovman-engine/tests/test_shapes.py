@@ -1,4 +1,4 @@
-"""Forms: within their boxes and filling them, closed, reproducible, and fit to be collided with."""
+"""Shapes: within their boxes and filling them, closed, reproducible, and suitable for collisions."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ovman_engine.shapes.part import Part
 
 INSIDE_M = 1e-3
 ROUNDED_M = 2e-3
-"""A facetted ellipsoid is drawn inside the true one that is collided with."""
+"""A faceted ellipsoid is drawn inside the true one, which collides."""
 FOLIAGE_M = 0.02
 SOME_SCENES = (
     "FloorPlan3",
@@ -36,13 +36,13 @@ SOME_SCENES = (
 
 @pytest.fixture(scope="module")
 def forms() -> list[tuple[floorplan.FloorPlan, floorplan.SimObject, tuple[Part, ...]]]:
-    """Every object of every scene but the floors, with its compound."""
+    """Every object of every scene, without floors, and its compound."""
     plans = [floorplan.load(name) for name in floorplan.names()]
     return [(plan, o, shapes.compound(o, plan)) for plan in plans for o in plan.objects if o.type != "Floor"]
 
 
 def closed(faces: np.ndarray) -> bool:
-    """Whether every edge is run through once in each direction: closed, without seams, wound one way."""
+    """Whether every edge occurs once in each direction: the mesh is closed and wound one way."""
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]).astype(np.int64)
     forth = np.unique(edges[:, 0] << 32 | edges[:, 1])
     back = np.unique(edges[:, 1] << 32 | edges[:, 0])
@@ -186,7 +186,7 @@ def test_beds_have_their_heads_where_their_pillows_lie(forms):
 
 
 def test_what_lies_on_a_bed_lies_on_its_mattress(forms):
-    """The top of the mattress is where the lowest thing on it has its bottom, to 3 cm."""
+    """The top of the mattress is at the bottom of the lowest object on it, to 3 cm."""
     told = 0
     for plan, o, parts in forms:
         rest = [other.box.bounds()[0][1] for other in plan.objects if other.pickupable and o.object_id in other.parents]

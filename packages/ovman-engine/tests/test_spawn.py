@@ -1,5 +1,5 @@
-"""Room on receptacles and random arrangements: everything is put where its type belongs, stays, and overlaps nothing.
-Contract, section 4: GetSpawnCoordinatesAboveReceptacle, InitialRandomSpawn."""
+"""Free places and random arrangements: objects are put where their type belongs, stay there, and overlap nothing. Contract,
+section 4: GetSpawnCoordinatesAboveReceptacle, InitialRandomSpawn."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ def poses(metadata):
 
 
 def small(metadata):
-    """A thing that fits nearly everywhere."""
+    """A small object that fits nearly everywhere."""
     sizes = {o["objectId"]: max(o["axisAlignedBoundingBox"]["size"].values()) for o in metadata["objects"] if o["pickupable"]}
     fitting = [name for name, size in sizes.items() if 0.04 < size < 0.13]
     return min(fitting, key=lambda name: (sizes[name], name))
 
 
 def test_points_are_above_the_receptacle_and_usable(engine):
-    """Each of them: what PlaceObjectAtPoint puts there is on the receptacle then."""
+    """What PlaceObjectAtPoint puts at a point is then on the receptacle."""
     checked = 0
     for scene in SCENES:
         world = engine(scene)
@@ -51,7 +51,7 @@ def test_points_are_above_the_receptacle_and_usable(engine):
 
 
 def test_points_in_view(controller):
-    """Those in view are some of all; from the front of a table some are, with the back to it none is."""
+    """Visible points are a part of all points: some in front of a table, none behind the agent."""
     table = next(o for o in controller.last_event.metadata["objects"] if o["objectType"] == "DiningTable")["objectId"]
     everywhere = controller.step("GetSpawnCoordinatesAboveReceptacle", objectId=table).metadata["actionReturn"]
     pose = controller.step("GetInteractablePoses", objectId=table).metadata["actionReturn"][0]
@@ -82,7 +82,7 @@ def test_taken_places_are_no_points():
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_random_arrangement(engine, scene):
-    """Most things have new places, each on a receptacle for its type, and a hundred steps later they are still there."""
+    """Most objects get new places, each on a receptacle for its type, and are still there a hundred steps later."""
     world = engine(scene)
     before = poses(world.agent)
     answer = world.do("InitialRandomSpawn", randomSeed=5)
@@ -103,7 +103,7 @@ def test_random_arrangement(engine, scene):
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_nothing_overlaps(scene):
-    """Boxes of things put somewhere are apart from each other's; and physics finds no contact deeper than a millimetre."""
+    """Boxes of placed objects do not overlap, and physics finds no contact deeper than a millimetre."""
     world = World(floorplan.load(scene))
     spawn(world, SpawnOptions(seed=2, no_receptacles=frozenset(["Floor"])))
     moved = [b for b in world.bodies.values() if not b.untouched]
@@ -127,7 +127,7 @@ def test_seeds(engine):
 
 
 def test_arranged_again_from_any_arrangement(engine):
-    """A second call finds places for the same things, and none is lost."""
+    """A second call places the same objects, and none is lost."""
     world = engine("FloorPlan310")
     names = poses(world.agent).keys()
     for seed in range(4):
@@ -136,7 +136,7 @@ def test_arranged_again_from_any_arrangement(engine):
 
 
 def test_let_go(engine):
-    """Not stationary: what is put somewhere is left to physics, and stands all the same."""
+    """Objects that are not stationary are left to physics, and stand."""
     world = engine("FloorPlan203")
     world.do("InitialRandomSpawn", randomSeed=3, placeStationary=False)
     before = poses(world.agent)

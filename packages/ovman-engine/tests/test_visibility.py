@@ -1,4 +1,4 @@
-"""What an agent sees: what its picture shows, if it is near; not through anything, and through glass without reaching it."""
+"""Visibility: near objects in the image, not through others, and through glass without interaction."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ovman_engine.sight.visibility import directions
 SCENES = ("FloorPlan8", "FloorPlan206", "FloorPlan404")
 NEAR_M = 1.5
 LARGE_PX = 50
-"""So many pixels of 90,000 that no look should miss."""
+"""An object with this many pixels of 90,000 must not be missed."""
 
 
 def poses(scene, count, seed=0):
-    """Poses over the whole of a scene, each as arguments of TeleportFull."""
+    """Poses all over a scene, as arguments of TeleportFull."""
     rng = np.random.default_rng(seed)
     cells = scene.do("GetReachablePositions")["actionReturn"]
     for _ in range(count):
@@ -91,8 +91,8 @@ def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
                 assert ((np.array(record["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]] - here) @ ahead).max() > 0
 
 
-def test_where_nothing_is_near_enough_nobody_is_looked_for(engine, monkeypatch):
-    """And what is told of the objects is else the same: a client that reads masks saves the looks."""
+def test_no_rays_are_cast_where_nothing_is_near_enough(engine, monkeypatch):
+    """All other metadata are the same, so a client that reads masks saves the time of visibility."""
     near, none = engine("FloorPlan8"), engine("FloorPlan8", visibilityDistance=0.01)
     monkeypatch.setattr(none.engine.session.scene.sight, "look", lambda *_: pytest.fail("looked"))
     unseen, found = {"visible": False, "isInteractable": False}, 0
@@ -104,7 +104,7 @@ def test_where_nothing_is_near_enough_nobody_is_looked_for(engine, monkeypatch):
 
 
 def test_the_schemes_differ_in_what_is_near_alone(engine):
-    """From afar both see the same; near by, what the scheme "Distance" sees has a point that near, in plan."""
+    """From afar both schemes agree; near by, an object visible by "Distance" has a visible point that near, in plan."""
     collider, distance = (engine("FloorPlan315", visibilityDistance=50.0, visibilityScheme=s) for s in ("Collider", "Distance"))
     for pose in poses(collider, 4):
         assert seen(collider.do("TeleportFull", **pose)) == seen(distance.do("TeleportFull", **pose))
@@ -148,7 +148,7 @@ def test_hidden_by_what_stands_in_the_way_until_it_goes(engine):
 
 
 def test_what_was_taken_away_hides_nothing_though_others_are_where_they_were(engine):
-    """Furniture of the untouched scene is looked through once it is gone."""
+    """Removed furniture of the untouched scene does not block rays."""
     scene = engine("FloorPlan4", fastActionEmit=False)
     fridge = next(o for o in scene.agent["objects"] if o["objectType"] == "Fridge")["objectId"]
     inside = [o["objectId"] for o in scene.agent["objects"] if fridge in (o["parentReceptacles"] or ())]
@@ -181,7 +181,7 @@ def test_what_is_behind_glass_is_seen_but_cannot_be_reached(engine):
 
 
 def met(scene):
-    """What a look along the middle of the picture meets first, how far away, and what is behind it."""
+    """The first instance on the ray through the middle of the image, its distance, and what is behind it."""
     sight, view = scene.engine.session.sight, scene.engine.session.view()
     looks = sight.look(view.position, view.axes()[2:])
     first, behind = ("" if i < 0 else sight.lines.names[i] for i in (looks.first[0], looks.behind[0]))
@@ -199,7 +199,7 @@ def test_looks_go_all_around_evenly():
 
 @pytest.mark.parametrize("name", SCENES)
 def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
-    """Within 2 cm, for 99 of 100 pixels."""
+    """Distances agree to 2 cm for 99 of 100 pixels."""
     scene = engine(name, fastActionEmit=False)
     renderer = Renderer(scene.engine.session.world)
     inside = total = 0
@@ -218,7 +218,7 @@ def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
 
 
 def test_points_of_the_picture_are_told(engine):
-    """The object at a point of the picture, and where the look through it ends; nothing moves."""
+    """The object behind a point of the image, and where its ray ends; nothing moves."""
     scene = engine("FloorPlan8", fastActionEmit=False)
     renderer = Renderer(scene.engine.session.world)
     for pose in poses(scene, 3, seed=4):
@@ -249,7 +249,7 @@ def test_points_of_the_picture_are_told(engine):
 
 
 def test_a_filter_changes_nothing_that_is_told_of_what_it_leaves_in(engine):
-    """Looks are then taken only towards what is told of. Things stand anywhere, turned in any way, near and far."""
+    """With a filter, rays go only towards listed objects. Objects have any pose, near and far."""
     rng = np.random.default_rng(0)
     told = visible = 0
     for name, visibility_m, scheme in zip(SCENES, (1.0, 1.5, 3.0), ("Collider", "Distance", "Collider"), strict=True):

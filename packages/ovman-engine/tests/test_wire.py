@@ -1,4 +1,5 @@
-"""Protocol: frames as the unmodified client reads them, order of the handshake, and an engine that never outlives its client."""
+"""Protocol: frames as the unmodified client reads them, the order of the handshake, and an engine that never outlives its
+client."""
 
 from __future__ import annotations
 
@@ -194,7 +195,7 @@ bodies = st.lists(
 @settings(max_examples=25, derandomize=True, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(messages=st.lists(bodies, min_size=1, max_size=3), large=st.integers(0, 3_000_000))
 def test_every_message_arrives_whole(tmp_path_factory, messages, large):
-    """Also those that are longer than the pipe holds."""
+    """This holds for messages longer than the pipe's buffer."""
     directory = tmp_path_factory.mktemp("pipes")
     server, client = str(directory / "server"), str(directory / "client")
     os.mkfifo(server)

@@ -1,4 +1,4 @@
-"""Worlds: what is where, what stands in the agent's way, and what changes do. Physics itself: test_physics."""
+"""Worlds: poses, obstacles of the agent, and changes. Physics itself: test_physics."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import os
 import queue
 import sys
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
@@ -21,14 +21,12 @@ from pathlib import Path
 from typing import Any
 
 from ovman.models.episode import Episode
-from ovman.models.run import Terms
 from ovman.models.settings import Settings
 from ovman.sim.controller import launched
 from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims
-from ovman_released.cow_controller import EpisodeController
+from ovman_released.cow_controller import EpisodeController, Verdict
 from ovman_released.cow_episodes import exported, runner_name, vocabulary
-from ovman_released.cow_results import Verdict
 from ovman_released.settings import released_cow
 
 RUNNER, AGENT, LOCALIZATION = "robothor_challenge", "src.models.agent_fbe_owl", "src.models.localization.clip_owl"
@@ -89,14 +87,14 @@ def run(job: Job) -> None:
     job.results.mkdir(parents=True, exist_ok=True)
     with job.verdicts.open("w", encoding="utf-8") as verdicts:
 
-        def judged(name: str, stopped: bool, terms: Mapping[str, Any] | None) -> None:
-            absent = dict.fromkeys(Terms.model_fields)
-            verdicts.write(Verdict.from_json({"name": name, "stopped": stopped, **absent, **(terms or {})}).to_line())
+        def judged(verdict: Verdict) -> None:
+            verdicts.write(verdict.to_line())
             verdicts.flush()
 
         episodes = {runner_name(episode): episode for episode in job.episodes}
-        launch = partial(launched, original, constants.benchmark.backend)
-        cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, constants, judged))
+        (backend,) = {episode.backend for episode in job.episodes}
+        launch = partial(launched, original, backend)
+        cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, judged))
         _call(job, constants, factory, runner)
 
 

@@ -7,29 +7,18 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.models.episode import Episode
-from ovman.models.record import Record, RecordError, Text
-from ovman.models.run import InstanceTerms, Rollout, Terms
-from ovman_released.cow_controller import ARM, STOP
+from ovman.models.record import Record, RecordError
+from ovman.models.run import Rollout
+from ovman_released.cow_controller import ARM, STOP, Verdict
 from ovman_released.cow_episodes import runner_name
 
 SAME_M = 1e-3
 """Farthest distance between the runner's last pose and the place where the stop was measured, metres."""
-
-
-class Verdict(Terms):
-    """What the evaluator measured where the runner let go of an episode.
-
-    name: of the episode in the runner. instances: terms of every instance of the category, for CoW's own task.
-    """
-
-    name: Text
-    stopped: bool
-    instances: Mapping[str, InstanceTerms] | None = None
 
 
 class _Pose(Record):

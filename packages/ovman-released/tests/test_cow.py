@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import shutil
 import subprocess
 import sys
@@ -26,7 +25,7 @@ from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
-from ovman_released.cow_episodes import assignment, exported, runner_name, vocabulary
+from ovman_released.cow_episodes import exported, runner_name, vocabulary
 from ovman_released.cow_process import Job
 from ovman_released.interpreter import environment, linked
 
@@ -146,8 +145,7 @@ def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
 def test_the_runner_is_told_of_all_objects_of_the_changed_world():
     body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
     launch = partial(launched, Controller, "embedded")
-    given = constants(ROOT, "0" * 40, sys.executable)
-    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, given, lambda *_: None, **body)
+    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, lambda *_: None, **body)
     try:
         untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
         stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)
@@ -252,14 +250,6 @@ def test_a_call_survives_a_file(tmp_path):
 
 
 @pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
-def test_what_the_evaluator_keeps_is_the_episodes(episode):
-    kept = assignment(episode)
-    assert (kept.relation, kept.category, kept.target) == (episode.relation, episode.category, episode.target)
-    assert (kept.answer, kept.navigable) == (episode.answer, episode.nearest_navigable)
-    assert kept.second == episode.alterations("second") and (kept.mover is not None) == (episode is MOVING)
-
-
-@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
 def test_an_exported_episode_has_what_the_runner_asks_for(episode):
     given = exported(episode)
     assert given["id"].split("_")[3] == episode.category and "." not in given["id"] and "/" not in given["id"]
@@ -324,7 +314,7 @@ def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):
     assert not (tmp_path / "journal.jsonl").exists()
 
 
-def test_the_runners_process_ends_with_whoever_waits_for_it():
+def test_the_runners_process_ends_with_the_process_that_waits_for_it(tmp_path):
     program = (
         "import time; from ovman_released import cow_process; "
         "cow_process._end_with_parent(); print(1, flush=True); time.sleep(99)"
@@ -333,8 +323,7 @@ def test_the_runners_process_ends_with_whoever_waits_for_it():
         [sys.executable, "-c", program],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
-        cwd=ROOT,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        env=environment(linked(tmp_path / "packages", ovman, ovman_released)),
     )
     assert process.stdout.readline() == b"1\n" and process.poll() is None
     process.stdin.close()

@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boxes import Box, spin, view
+from episodes import released
 from settings_of import merged, tree
 
 from ovman.agents.dualmap.mapped import Sort, read, write
+from ovman.models.visit import Visit
 from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
 from ovman_released.dualmap import CODE, Maintained, Runs, identity
@@ -100,8 +102,8 @@ def test_an_empty_map_is_no_kept_run(tmp_path):
 
 def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
     class One:
-        candidate = "FloorPlan1/moved/0001"
-        recorded = type("Visit", (), {"record": {"scene": "FloorPlan1", "alterations": [], "mover": None, "views": []}})()
+        episode = released("FloorPlan429/removed/0000")
+        recorded = Visit(scene="FloorPlan1", visit="a", alterations=(), placed={}, present={}, mover=None, views=())
 
     def known(changes, code=("a",), nouns=("sofa",)):
         given = tree("dualmap")

@@ -7,17 +7,16 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pandas as pd
 import pytest
 import yaml
 from settings_of import PACKAGE, ROOT, settings_of, tree
 
 from ovman.analysis import metrics
 from ovman.models.note import Note
-from ovman.models.settings import Settings, arms_of
-from ovman.report import tables
-from ovman.report.latex import latex
-from ovman.report.markdown import markdown
-from ovman.report.table import Column, Row, Table
+from ovman.models.settings import Kind, Settings, arms_of
+from ovman.report.tables.stages import noted
+from ovman.report.tables.table import Column, Table, latex, markdown
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, stage_settings
 from ovman_released.notes import forget_failure
@@ -42,6 +41,10 @@ def test_an_overlay_brings_its_section_and_its_arms_and_no_others(system):
     new = [arm for arm in there.arms.values() if arm.name not in plain.arms]
     assert new and {arm.made_by for arm in new} == {name}
     assert list(there.arms)[: len(plain.arms)] == list(plain.arms)
+    names = {arm.name for arm in new}
+    compared = {pair for one in (there.comparisons.pairs, there.comparisons.pairings) for pair in one.values()}
+    assert {name for pair in compared for name in (pair.arm, pair.baseline)} >= names
+    assert names <= {*there.paper.static, *there.paper.embodied}
     both = settings_of("cow", "dualmap")
     assert released_cow(both).budget == 250 and released_dualmap(both).side_px == 600
 
@@ -142,15 +145,15 @@ def test_what_was_missing_is_older_than_whatever_it_was_made_of_and_what_ran_is_
 def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
     path = tmp_path / "released_cow.json"
     Note(system="CoW (released)", missing="there is no clone in 50 % of a_place; run: x").write(path)
-    arms = arms_of(settings_of("cow").arms)
-    made = {name: Table(name, "Caption.", (Column("a", "a"),), (Row({"a": "1"}),)) for name in ("embodied", "static", "scenes")}
-    after = {name: tables.noted(one, [path], arms) for name, one in made.items()}
-    assert after["static"] == made["static"] and after["scenes"] == made["scenes"]
-    for written in (markdown(after["embodied"]), latex(after["embodied"])):
+    settings = settings_of("cow")
+    made = Table("Caption.", (Column("a", "a"),), pd.DataFrame({"a": ["1"]}))
+    assert noted(made, Kind.STATIC, [path], settings).caption == noted(made, None, [path], settings).caption == "Caption."
+    after = noted(made, Kind.EMBODIED, [path], settings)
+    for written in (markdown(after), latex(after, "embodied")):
         assert "Caption. CoW (released) was not run" in " ".join(written.split())
         assert "a_place" not in written
     Note(system="CoW (released)").write(path)
-    assert tables.noted(made["embodied"], [path], arms) == made["embodied"]
+    assert noted(made, Kind.EMBODIED, [path], settings).caption == "Caption."
 
 
 def test_only_an_arm_of_a_plugin_may_be_without_records():

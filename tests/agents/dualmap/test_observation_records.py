@@ -86,7 +86,7 @@ def test_what_is_no_file_of_walks_is_refused_by_name(tmp_path):
 
 def test_what_lies_too_far_away_is_refused():
     far = FrameObject(0, np.ones(1, np.float32), 0.5, (np.array([[40.0, 0, 0]], np.float32),))
-    with pytest.raises(ValueError, match="no home"):
+    with pytest.raises(ValueError, match="no home is so large"):
         packed([Shot((far,), 2.0)])
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,9 +14,17 @@ import pytest
 from ovman.analysis import metrics
 from ovman.evaluation import predictions
 from ovman.language import noun
-from ovman.models.record import line
+from ovman.models.change import Change, MoverStart
+from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
+from ovman.models.geometry import Position, Spawn
+from ovman.models.record import line, lines
+from ovman.models.scene import Scene, SceneObject
 from ovman.models.settings import Kind, Need, Settings, of_kind
+from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.models.trial import ReachableBox
+from ovman.models.visit import Present, View, ViewPose, Visit
 from ovman.models.visit_files import seal
+from ovman.models.world_state import Instance, WorldState
 from ovman.perception import maps
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
@@ -37,36 +44,40 @@ ELSEWHERE = (3.5, 3.5)
 World = dict[str, tuple[float, float]]
 
 
-def _worlds(relation: Relation) -> tuple[World, World, str, str | None, list[dict[str, Any]]]:
+def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Change, ...]]:
     """Both worlds, target, distractor and the changes of the episode of a relation. Chair|a is what changes, but for STABLE."""
 
-    def point(at: tuple[float, float]) -> dict[str, float]:
-        return {"x": at[0], "y": 0.5, "z": at[1]}
+    def point(at: tuple[float, float]) -> Position:
+        return Position(x=at[0], y=0.5, z=at[1])
 
     here, target = dict(CHAIRS), "Chair|a"
-    change = {"instance": target, "kind": "displace", "before": point(here[target]), "after": point(ELSEWHERE), "path": None}
+    change = Change(
+        instance=target, kind="displace", before=point(here[target]), after=point(ELSEWHERE), path=None, placement=ELSEWHERE,
+        height_m=0.5, lane=None,
+    )  # fmt: skip
     match relation:
         case Relation.MOVED | Relation.FORMER:
-            return here, here | {target: ELSEWHERE}, target, None, [change]
+            return here, here | {target: ELSEWHERE}, target, None, (change,)
         case Relation.STABLE:
             two = {k: here[k] for k in ("Chair|a", "Chair|b")}
-            return two, two | {target: ELSEWHERE}, "Chair|b", target, [change]
+            return two, two | {target: ELSEWHERE}, "Chair|b", target, (change,)
         case Relation.APPEARED:
             without = {k: v for k, v in here.items() if k != target}
-            return without, here, target, None, [change | {"kind": "enable", "before": None, "after": point(here[target])}]
+            added = change.model_copy(update={"kind": "enable", "before": None, "after": point(here[target])})
+            return without, here, target, None, (added,)
         case Relation.REMOVED:
             without = {k: v for k, v in here.items() if k != target}
-            return here, without, target, None, [change | {"kind": "disable", "after": None}]
+            return here, without, target, None, (change.model_copy(update={"kind": "disable", "after": None}),)
         case Relation.MOVING:
-            path = [(0.5, 3.0), (1.2, 3.0), (1.9, 3.0), (2.6, 2.6)]
-            moving = {"kind": "motion", "after": point(path[-1]), "path": [{"x": x, "z": z} for x, z in path]}
-            return here, here | {target: path[-1]}, target, None, [change | moving]
+            path = ((0.5, 3.0), (1.2, 3.0), (1.9, 3.0), (2.6, 2.6))
+            moving = change.model_copy(update={"kind": "motion", "after": point(path[-1]), "path": path})
+            return here, here | {target: path[-1]}, target, None, (moving,)
 
 
-def _places(world: World, changes: Sequence[Mapping[str, Any]], view: int, second: bool) -> World:
+def _places(world: World, changes: Sequence[Change], view: int, second: bool) -> World:
     """Where everything is at a view: a mover is on its way during the second tour."""
-    moving = {c["instance"]: c["path"][view] for c in changes if c["path"] and second}
-    return {k: ((moving[k]["x"], moving[k]["z"]) if k in moving else at) for k, at in world.items()} | {LAMP: (4.5, 4.0)}
+    moving = {c.instance: c.path[view] for c in changes if c.path and second}
+    return {k: moving.get(k, at) for k, at in world.items()} | {LAMP: (4.5, 4.0)}
 
 
 def _mask(index: int) -> np.ndarray:
@@ -75,7 +86,7 @@ def _mask(index: int) -> np.ndarray:
     return mask
 
 
-def _record_visit(directory: Path, world: World, changes: Sequence[Mapping[str, Any]], second: bool, name: str) -> Detected:
+def _record_visit(directory: Path, world: World, changes: Sequence[Change], second: bool, name: str) -> Detected:
     """A recorded tour, whose views 0 and 2 show everything, and what a detector without faults makes of it."""
     directory.mkdir(parents=True)
     rng = np.random.default_rng(0)
@@ -90,28 +101,14 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Mapping[str, 
             rows.append((number, (places[instance][0], 0.5, places[instance][1]), feature / np.linalg.norm(feature), _mask(k)))
         cv2.imwrite(str(directory / f"{number:02d}_rgb.png"), rng.integers(0, 255, (HEIGHT, WIDTH, 3), np.uint8))
         cv2.imwrite(str(directory / f"{number:02d}_ids.png"), ids)
-        pose = {"x": x, "z": z, "yaw_deg": yaw, "horizon_deg": 0.0}
-        views.append(
-            {"pose": pose, "camera": {"x": x, "y": 1.6, "z": z}, "instances": seen, "seen": dict.fromkeys(seen, 900), "moved": {}}
-        )
+        pose, camera = ViewPose(x=x, z=z, yaw_deg=yaw, horizon_deg=0.0), Position(x=x, y=1.5, z=z)
+        views.append(View(pose=pose, camera=camera, instances=tuple(seen), seen=dict.fromkeys(seen, 900), moved={}))
     present = {
-        k: {"category": k.split("|")[0], "position": {"x": x, "y": 0.5, "z": z}}
+        k: Present(category=k.split("|")[0], position=Position(x=x, y=0.5, z=z))
         for k, (x, z) in _places(world, (), 0, False).items()
     }
-    (directory / "visit.json").write_text(
-        json.dumps(
-            {
-                "schema": "ovman-visit/1",
-                "scene": SCENE,
-                "visit": name,
-                "alterations": [],
-                "placed": {},
-                "present": present,
-                "mover": None,
-                "views": views,
-            }
-        )
-    )
+    visit = Visit(scene=SCENE, visit=name, alterations=(), placed={}, present=present, mover=None, views=tuple(views))
+    (directory / "visit.json").write_text(visit.to_line())
     seal(directory)
     return Detected(
         view=np.array([row[0] for row in rows]),
@@ -124,61 +121,79 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Mapping[str, 
     )
 
 
-def _episode(relation: Relation, visits: Mapping[str, str]) -> dict[str, Any]:
+def _episode(relation: Relation, visits: Mapping[str, str], settings: Settings) -> Episode:
     first, second, target, distractor, changes = _worlds(relation)
     at = (first if relation.past else second)[target]
-    return {
-        "schema": "ovman-episode/1",
-        "id": f"{SCENE}/{relation}/0000",
-        "scene": SCENE,
-        "relation": str(relation),
-        "category": CATEGORY,
-        "noun": noun(CATEGORY),
-        "sentence": f"go to the chair of {relation}",
-        "target": target,
-        "distractor": distractor,
-        "changes": changes,
-        "spawn": {"x": 1.0, "z": 1.0, "yaw_deg": 90.0},
-        "answer": {"x": at[0], "z": at[1]},
-        "nearest_navigable": {"x": round(at[0]), "z": round(at[1])},
-        "shortest_path_m": 2.5,
-        "instances_in_category": len(CHAIRS),
-        "world_1": [{"id": k, "category": CATEGORY, "x": x, "z": z} for k, (x, z) in first.items()],
-        "world_2": [{"id": k, "category": CATEGORY, "x": x, "z": z} for k, (x, z) in second.items()],
-        "visits": dict(visits),
-        "drift_m": {},
-        "certification": [],
-    }
+
+    def world(places: World) -> WorldState:
+        return WorldState(tuple(Instance(k, CATEGORY, x, z) for k, (x, z) in places.items()))
+
+    return Episode(
+        id=f"{SCENE}/{relation}/0000",
+        split="main",
+        backend="embedded",
+        scene=SCENE,
+        relation=relation,
+        category=CATEGORY,
+        noun=noun(CATEGORY),
+        sentence=f"go to the chair of {relation}",
+        target=target,
+        distractor=distractor,
+        changes=changes,
+        tour=EpisodeTour(waypoints=tuple(WAYPOINTS), headings=2),
+        visits=VisitPair[str](**visits),
+        mover=MoverStart(instance=target, along_m=0.0, direction=1) if relation is Relation.MOVING else None,
+        spawn=Spawn(x=1.0, z=1.0, yaw_deg=90.0),
+        answer=at,
+        nearest_navigable=(float(round(at[0])), float(round(at[1]))),
+        shortest_path_m=2.5,
+        reachable_box=ReachableBox(x=(0.0, 4.0), z=(0.0, 4.0)),
+        instances_in_category=len(CHAIRS),
+        world_1=world(first),
+        world_2=world(second),
+        drift_m={},
+        certification=(),
+        protocol=Protocol(camera=settings.camera, primitives=settings.primitives, mover=settings.mover, success=settings.success),
+        provenance=Provenance(seed=0, trial="0"),
+    )
 
 
-def _trial(episode: Mapping[str, Any]) -> dict[str, Any]:
-    worlds = _worlds(Relation(episode["relation"]))[:2]
-    sightings = {
-        which: [
-            {"view": view, "instance": k, "px": 900, "x": x, "z": z}
+def _sightings(episode: Episode) -> Sightings:
+    worlds = _worlds(episode.relation)[:2]
+    first, second = (
+        tuple(
+            Sighting(view=view, instance=k, px=900, x=x, z=z)
             for view in range(0, len(VIEWS), 2)
-            for k, (x, z) in _places(worlds[v], episode["changes"], view, v == 1).items()
+            for k, (x, z) in _places(worlds[v], episode.changes, view, v == 1).items()
             if k != LAMP
-        ]
-        for v, which in enumerate(("first", "second"))
-    }
-    measured = {"visits": episode["visits"], "sightings": sightings, "reachable_box": {"x": [0.0, 4.0], "z": [0.0, 4.0]}}
-    candidate = {"id": episode["id"], "category": CATEGORY, "relation": episode["relation"]}
-    return {"candidate": candidate, "measured": measured}
+        )
+        for v in (0, 1)
+    )
+    return Sightings(episode=episode.id, sightings=VisitPair[tuple[Sighting, ...]](first=first, second=second))
 
 
-def _run(arm: str, seed: int, episode: Mapping[str, Any]) -> dict[str, Any]:
+def _trial(episode: Episode) -> dict[str, Any]:
+    box = {"x": [0.0, 4.0], "z": [0.0, 4.0]}
+    found = _sightings(episode).to_json()
+    measured = {"visits": episode.visits.to_json(), "sightings": found["sightings"], "reachable_box": box}
+    return {"candidate": {"id": episode.id, "category": CATEGORY, "relation": str(episode.relation)}, "measured": measured}
+
+
+def _run(arm: str, seed: int, episode: Episode) -> dict[str, Any]:
     """Seed 0 finds the answer, seed 1 does not, and seed 2 abstains."""
     abstains = seed == 2
-    answer = episode["answer"]
+    x, z = episode.answer
     return {
         "schema": "ovman-run/1",
-        "episode": episode["id"],
+        "episode": episode.id,
         "arm": arm,
         "seed": seed,
         "outcome": "abstained" if abstains else "stopped",
-        "stop": None if abstains else {"x": answer["x"] + 2.0 * seed, "z": answer["z"], "yaw_deg": 30.0},
+        "stop": None if abstains else {"x": x + 2.0 * seed, "z": z, "yaw_deg": 30.0},
+        "box_distance_m": None if abstains else 2.0 * seed,
         "answer_distance_m": None if abstains else 2.0 * seed,
+        "navigable_distance_m": None if abstains else 2.0 * seed,
+        "visible_px": None,
         "path_length_m": 0.0 if abstains else 3.0,
         "actions": 0 if abstains else 17,
         "success": seed == 0,
@@ -204,15 +219,28 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
         visits = {"first": f"first-{relation}", "second": f"second-{relation}"}
         for world, (which, name) in zip((first, second), visits.items(), strict=True):
             found[name] = _record_visit(root / "visits" / SCENE / name, world, changes, which == "second", name)
-        episodes.append(_episode(relation, visits))
-    reachable = [[x / 2, z / 2] for x in range(9) for z in range(9)]
-    objects = [
-        {"id": k, "category": k.split("|")[0], "position": {"x": x, "y": 0.5, "z": z}, "size": {"x": 0.6, "y": 0.9, "z": 0.6}}
+        episodes.append(_episode(relation, visits, settings))
+    objects = tuple(
+        SceneObject(
+            id=k,
+            category=k.split("|")[0],
+            moveable=True,
+            pickupable=False,
+            receptacle=False,
+            parents=(),
+            position=Position(x=x, y=0.5, z=z),
+            size=Position(x=0.6, y=0.9, z=0.6),
+        )  # fmt: skip
         for k, (x, z) in (CHAIRS | {LAMP: (4.5, 4.0)}).items()
-    ]
-    scene = {"reachable": reachable, "waypoints": [{"x": x, "z": z} for x, z in WAYPOINTS], "objects": objects}
-    (root / "scenes" / f"{SCENE}.json").write_text(json.dumps(scene))
-    (root / "episodes" / "main.jsonl").write_text("".join(map(line, episodes)))
+    )
+    reachable = tuple((x / 2, z / 2) for x in range(9) for z in range(9))
+    scene = Scene(
+        scene=SCENE, start=(1.0, 1.0), floor_y=0.0, reachable=reachable, components=(81,), waypoints=tuple(WAYPOINTS),
+        objects=objects,
+    )  # fmt: skip
+    (root / "scenes" / f"{SCENE}.json").write_text(scene.to_line())
+    (root / "episodes" / "main.jsonl").write_text(lines(episodes))
+    (root / "episodes" / "sightings.jsonl").write_text(lines(map(_sightings, episodes)))
     trials = root / "trials" / f"{SCENE}.jsonl"
     trials.write_text("".join(line(_trial(episode)) for episode in episodes))
     write_detections(root / "detections" / f"{SCENE}.npz", found)

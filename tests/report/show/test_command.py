@@ -54,4 +54,4 @@ def test_a_missing_scene_is_named(made, tmp_path, capsys):
     (tmp_path / "episodes").mkdir()
     (tmp_path / "episodes" / "main.jsonl").write_text((made / "episodes" / "main.jsonl").read_text())
     assert cli.main(["show", f"{SCENE}/moved/0000", "--results", str(tmp_path), *CONFIG]) == 1
-    assert f"{SCENE}.json is not there; make it with `make tables`" in capsys.readouterr().err
+    assert f"{SCENE}.json is missing; make it with `make tables`" in capsys.readouterr().err

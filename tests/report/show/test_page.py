@@ -61,8 +61,8 @@ def test_a_page_has_the_sentence_the_answer_and_both_tours(made, pages, name):
     episode = Results(made, REFERENCE).episodes[name]
     read = Page(pages[name])
     words = read.all("body")[0].text
-    assert episode["sentence"] in words
-    assert f"The answer is ({episode['answer']['x']:.2f}, {episode['answer']['z']:.2f})" in words
+    assert episode.sentence in words
+    assert f"The answer is ({episode.answer[0]:.2f}, {episode.answer[1]:.2f})" in words
     assert len(read.all("image")) == 8
     assert not read.of_class("absent")
 
@@ -167,7 +167,7 @@ def test_everything_is_escaped(tmp_path, made, settings):
         ("predictions", "No evidence of any arm here"),
         ("metrics", "not judged yet"),
         ("runs", "no run here"),
-        ("trials", None),
+        ("episodes/sightings.jsonl", None),
     ],
 )
 def test_what_is_absent_is_named(tmp_path, made, settings, gone, words):

@@ -1,1 +1,1 @@
-"""What the measurements share."""
+"""Tools shared by the measurements."""

@@ -1,8 +1,8 @@
-"""The bare cast that frames are compared with: the primary rays of a view against one Embree scene of all that is drawn.
+"""The bare cast that frames are compared with: the primary rays of a view against one Embree scene of everything drawn.
 
-It is what anybody gets from the embreex package: its scene at the quality that it builds, its `run` over arrays of origins and
-directions, nearest hits returned, nothing shaded. The engine builds a tree of lower quality, in less time, and casts packets of
-sixteen rays; `packets` measures that cast alone, over the same tree as the engine's, for the share of shading to be seen.
+This is embreex as it comes: its scene at its default quality, its `run` on arrays of origins and directions, nearest hits, no
+shading. The engine builds a tree of lower quality, in less time, and casts packets of sixteen rays; `packets` measures that cast
+alone on the same tree, which shows the share of shading.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Figures against what they should be: the small table that every measurement ends with."""
+"""Figures and their bounds: the table at the end of every measurement."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Bar:
-    """A figure and its bar: at most `bar`, or at least where `at_least`. `value` is None where it could not be measured."""
+    """A figure and its bound: at most `bar`, or at least `bar` if `at_least`. `value` is None if it could not be measured."""
 
     name: str
     value: float | None

@@ -1,4 +1,4 @@
-"""Kinds of work that take turns, so that they share whatever else the machine does."""
+"""Measures several kinds of work in turns, so that the load of the machine affects all of them alike."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ def processor() -> str:
 
 
 def processor_s(pid: int | None) -> float:
-    """Seconds that this process and another one have had of the processor (Linux numbers the clocks of others like this)."""
+    """Processor seconds of this process and another one; Linux numbers the clocks of other processes like this."""
     return time.process_time() + (0.0 if pid is None else time.clock_gettime((~pid << 3) | 2))
 
 
 def taken(
     kinds: Mapping[str, Callable[[], object]], repeats: int, helpers: Mapping[str, int]
 ) -> tuple[dict[str, np.ndarray], dict[str, np.ndarray]]:
-    """Wall seconds (repeats,) of each kind, and the seconds of the processor that it took, after two calls that do not count.
+    """Wall and processor seconds (repeats,) of each kind, after two calls that do not count.
 
     `helpers`: kind -> process that works for it while this one waits. On a busy machine a long call is interrupted more often
-    than a short one; the processor's time tells what it takes when it is not.
+    than a short one; processor time is not affected.
     """
     wall: dict[str, list[float]] = {name: [] for name in kinds}
     processor: dict[str, list[float]] = {name: [] for name in kinds}

@@ -1,6 +1,6 @@
-"""MuJoCo's own renderer on the triangles of a floor plan: RGB, depth and segmentation of one view, as MuJoCo gives them.
+"""MuJoCo's renderer on the triangles of a floor plan: RGB, depth and segmentation of one view.
 
-It runs in a process of its own: MuJoCo chooses its library for drawing without a window when it is imported.
+It runs in its own process, because MuJoCo selects its rendering library when it is imported.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ TO_MUJOCO = np.array([[1.0, 0, 0], [0, 0, 1], [0, 1, 0]])
 
 
 class Unavailable(Exception):
-    """No library draws for MuJoCo on this machine; says which were tried and what they said."""
+    """No library renders for MuJoCo on this machine. The message lists their errors."""
 
 
 class Rival:
-    """A process that draws a floor plan's view from the start with MuJoCo, on this process's cores."""
+    """A process that draws a floor plan from its start with MuJoCo, on the cores of this process."""
 
     def __init__(self, scene: str, width: int, height: int, plain: bool) -> None:
-        """Unavailable if neither EGL nor OSMesa draws."""
+        """Raises Unavailable if neither EGL nor OSMesa works."""
         why = []
         for name in LIBRARIES:
-            # Mesa draws in the caller's thread: on one core others only wait for each other
+            # Mesa then draws in the caller's thread: on one core, others would only wait for each other
             environment = {**os.environ, "MUJOCO_GL": name, "LP_NUM_THREADS": "0"}
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "measure.rival", scene, str(width), str(height), "plain" * plain],
@@ -63,8 +63,8 @@ class Rival:
 
 
 def drawing(world: World, view: View, plain: bool = False) -> tuple[Callable[[], tuple[np.ndarray, ...]], int]:
-    """(draws RGB, depth and segmentation of the view, number of triangles). `plain`: no shadows and one sample a pixel, which
-    MuJoCo draws fastest; else as it comes."""
+    """A call that draws RGB, depth and segmentation of the view, and the number of triangles. `plain`: without shadows and
+    multisampling, MuJoCo's fastest; else with its defaults."""
     import mujoco
 
     from ovman_engine.picture import scene_mesh

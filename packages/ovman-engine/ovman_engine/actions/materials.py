@@ -133,9 +133,9 @@ def randomize_lighting(
         "brightness": Lighting.brightness if brightness is None else tuple(brightness),
     }
     if any(len(r) != 2 for r in ranges.values()):
-        given = ", ".join(f"{name}={list(r)}" for name, r in ranges.items())
+        shown = ", ".join(f"{name}={list(r)}" for name, r in ranges.items())
         raise Thrown(
-            "ArgumentException", f"Ranges for hue, saturation, and brightness must each have 2 values. You gave {given}."
+            "ArgumentException", f"Ranges for hue, saturation, and brightness must each have 2 values. You gave {shown}."
         )
     if min(ranges["brightness"]) < 0:
         raise out_of_range(f"Each brightness must be >= 0, not brightness={list(ranges['brightness'])}.")

@@ -52,7 +52,7 @@ def arranged(
 
 def _copied(whole: Sequence[Body], suffix: str) -> list[Body]:
     """Copies of a body and its parts, the body first."""
-    twins = []
+    twins: list[Body] = []
     for body in whole:
         twin = Body.of(body.obj)
         twin.name, twin.object_id = body.name + suffix, body.object_id + suffix

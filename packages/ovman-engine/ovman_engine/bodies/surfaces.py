@@ -136,7 +136,7 @@ class Pieces:
         turn, half = self.rotation[k], self.half[k]
         up = int(np.abs(turn[1]).argmax())
         if abs(turn[1, up]) <= UPRIGHT:
-            return ((points >= self.low[k, [0, 2]]) & (points <= self.high[k, [0, 2]])).all(axis=-1)
+            return np.asarray(((points >= self.low[k, [0, 2]]) & (points <= self.high[k, [0, 2]])).all(axis=-1))
         away = points - self.centre[k, [0, 2]]
         inside = np.ones(points.shape[:-1], dtype=bool)
         for axis in (a for a in range(3) if a != up):

@@ -73,17 +73,17 @@ def encoded(
 ) -> list[tuple[Field, memoryview]]:
     """The `wanted` images of `frame` in wire format. `names` are the instances that its ids number."""
     images: list[tuple[Field, np.ndarray]] = []
-    if wanted.colour:
+    if wanted.colour and frame.rgb is not None:
         images.append((fields.colour, frame.rgb))
-    if wanted.depth:
+    if wanted.depth and frame.depth is not None:
         images.append((fields.depth, frame.depth))
-    if wanted.normals:
+    if wanted.normals and frame.normals is not None:
         images.append((fields.normals, _normals(frame.normals, view)))
     if wanted.classes:
         images.append((fields.classes, _palette(tuple(names), True)[frame.ids]))
     if wanted.instances:
         images.append((fields.instances, _palette(tuple(names), False)[frame.ids]))
-    return [(field, memoryview(np.ascontiguousarray(image[::-1]))) for field, image in images]
+    return [(field, np.ascontiguousarray(image[::-1]).data) for field, image in images]
 
 
 def _normals(world: np.ndarray, view: View) -> np.ndarray:

@@ -25,6 +25,6 @@ def note(text: str) -> None:
         entry = entry[:half] + _ELLIPSIS + entry[-half:]
     _left -= len(entry)
     if _left <= 0:
-        entry += b"ovman-engine: the log of this process ends here, it is long enough\n"
+        entry += b"ovman-engine: the log of this process has reached its limit\n"
     with contextlib.suppress(OSError, ValueError, AttributeError):
         os.write(sys.stderr.fileno(), entry)

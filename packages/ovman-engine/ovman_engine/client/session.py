@@ -84,7 +84,8 @@ class Session:
     @property
     def sight(self) -> Sight:
         """What can be seen in the world as it is now. Raises Refused while no scene is loaded."""
-        _ = self.world
+        if self.scene is None:
+            raise Refused(f"No scene is loaded: {self._absence}")
         return self.scene.sight
 
     @property

@@ -82,7 +82,7 @@ class Wire:
                     raise
                 self._check_parent()
                 if time.monotonic() > end:
-                    raise ClientGone("nobody opened the server pipe") from None
+                    raise ClientGone("the client did not open the server pipe") from None
                 time.sleep(OPENING_S)
             else:
                 os.set_blocking(pipe, True)
@@ -108,8 +108,6 @@ class Wire:
 
     def receive(self) -> bytes:
         """Body of the next action. Frames of other types are skipped. Raises ClientGone at the end of the client pipe."""
-        if self._from_client is None:
-            self._from_client = self._open_client_pipe()
         action = b""
         while True:
             kind, length = HEADER.unpack(self._read(HEADER.size))
@@ -127,6 +125,12 @@ class Wire:
         if self._from_client is not None:
             os.close(self._from_client)
 
+    def _client_end(self) -> int:
+        """The client pipe, opened when it is first needed."""
+        if self._from_client is None:
+            self._from_client = self._open_client_pipe()
+        return self._from_client
+
     def _open_client_pipe(self) -> int:
         """Opens the client pipe without blocking, so that the death of a client that never writes is noticed."""
         try:
@@ -141,7 +145,7 @@ class Wire:
         parts = []
         while size:
             self._wait()
-            part = os.read(self._from_client, size)
+            part = os.read(self._client_end(), size)
             if not part:
                 raise ClientGone("the client closed the client pipe")
             parts.append(part)
@@ -151,11 +155,11 @@ class Wire:
     def _wait(self) -> None:
         """Waits for input. A parent that ended counts as a gone client, even if a process that it left behind holds the pipe."""
         poll = select.poll()
-        poll.register(self._from_client, select.POLLIN)
+        poll.register(self._client_end(), select.POLLIN)
         poll.register(self._to_client, select.POLLERR)
         while True:
             events = dict(poll.poll(PATIENCE_S * 1000))
-            if events.get(self._from_client):
+            if events.get(self._client_end()):
                 return
             if events.get(self._to_client):
                 raise ClientGone("the client closed the server pipe")

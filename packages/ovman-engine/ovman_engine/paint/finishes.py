@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def toned(
     scale: tuple[float, float] = (0.2, 0.2),
     gloss: tuple[float, float] = (0.05, 0.3),
     slack: float = 0.06,
-    **fields: object,
+    **fields: Any,
 ) -> Material:
     """A material of one of `tones`, with random deviations of hue, saturation and lightness (up to `slack`)."""
     hue, saturation, lightness = s.choice("tone", tones)
@@ -73,7 +74,7 @@ def toned(
     return Material(colour, texture, s.uniform("scale", *scale), gloss=s.uniform("gloss", *gloss), **fields)
 
 
-def of(*tones: Tone, **looks: object) -> Finish:
+def of(*tones: Tone, **looks: Any) -> Finish:
     """The finish with `tones`; other arguments as in `toned`."""
     return lambda s: toned(s, tones, **looks)
 

@@ -79,7 +79,8 @@ class _Slots(Mapping):
     """Materials by slot, made when they are first needed: few objects have parts of every slot."""
 
     def __init__(self, make: Callable[[str], Material]) -> None:
-        self._make, self._made = make, {}
+        self._make = make
+        self._made: dict[str, Material] = {}
 
     def __getitem__(self, slot: str) -> Material:
         if slot not in self._made:

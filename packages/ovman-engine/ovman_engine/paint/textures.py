@@ -27,8 +27,14 @@ KINDS = (
     "leaves",
     "pages",
     "cardboard",
+    "checker",
+    "stripes",
+    "screen",
+    "outdoors",
+    "text",
+    "label",
+    "speckle",
 )
-KINDS += ("checker", "stripes", "screen", "outdoors", "text", "label", "speckle")
 PLAIN, WOOD, FABRIC, WEAVE, TILES, MARBLE, METAL, PRINT, PICTURE, LEAVES, PAGES, CARDBOARD = range(12)
 CHECKER, STRIPES, SCREEN, OUTDOORS, TEXT, LABEL, SPECKLE = range(12, len(KINDS))
 TILE = 256

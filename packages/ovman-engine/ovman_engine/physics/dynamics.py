@@ -207,7 +207,7 @@ class Dynamics:
             body = self._bodies[name]
             lifted, strange = lift(model, name, body, self.awake)
             model.rouse(name)
-            self._strangers |= {tuple(sorted((name, other))) for other in strange}
+            self._strangers |= {(min(name, other), max(name, other)) for other in strange}
             if lifted is not body.pose:
                 self._woken[name] = (self._woken[name][0], lifted)
                 body.pose = self._written[name] = lifted
@@ -241,8 +241,8 @@ class Dynamics:
         from ovman_engine.physics.physics import Model
 
         embodiment = self._agent.embodiment
-        known = self._model is not None and self._embodiment == embodiment
-        if not known or set(self._model.free) != free or self._model.strangers != frozenset(strangers):
+        model = self._model if self._embodiment == embodiment else None
+        if model is None or set(model.free) != free or model.strangers != frozenset(strangers):
             solids = [
                 Solid(name, pieces, self._bodies[name].obj.mass, self._bodies[name].dynamic)
                 for name, pieces in self._pieces.items()
@@ -251,9 +251,8 @@ class Dynamics:
             walls = {w.name: w.box for w in self._static.room.solids}
             capsule = (embodiment.radius_m, embodiment.height_m)
             floor_y = self._static.plan.floor_y
-            self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
+            model = self._model = Model(Layout(solids, boxes, free, walls, floor_y, capsule, frozenset(strangers), self._bounds))
             self._written, self._embodiment = {}, embodiment
-        model = self._model
         for name in self._pieces:
             body = self._bodies[name]
             model.set_present(name, body.present)

@@ -88,9 +88,9 @@ class Model:
         """Oriented box of a free body with half extents `half`, and its velocity (6,)."""
         i = self._ids[name]
         q, v = self.model.jnt_qposadr[self.model.body_jntadr[i]], self.model.body_dofadr[i]
-        frame = np.empty(9)
-        mujoco.mju_quat2Mat(frame, self.data.qpos[q + 3 : q + 7])
-        frame = frame.reshape(3, 3)
+        entries = np.empty(9)
+        mujoco.mju_quat2Mat(entries, self.data.qpos[q + 3 : q + 7])
+        frame = entries.reshape(3, 3)
         linear, spin = self.data.qvel[v : v + 3], frame @ self.data.qvel[v + 3 : v + 6]
         # Unity is left-handed, so angular velocities change their sign.
         velocity = np.concatenate([linear[SWAP], -spin[SWAP]])

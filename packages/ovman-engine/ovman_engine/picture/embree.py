@@ -69,7 +69,7 @@ def _device() -> int:
 @cache
 def entry(name: str) -> int:
     """Address of one of Embree's functions ("rtcIntersect16"), for kernels."""
-    return ctypes.cast(getattr(_library(), name), ctypes.c_void_p).value
+    return ctypes.cast(getattr(_library(), name), ctypes.c_void_p).value or 0
 
 
 class Scene:

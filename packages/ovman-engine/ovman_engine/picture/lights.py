@@ -164,6 +164,7 @@ def rig(lights: tuple[Light, ...], low: np.ndarray, high: np.ndarray) -> Rig:
     samples = np.zeros((PHASES, 6), dtype=np.float32)
     row = 0
     for k, light in enumerate(shadowed):
+        assert light.spread is not None
         for i in range(share[k]):
             # the additive recurrence of the plastic number spreads any number of points evenly
             offset = ((0.5 + (i + 1) * np.array([0.8191725134, 0.6710436067, 0.5497004779])) % 1.0) * 2 - 1

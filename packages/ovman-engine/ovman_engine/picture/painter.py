@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -82,11 +83,12 @@ class Painter:
         self._flat = view.orthographic_size is not None
         self._tall = view.orthographic_size if self._flat else np.tan(np.radians(view.fov_deg) / 2)
 
-    def _camera(self) -> tuple[object, ...]:
+    def _camera(self) -> tuple[Any, Any, Any, Any, Any, Any, Any, Any]:
         """The view as arguments of `optics.primary` and `Caster.view`, without width and height."""
         view = self._view
+        right, up, forward = view.axes().astype(np.float32)
         return (
-            *view.axes().astype(np.float32), np.float32(self._tall * view.width / view.height), np.float32(self._tall),
+            right, up, forward, np.float32(self._tall * view.width / view.height), np.float32(self._tall),
             np.asarray(view.position, dtype=np.float32), np.float32(view.near_m), self._flat,
         )  # fmt: skip
 

@@ -90,7 +90,7 @@ def _is_back(centres: np.ndarray, normals: np.ndarray, room) -> np.ndarray:
         within = (centres[:, along] > block.low - BEYOND_M) & (centres[:, along] < block.high + BEYOND_M)
         away = block.outwards * normals[:, across] > 0.5
         back |= within & (((depth > BEYOND_M) & away) | (depth > THICKEST_M - BEYOND_M) & ~_on_end(centres, along, block))
-    return back
+    return np.asarray(back)
 
 
 def _on_end(centres: np.ndarray, along: int, block) -> np.ndarray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -147,7 +148,8 @@ def assembled(
         flat = np.zeros((0, 3), dtype=np.float32)
         empty = (flat, np.zeros((0, 3), np.int32), np.zeros((0, 3, 3), np.float32), none, none, none, none)
         return TriangleMesh(*empty, np.zeros((0, 3, 4), np.float32), flat, names, materials)
-    return TriangleMesh(*(np.concatenate(column) for column in zip(*columns, strict=True)), names, materials)
+    fields: list[Any] = [*(np.concatenate(column) for column in zip(*columns, strict=True)), names, materials]
+    return TriangleMesh(*fields)
 
 
 def without(mesh: TriangleMesh, instances: Iterable[int]) -> TriangleMesh:
@@ -178,7 +180,7 @@ def figure(parts: Sequence[shapes.Part], palette: Mapping[str, paint.Material], 
     """A mesh of `parts` in the frame of `box` without an instance (-1). It has the names of the mesh `beside` it. Its materials,
     one for each slot in the order of the parts, are numbered after those of that mesh."""
     local = instance_mesh(parts, palette)
-    return assembled([(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
+    return assembled([] if local is None else [(-1, local, box)], beside.names, beside.materials, {-1: len(beside.materials)})
 
 
 def joined(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:

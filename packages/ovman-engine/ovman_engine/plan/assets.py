@@ -41,7 +41,7 @@ class Asset:
 @cache
 def _database() -> Mapping[str, Mapping[str, Any]]:
     found = importlib.util.find_spec("procthor")
-    if found is None:
+    if found is None or not found.submodule_search_locations:
         raise FileNotFoundError("the pip package 'procthor' (asset database) is not installed: pip install procthor")
     path = Path(found.submodule_search_locations[0]) / "databases" / "asset-database.json"
     by_type = json.loads(path.read_text())

@@ -200,7 +200,7 @@ WINDOW = 1 << 20
 @cache
 def _database() -> mmap.mmap:
     found = importlib.util.find_spec("procthor")
-    if found is None:
+    if found is None or not found.submodule_search_locations:
         raise FileNotFoundError("the pip package 'procthor' (floor-plan metadata) is not installed: pip install procthor")
     path = Path(found.submodule_search_locations[0]) / "databases" / "ai2thor-object-metadata.json"
     with path.open("rb") as file:

@@ -63,9 +63,9 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
             for row in range(2):
                 high = (top - lying) / 2
                 x0 = -s.x + s.w * i / count
-                low = (x0 + 0.003, lying + row * high, -s.z + head - 0.02)
+                first = (x0 + 0.003, lying + row * high, -s.z + head - 0.02)
                 yield span(
-                    low,
+                    first,
                     (x0 + s.w / count - 0.003, lying + (row + 1) * high, -s.z + head + 0.03),
                     "cloth_second",
                     kind="cushion",
@@ -73,8 +73,8 @@ def _headboard(s: Subject, lying: float, top: float, head: float) -> Iterator[Pa
                     solid=False,
                 )
     elif form == "panel" and top - lying > 0.15:
-        low = (-s.x * 0.9, lying, -s.z + head - 0.01)
-        yield span(low, (s.x * 0.9, top - 0.06, -s.z + head + 0.008), "second", bevel=0.006, solid=False)
+        corner = (-s.x * 0.9, lying, -s.z + head - 0.01)
+        yield span(corner, (s.x * 0.9, top - 0.06, -s.z + head + 0.008), "second", bevel=0.006, solid=False)
 
 
 def _bedding(s: Subject, lying: float, frame: float, first: float, last: float) -> Iterator[Part]:

@@ -57,8 +57,8 @@ def _tub(s: Subject, taper: float, high: float, wall: float, slot: str) -> Itera
     for sign in (-1, 1):
         foot, head = (sign * (x - wall / 2), 0, 0), (sign * (x - wall / 2 + lean_x), high, 0)
         yield bar(foot, head, wall, 2 * s.z - lean_z, slot)
-        foot, head = (0, 0, sign * (z - wall / 2)), (0, high, sign * (z - wall / 2 + lean_z))
-        yield bar(foot, head, 2 * s.x - lean_x, wall, slot)
+        near, far = (0, 0, sign * (z - wall / 2)), (0, high, sign * (z - wall / 2 + lean_z))
+        yield bar(near, far, 2 * s.x - lean_x, wall, slot)
 
 
 def garbage_can(s: Subject) -> Iterator[Part]:

@@ -36,7 +36,7 @@ def _hollow(profile: np.ndarray) -> bool:
 
 def _shell(part: Part) -> list[Piece]:
     """Segments of the wall, and the bottom if the profile has one."""
-    profile = part.points
+    profile = part.outline
     scale = part.size / [2 * profile[:, 0].max(), 1.0, 2 * profile[:, 0].max()]
     scale[1] = 1.0
     ring = profile[:, 0].min() > _ROUND_M
@@ -87,12 +87,12 @@ def collision(part: Part) -> list[Piece]:
         ring = np.array([(half[0] - 2 * tube, -half[1]), (half[0], -half[1]), (half[0], half[1]), (half[0] - 2 * tube, half[1])])
         return _shell(part.but(kind="lathe", points=np.concatenate([ring, ring[:1]])))
     if part.kind == "tube":
-        ends = part.points @ part.rotation.T + part.centre
+        ends = part.outline @ part.rotation.T + part.centre
         return [
             ("hull", np.concatenate([_disc(a, b - a, part.ratio), _disc(b, b - a, part.ratio)]))
             for a, b in zip(ends[:-1], ends[1:], strict=True)
         ]
-    if part.kind == "lathe" and _hollow(part.points):
+    if part.kind == "lathe" and _hollow(part.outline):
         return _shell(part)
     coarse = part.but(segments=8) if part.kind in ("cylinder", "frustum", "cushion", "lathe", "capsule") else part
     return [("hull", mesh(coarse)[0])]

@@ -14,7 +14,6 @@ def _blade(s: Subject, tip_high: float, slot: str = "metal") -> Iterator[Part]:
     split = -s.z + 0.42 * s.d
     thick = 0.16 * s.w
     yield span((-s.x, 0.3 * s.h, -s.z), (s.x, 0.86 * s.h, split), "main", bevel=0.3 * s.w)
-    outline = [(-s.z, 0)]
     outline = [(split, 0.0), (s.z - 0.2 * s.d, 0.0), (s.z, tip_high * s.h), (s.z - 0.1 * s.d, s.h), (split, s.h)]
     turned_outline = [(-u, y) for u, y in reversed(outline)]
     blade = prism(turned_outline, -thick, thick, slot)

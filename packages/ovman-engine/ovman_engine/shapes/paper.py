@@ -24,9 +24,9 @@ def newspaper(s: Subject) -> Iterator[Part]:
     """Folded sheets, the fold along the longer side."""
     if s.elongation > 2.0 and min(s.w, s.d) < 2.2 * s.h + 0.03:
         along_x = s.along_x
-        ends = ((-s.x, s.h / 2, 0), (s.x, s.h / 2, 0)) if along_x else ((0, s.h / 2, -s.z), (0, s.h / 2, s.z))
+        start, end = ((-s.x, s.h / 2, 0), (s.x, s.h / 2, 0)) if along_x else ((0, s.h / 2, -s.z), (0, s.h / 2, s.z))
         across = s.d if along_x else s.w
-        roll = rod(*ends, s.h / 2, "pages")
+        roll = rod(start, end, s.h / 2, "pages")
         yield roll.but(size=(s.h, roll.size[1], across) if along_x else (across, roll.size[1], s.h))
         return
     layers = 4

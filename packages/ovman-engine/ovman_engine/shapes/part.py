@@ -24,9 +24,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 KINDS = ("box", "cylinder", "frustum", "ellipsoid", "cushion", "capsule", "torus", "prism", "lathe", "tube", "leaf")
 
@@ -67,8 +70,27 @@ class Part:
     segments: int = 0
     """Facets around the axis; 0 chooses them by size."""
 
+    if TYPE_CHECKING:  # arrays may be given as any sequence: __post_init__ converts them
+
+        def __init__(
+            self,
+            kind: str,
+            centre: ArrayLike,
+            size: ArrayLike,
+            rotation: ArrayLike = ...,
+            slot: str = ...,
+            solid: bool = ...,
+            drawn: bool = ...,
+            bevel: float = ...,
+            ratio: float = ...,
+            crown: float = ...,
+            points: ArrayLike | None = ...,
+            segments: int = ...,
+        ) -> None:
+            """The fields of the class."""
+
     def __post_init__(self) -> None:
-        """Checks kind and size."""
+        """Checks kind and size, and converts sequences to arrays."""
         if self.kind not in KINDS:
             raise ValueError(f"unknown kind of part {self.kind!r}; known: {', '.join(KINDS)}")
         for name in ("centre", "size", "rotation"):
@@ -78,6 +100,13 @@ class Part:
             object.__setattr__(self, "points", _vector(self.points))
         if not (self.size > 0).all():
             raise ValueError(f"a {self.kind} needs a positive size, not {self.size}")
+
+    @property
+    def outline(self) -> np.ndarray:
+        """`points` of a kind that has them. Raises ValueError for any other kind."""
+        if self.points is None:
+            raise ValueError(f"a {self.kind} has no points")
+        return self.points
 
     def but(self, **changes: Any) -> Part:
         """The same part with some fields replaced."""

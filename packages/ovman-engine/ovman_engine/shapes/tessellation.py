@@ -178,7 +178,7 @@ def _swept(path: np.ndarray, radius: np.ndarray, sides: int) -> Mesh:
     steps /= np.linalg.norm(steps, axis=1, keepdims=True)
     tangent = np.concatenate([steps[:1], steps[:-1] + steps[1:], steps[-1:]])
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    side = cross(tangent[0], [0.0, 0.0, 1.0] if abs(tangent[0, 2]) < 0.9 else [1.0, 0.0, 0.0])
+    side = cross(tangent[0], np.array([0.0, 0.0, 1.0] if abs(tangent[0, 2]) < 0.9 else [1.0, 0.0, 0.0]))
     angle = 2 * np.pi * np.arange(sides) / sides
     rings = []
     for point, along, r in zip(path, tangent, radius, strict=True):
@@ -214,15 +214,15 @@ def _unit_leaf(sections: int) -> Mesh:
     vertices = np.array([p for triple in zip(left, right, ridge, strict=True) for p in triple] + [(0, 0, 0), (0, 1, 1)])
     vertices[:, 0] /= np.abs(vertices[:, 0]).max() * 2
     base, tip = len(vertices) - 2, len(vertices) - 1
-    faces = []
+    corners = []
     for i in range(sections - 1):
         a, b = 3 * i, 3 * (i + 1)
         for p, q in ((0, 1), (1, 2), (2, 0)):
-            faces += [(a + p, a + q, b + q), (a + p, b + q, b + p)]
+            corners += [(a + p, a + q, b + q), (a + p, b + q, b + p)]
     last = 3 * (sections - 1)
     for p, q in ((0, 1), (1, 2), (2, 0)):
-        faces += [(base, q, p), (tip, last + p, last + q)]
-    faces = np.array(faces, dtype=np.int32)
+        corners += [(base, q, p), (tip, last + p, last + q)]
+    faces = np.array(corners, dtype=np.int32)
     if _volume(vertices, faces) < 0:
         faces = faces[:, ::-1]
     return vertices, faces
@@ -253,15 +253,15 @@ def _made_of(part: Part) -> Mesh:
     if part.kind == "box":
         return _box(part.size, part.bevel)
     if part.kind == "prism":
-        return _prism(part.points, float(part.size[2]))
+        return _prism(part.outline, float(part.size[2]))
     if part.kind == "tube":
-        return _swept(part.points, np.full(len(part.points), part.ratio), part.segments or 8)
+        return _swept(part.outline, np.full(len(part.outline), part.ratio), part.segments or 8)
     if part.kind == "leaf":
         vertices, faces = _unit_leaf(part.segments or 4)
         return vertices * part.size, faces
     if part.kind == "lathe":
-        vertices, faces = revolved(part.points, _facets(part))
-        extent = 2 * part.points[:, 0].max()
+        vertices, faces = revolved(part.outline, _facets(part))
+        extent = 2 * part.outline[:, 0].max()
         return vertices * [part.size[0] / extent, 1.0, part.size[2] / extent], faces
     if part.kind == "capsule":
         radius = min(float(part.size[0]), float(part.size[2]), float(part.size[1])) / 2

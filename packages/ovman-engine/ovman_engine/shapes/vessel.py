@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ovman_engine.shapes.part import Part, lathe
 from ovman_engine.shapes.subject import Subject
 
@@ -20,6 +22,6 @@ def scaled(profile: Profile, radius: float, height: float) -> Profile:
     return [(r * radius, y * height) for r, y in profile]
 
 
-def turned(s: Subject, profile: Profile, slot: str = "main", **fields: object) -> Part:
+def turned(s: Subject, profile: Profile, slot: str = "main", **fields: Any) -> Part:
     """A profile in unit radius and height, revolved to fill the whole of `s`."""
     return lathe(scaled(profile, s.x, s.h), slot=slot, stretch=(1.0, s.z / s.x), **fields)

@@ -39,7 +39,7 @@ class Floor:
         inside = ((points >= self.low - ROUNDING_M) & (points <= self.high + ROUNDING_M)).all(axis=1)
         reach = self.obstacles.reach
         clear = self.obstacles.distances(points, float(reach.max(initial=0.0)) + ROUNDING_M) >= reach - ROUNDING_M
-        return inside & clear.all(axis=1)
+        return np.asarray(inside & clear.all(axis=1))
 
     def joined(self, starts: np.ndarray, ends: np.ndarray) -> np.ndarray:
         """(M,) bool: between which of the points (M, 2) and (M, 2), all on the floor, the straight way is free."""

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ovman_engine.bodies.body import Agent, Body
 from ovman_engine.bodies.embodiment import Embodiment
@@ -21,9 +22,7 @@ class Locomotion:
         self._static, self._bodies, self._agent = static, bodies, agent
         self._known: tuple[int, float, Embodiment, Obstacles, list[str]] | None = None
 
-    def blocker(
-        self, version: int, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()
-    ) -> str | None:
+    def blocker(self, version: int, start_xz: ArrayLike, end_xz: ArrayLike, ignore: Collection[str] = ()) -> str | None:
         """Name of the obstacle on the straight way from `start_xz` to `end_xz` (metres), None if it is free.
 
         A body that the agent overlaps already blocks only ways that lead deeper into it. If both points are equal, the result is

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ovman_engine.bodies.arrangement import arranged, named
 from ovman_engine.bodies.body import Agent, Body, Pose
@@ -73,7 +74,7 @@ class World:
 
     # The agent
 
-    def blocker(self, start_xz: Sequence[float], end_xz: Sequence[float], ignore: Collection[str] = ()) -> str | None:
+    def blocker(self, start_xz: ArrayLike, end_xz: ArrayLike, ignore: Collection[str] = ()) -> str | None:
         """Name of the obstacle on the agent's straight way between two points (2,); see `Locomotion.blocker`."""
         return self._locomotion.blocker(self.version, start_xz, end_xz, ignore)
 
@@ -90,7 +91,7 @@ class World:
     def place(
         self,
         object_id: str,
-        position: Sequence[float],
+        position: ArrayLike,
         rotation: np.ndarray | None = None,
         kinematic: bool = False,
         settle: bool = True,
@@ -126,7 +127,7 @@ class World:
     def teleport(
         self,
         object_id: str,
-        position: Sequence[float],
+        position: ArrayLike,
         rotation: np.ndarray | None = None,
         force: bool = False,
         kinematic: bool = False,

@@ -1,7 +1,7 @@
-"""Conformance to AI2-THOR 5.0.0, driven through the unmodified Controller.
+"""Conformance to AI2-THOR 5.0.0, tested through the unmodified Controller.
 
-A test names the lines of the contract that it stands for with `@pytest.mark.contract("4 MoveAhead")`: section, then item or
-action; lines.py has them all. CONFORMANCE_SEED draws other scenes, poses and objects, CONFORMANCE_SCENES more scenes a test.
+A test names its lines of the contract with `@pytest.mark.contract("4 MoveAhead")`: section, then item or action; lines.py lists
+them. CONFORMANCE_SEED draws other scenes, poses and objects; CONFORMANCE_SCENES draws more scenes for each test.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ SCENES = (
     "FloorPlan403",
     "FloorPlan418",
 )
-"""Drawn from: all four kinds of room, none of the scenes that the benchmark is made of."""
+"""Scenes that tests draw from: all four kinds of room, none of the benchmark's scenes."""
 WIDTH, HEIGHT = 200, 150
 BASE = {
     "gridSize": 0.25,
@@ -40,7 +40,7 @@ BASE = {
 }
 SEED = int(os.environ.get("CONFORMANCE_SEED", "0"))
 USUAL_SCENES = int(os.environ.get("CONFORMANCE_SCENES", "1"))
-"""Scenes that a test runs on if it does not say."""
+"""Default number of scenes of a test."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -56,7 +56,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 
 class Thor:
-    """A Controller on one scene, and what tests ask of its last event."""
+    """A Controller on one scene, with queries on its last event."""
 
     def __init__(self, controller: Any, scene: str, seed: str) -> None:
         self.controller = controller
@@ -64,7 +64,7 @@ class Thor:
         self.random = random.Random(seed)
 
     def reset(self, scene: str | None = None, **initialize: Any) -> Any:
-        """The untouched scene, initialised with what the tests share and with `initialize`."""
+        """The untouched scene, initialised with `BASE` and `initialize`."""
         self.controller.initialization_parameters = {**BASE, "renderImage": False, **initialize}
         return self.controller.reset(scene or self.scene, width=WIDTH, height=HEIGHT)
 
@@ -80,7 +80,7 @@ class Thor:
         return event
 
     def refused(self, action: str, message: str = "", **arguments: Any) -> Any:
-        """The event of an action that must fail with a message that holds `message`, and change nobody's pose."""
+        """The event of an action that must fail with a message that contains `message`, and leave the agent's pose as it is."""
         before = self.pose
         event = self.step(action, **arguments)
         assert not event
@@ -135,7 +135,7 @@ class Thor:
         return self.ok("GetReachablePositions", **arguments).metadata["actionReturn"]
 
     def pickupable(self, number: int = 1) -> list[Mapping[str, Any]]:
-        """Objects that can be picked up, drawn at random; they lie in nothing that can be closed."""
+        """Random objects that can be picked up and are in no receptacle that can be closed."""
         closed = {o["objectId"] for o in self.metadata["objects"] if o["openable"]}
         free = [o for o in self.metadata["objects"] if o["pickupable"] and not closed & set(o["parentReceptacles"] or [])]
         return self.random.sample(free, number)
@@ -144,11 +144,11 @@ class Thor:
         return [o for o in self.metadata["objects"] if o["pickupable"] or o["moveable"]]
 
     def poses(self) -> list[dict[str, Any]]:
-        """Every movable object where it is, as SetObjectPoses takes it."""
+        """The pose of every movable object, as SetObjectPoses takes it."""
         return [{"objectName": o["name"], "position": o["position"], "rotation": o["rotation"]} for o in self.movables()]
 
     def free_cell(self) -> dict[str, float]:
-        """A reachable position, drawn at random."""
+        """A random reachable position."""
         return self.random.choice(self.reachable())
 
     def go(self, cell: Mapping[str, float], yaw: float = 0.0, horizon: float = 0.0, standing: bool = True) -> Any:
@@ -160,7 +160,7 @@ def xyz(point: Mapping[str, float]) -> np.ndarray:
 
 
 def heading(yaw_deg: float) -> np.ndarray:
-    """Unit vector that the contract gives for a yaw."""
+    """The contract's unit vector of a yaw."""
     return np.array([math.sin(math.radians(yaw_deg)), 0.0, math.cos(math.radians(yaw_deg))])
 
 

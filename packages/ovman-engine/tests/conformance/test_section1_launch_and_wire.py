@@ -1,4 +1,4 @@
-"""Contract, section 1: how the engine is started, what it says on the pipes, and what the client's event is made of."""
+"""Contract, section 1: how the engine is started, what it writes to the pipes, and what the client's event contains."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ INSTANCE, CLASSES, NORMALS = "renderInstanceSegmentation", "renderSemanticSegmen
 
 
 class Raw:
-    """A client of a few lines, to see the frames themselves."""
+    """A minimal client that shows the frames themselves."""
 
     def __init__(self, environment, *options):
         self.paths = environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"]
@@ -82,8 +82,8 @@ def raw(engine_environment):
 
 @pytest.mark.contract("1.1", "1.4", "1.5", "1.6", "1.10", "1.14")
 def test_frames(raw):
-    """Size from the command line; first message unprompted and of metadata alone; metadata first and once; bodies of the right
-    length; alpha 255; the sequence number echoed; end at the end of the pipe."""
+    """The size comes from the command line; the first message is unprompted and has metadata only; metadata come first and once;
+    bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe."""
     ((kind, body),) = raw.first
     first = msgpack.unpackb(body)
     assert kind == 1 and first["sequenceId"] == 0 and first["activeAgentId"] == 0 and len(first["agents"]) == 1
@@ -110,7 +110,7 @@ def test_frames(raw):
 
 @pytest.mark.contract("1.3")
 def test_first_message_waits_for_no_world(raw):
-    """The client opens the server pipe without a time limit: nothing that takes long is loaded before."""
+    """The client opens the server pipe without a time limit, so nothing slow is imported before."""
     loaded = Path(f"/proc/{raw.process.pid}/maps").read_text()
     assert "numpy" not in loaded and "mujoco" not in loaded and "embree" not in loaded
     raw.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
@@ -119,7 +119,7 @@ def test_first_message_waits_for_no_world(raw):
 
 @pytest.mark.contract("1.1", "1.2", "1.7", "4 ChangeResolution", "4 GetScenesInBuild")
 def test_launch_through_the_client(start):
-    """Frame size of the command line, the log in its place, planes taken over, the first iTHOR scene if none is named."""
+    """Frame size from the command line, the log in its place, clipping planes as set, the first iTHOR scene by default."""
     with start(width=320, height=310, cameraFarPlane=30.0) as controller:
         assert controller.last_event.frame.shape == (310, 320, 3)
         assert controller.scene == "FloorPlan10_physics" == controller.last_event.metadata["sceneName"]
@@ -138,7 +138,7 @@ def test_headless_sends_no_images(start):
 
 @pytest.mark.contract("1.7")
 def test_command_with_arguments_and_blanks(tmp_path):
-    """The path is split as a shell would; a wrapper that execs the engine is as good as the engine."""
+    """The command is split as by a shell; a wrapper that execs the engine works as well."""
     script = tmp_path / "an engine.sh"
     script.write_text(f'#!/bin/sh\nexec {executable()} "$@"\n')
     script.chmod(0o755)
@@ -161,7 +161,8 @@ def test_sequence_number_given_by_the_caller(thor):
 
 @pytest.mark.contract("1.6")
 def test_fast_emit(thor):
-    """Nothing changed: the objects may be those of the event before, the outcome is the new one. Turned off, all is sent anew."""
+    """If nothing changed, objects may be those of the event before, and the outcome is new. Without fastActionEmit, all is sent
+    again."""
     before = thor.ok("RotateRight").metadata
     patched = thor.ok("GetReachablePositions").metadata
     assert patched["lastAction"] == "GetReachablePositions" and patched["actionReturn"]
@@ -201,7 +202,7 @@ def test_parameters_of_a_reset_are_kept_for_the_next(thor):
 
 @pytest.mark.contract("1.8")
 def test_images_on_demand(thor):
-    """Deprecated names too; the client copies them."""
+    """The client also copies deprecated names."""
     thor.reset(renderDepthImage=False, renderInstanceSegmentation=False)
     event = thor.controller.step("Pass")
     assert event.frame is not None and event.depth_frame is None and event.instance_segmentation_frame is None
@@ -239,8 +240,8 @@ def test_metadata_keys(thor):
 
 @pytest.mark.contract("1.10", "2 camera")
 def test_images_are_the_right_way_up_and_round(thor):
-    """Depth of a mask carried back into the room by the contract's camera lies in the object's box: rows, columns, signs and
-    scale."""
+    """The depth of a mask, projected back by the contract's camera, lies in the object's box: rows, columns, signs and scale are
+    right."""
     thor.reset(snapToGrid=False)
     checked = 0
     for _ in range(6):
@@ -362,7 +363,7 @@ def test_stop_leaves_no_process(start, alive):
 
 @pytest.mark.contract("1.14")
 def test_two_engines_at_once(start):
-    """Neither knows of the other."""
+    """The engines are independent."""
     with start(scene="FloorPlan403", renderImage=False) as one, start(scene="FloorPlan302", renderImage=False) as two:
         assert one.unity_pid != two.unity_pid
         before = two.last_event.metadata["agent"]

@@ -1,4 +1,4 @@
-"""Contract, section 2: the frame of the world, the agent's body and camera, the grid, and what counts as visible."""
+"""Contract, section 2: world frame, the agent's body and camera, the grid, and visibility."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def test_turns_are_clockwise_and_reported_from_0_to_360(thor):
 @pytest.mark.contract("2 default agent")
 @pytest.mark.scenes(5)
 def test_height_of_agent_and_camera(thor):
-    """Standing 0.675 above the agent, crouching at it; the agent about 0.9 above the floor."""
+    """The camera is 0.675 m above the agent when standing and at it when crouching; the agent is about 0.9 m above the floor."""
     assert 0.85 <= thor.position[1] <= 1.15
     eye = xyz(thor.metadata["cameraPosition"])
     assert np.allclose(eye - thor.position, [0, 0.675, 0], atol=2e-3)
@@ -92,7 +92,7 @@ def test_near_and_far_planes(thor):
 
 @pytest.mark.contract("2 locobot")
 def test_locobot(thor):
-    """Low camera, narrow view, no standing, no strafing."""
+    """The locobot has a low camera and a narrow view; it neither crouches nor strafes."""
     thor.reset(agentMode="locobot", fieldOfView=None, applyActionNoise=False)
     assert thor.metadata["fov"] == pytest.approx(60)
     assert thor.agent["isStanding"] is None
@@ -128,7 +128,8 @@ def test_start_is_on_the_grid_and_fits_the_distances(thor):
 @pytest.mark.contract("2 reachable", "4 GetReachablePositions")
 @pytest.mark.scenes(5)
 def test_reachable_positions(thor):
-    """One connected piece of the lattice around the agent, at its height, its own cell included; nobody has moved."""
+    """The reachable positions are one connected piece of the lattice around the agent, at its height, with its own cell. The
+    agent does not move."""
     before = thor.pose
     positions = thor.reachable()
     assert thor.pose == before
@@ -151,7 +152,7 @@ def test_reachable_positions(thor):
 
 @pytest.mark.contract("2 reachable", "2 move test")
 def test_reachable_positions_can_be_stood_on_and_walked(thor):
-    """TeleportFull to any of them works; a step to a neighbour that is one of them does, too."""
+    """TeleportFull to each position works, and so does a step to a neighbouring position."""
     positions = thor.reachable()
     known = {(round(p["x"], 2), round(p["z"], 2)) for p in positions}
     walked = 0
@@ -188,12 +189,12 @@ def test_grid_along_the_agents_axes(thor):
 
 @pytest.mark.contract("2 reachable")
 def test_grid_follows_the_world(thor):
-    """What stands in the way of a cell takes it out of the grid, and gives it back when it goes."""
+    """An obstacle removes a cell from the grid; without the obstacle the cell is back."""
     before = {(round(p["x"], 2), round(p["z"], 2)) for p in thor.reachable()}
     far = [c for c in before if np.hypot(c[0] - thor.position[0], c[1] - thor.position[2]) > 0.8]
     cell = thor.random.choice(far)
     sizes = {o["objectId"]: np.array(list(o["axisAlignedBoundingBox"]["size"].values())) for o in thor.movables()}
-    # What overlapped the agent would not count.
+    # An obstacle that overlaps the agent would not count.
     small = [o for o in thor.movables() if np.hypot(*sizes[o["objectId"]][[0, 2]]) < 1.0]
     record = max(small, key=lambda o: np.prod(sizes[o["objectId"]]))
     target = {"x": cell[0], "y": thor.position[1], "z": cell[1]}

@@ -1,4 +1,4 @@
-"""Contract, section 3: actions are found by name, arguments by theirs; codes and messages."""
+"""Contract, section 3: actions and arguments are matched by name, with AI2-THOR's codes and messages."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_exception_in_an_action(thor):
 @pytest.mark.contract("3 extra keys")
 @pytest.mark.parametrize("action", ["MoveAhead", "Pass", "Teleport", "GetReachablePositions"])
 def test_keys_that_every_action_accepts(thor, action):
-    """The renderer's flags and the client's own keys are nobody's superfluous arguments."""
+    """The renderer's flags and the client's own keys are never superfluous arguments."""
     for key in ("renderObjectImage", "renderClassImage", "renderNormalsImage", "renderInstanceSegmentation"):
         thor.step(action, **{key: False})
     thor.step(action, agentId=0)

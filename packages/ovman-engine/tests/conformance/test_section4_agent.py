@@ -1,4 +1,4 @@
-"""Contract, section 4: setting up, moving, turning, looking and getting about."""
+"""Contract, section 4: initialisation, moves, turns, looks and paths of the agent."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_initialize_sets_the_limits_of_looking(thor):
 @pytest.mark.contract("4 MoveAhead", "4 MoveBack", "4 MoveLeft", "4 MoveRight")
 @pytest.mark.parametrize(("action", "turn"), [("MoveAhead", 0), ("MoveRight", 90), ("MoveBack", 180), ("MoveLeft", 270)])
 def test_move(thor, action, turn):
-    """By the grid size, or by what is asked for; back again the other way."""
+    """A move has the grid's spacing or the requested length; the reverse move leads back."""
     thor.reset(snapToGrid=False)
     opposite = {"MoveAhead": "MoveBack", "MoveBack": "MoveAhead", "MoveLeft": "MoveRight", "MoveRight": "MoveLeft"}[action]
     done = 0
@@ -119,7 +119,7 @@ def test_move(thor, action, turn):
 @pytest.mark.contract("4 MoveAhead")
 @pytest.mark.scenes(4)
 def test_blocked_move(thor):
-    """Walking on ends at something that is named, or at the end of the scene; the pose stays and the next turn works."""
+    """A walk ends at a named obstacle or at the end of the scene; the pose stays, and the next turn works."""
     for yaw in (0, 90, 180, 270):
         thor.ok("Teleport", rotation=yaw)
         for _ in range(60):
@@ -222,7 +222,7 @@ def test_look_by_degrees(thor):
 
 @pytest.mark.contract("4 RotateLook")
 def test_rotate_look(thor):
-    """Sets both without a question, even beyond the limits of LookUp and LookDown."""
+    """RotateLook sets both angles without a check, even beyond the limits of LookUp and LookDown."""
     position = thor.position
     for yaw, horizon in ((0, 0), (123, 17), (270, -40), (10, 75)):
         thor.ok("RotateLook", rotation=yaw, horizon=horizon)
@@ -291,7 +291,7 @@ def test_teleport_refuses_another_height(thor):
 @pytest.mark.contract("4 Teleport", "4 TeleportFull")
 @pytest.mark.scenes(4)
 def test_teleport_refuses_places_that_are_taken(thor):
-    """The object is named; with forceAction the agent stands there."""
+    """The message names the object; with forceAction the agent is put there."""
     big = sorted(
         (
             o
@@ -343,14 +343,14 @@ def test_teleport_refuses_horizons(thor, horizon):
 
 @pytest.mark.contract("4 GetReachablePositions")
 def test_reachable_positions_from_elsewhere_are_the_same(thor):
-    """The grid belongs to the place, not to where in it the agent stands."""
+    """The grid is that of the scene, not of the agent's place in it."""
     one = {(round(p["x"], 2), round(p["z"], 2)) for p in thor.reachable()}
     thor.go(thor.free_cell())
     other = {(round(p["x"], 2), round(p["z"], 2)) for p in thor.reachable()}
     assert len(one & other) / len(one | other) > 0.95
 
 
-# Poses to see an object from
+# Interactable poses
 
 
 def _targets(thor, count):
@@ -360,7 +360,7 @@ def _targets(thor, count):
 
 @pytest.mark.contract("4 GetInteractablePoses")
 def test_interactable_poses(thor):
-    """Each is a TeleportFull that works and shows the object; the agent is where it was."""
+    """TeleportFull to each pose works and shows the object; the search leaves the agent where it was."""
     before, found = thor.pose, 0
     for record in _targets(thor, 8):
         event = thor.ok("GetInteractablePoses", objectId=record["objectId"])
@@ -420,7 +420,8 @@ def _length(corners):
 @pytest.mark.contract("4 GetShortestPath")
 @pytest.mark.scenes(3)
 def test_shortest_path(thor):
-    """Corners from the agent to a place that sees the object; never shorter than the straight line; nobody moves."""
+    """Corners lead from the agent to a position from which the object is visible, never shorter than the straight line; nothing
+    moves."""
     before, found = thor.pose, 0
     for record in _targets(thor, 8):
         event = thor.step("GetShortestPath", objectId=record["objectId"])
@@ -462,7 +463,7 @@ def test_shortest_path_to_nothing(thor):
 
 @pytest.mark.contract("4 GetShortestPath")
 def test_shortest_path_ignores_movables(thor):
-    """The mesh was made without them: a thing in the way leaves the path as it is."""
+    """The mesh ignores movable objects: one in the way does not change the path."""
     record = next(
         o
         for o in _targets(thor, 20)

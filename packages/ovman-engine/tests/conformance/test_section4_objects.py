@@ -1,4 +1,4 @@
-"""Contract, section 4: putting objects in places, taking them away, and time."""
+"""Contract, section 4: placing and removing objects, and time."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def settled(thor, limit=100):
 @pytest.mark.contract("4 SetObjectPoses")
 @pytest.mark.scenes(4)
 def test_set_object_poses_as_they_are(thor):
-    """The poses of the metadata are the poses."""
+    """Poses of the metadata are accepted as they are."""
     before = by_name(thor)
     thor.ok("SetObjectPoses", objectPoses=thor.poses())
     after = by_name(thor)
@@ -64,7 +64,7 @@ def test_set_object_poses_as_they_are(thor):
 
 @pytest.mark.contract("4 SetObjectPoses")
 def test_set_object_poses_takes_away_what_is_not_listed(thor):
-    """Pickupable and moveable objects that are not named drop out of the metadata; the rest of the scene stays."""
+    """Movable objects that are not listed leave the metadata; the rest of the scene stays."""
     movables, fixed = [o["name"] for o in thor.movables()], {o["name"] for o in thor.metadata["objects"]}
     fixed -= set(movables)
     poses = thor.poses()
@@ -120,7 +120,7 @@ def test_set_object_poses_twice_makes_a_copy(thor):
 
 @pytest.mark.contract("4 SetObjectPoses")
 def test_set_object_poses_with_an_unknown_name(thor):
-    """It fails, and still places the others."""
+    """The action fails, and still places the others."""
     (record,) = thor.pickupable()
     (cell,) = open_floor(thor)
     target = {"x": cell["x"], "y": 1.3, "z": cell["z"]}
@@ -134,7 +134,7 @@ def test_set_object_poses_with_an_unknown_name(thor):
 
 
 def _place(thor, points, objects=10):
-    """First success of placing some object at one of the points."""
+    """The first success of placing an object at one of the points."""
     for record in thor.random.sample(thor.movables(), min(objects, len(thor.movables()))):
         for point in points:
             before = record
@@ -147,7 +147,7 @@ def _place(thor, points, objects=10):
 @pytest.mark.contract("4 PlaceObjectAtPoint")
 @pytest.mark.scenes(4)
 def test_place_object_on_the_floor(thor):
-    """It comes to lie on what is below the point, keeps its id, and the return value is where it is."""
+    """The object comes to rest below the point and keeps its id; the return value is its position."""
     cells = open_floor(thor, count=2)
     floor = thor.position[1] - 0.9
     before, point, event = _place(thor, [{**c, "y": floor + 0.4} for c in cells])
@@ -180,7 +180,7 @@ def test_place_object_in_the_first_place_that_is_free(thor):
 @pytest.mark.contract("4 PlaceObjectAtPoint")
 @pytest.mark.scenes(4)
 def test_place_object_where_there_is_no_room(thor):
-    """The obstacle is named and the object stays where it was."""
+    """The message names the obstacle, and the object stays where it was."""
     first, second = thor.pickupable(2)
     (cell,) = open_floor(thor)
     spot = {"x": cell["x"], "y": thor.position[1] - 0.9 + 0.4, "z": cell["z"]}
@@ -226,7 +226,7 @@ def test_place_object_refusals(thor):
 @pytest.mark.contract("4 TeleportObject")
 @pytest.mark.scenes(3)
 def test_teleport_object(thor):
-    """Exactly there, with its id; with forceKinematic it stays in the air."""
+    """The object is exactly there, with its id; with forceKinematic it stays in the air."""
     (record,) = thor.pickupable()
     (cell,) = open_floor(thor)
     target, rotation = {"x": cell["x"], "y": 1.5, "z": cell["z"]}, {"x": 0.0, "y": 45.0, "z": 0.0}
@@ -252,7 +252,7 @@ def test_teleported_object_falls(thor):
 @pytest.mark.contract("4 TeleportObject")
 @pytest.mark.scenes(3)
 def test_teleport_object_into_another(thor):
-    """Refused by name and undone, unless it is forced."""
+    """The action is refused with the obstacle's name and undone, unless it is forced."""
     record = thor.pickupable()[0]
     big = max(
         (o for o in thor.metadata["objects"] if o["objectType"] not in ("Floor", "Window", "Wall") and not o["pickupable"]),
@@ -279,7 +279,8 @@ def test_teleport_object_refusals(thor):
 @pytest.mark.contract("4 DisableObject", "4 EnableObject")
 @pytest.mark.scenes(4)
 def test_disable_and_enable(thor):
-    """No image, no collision, still in the metadata and not visible; twice is as good as once; back at the same pose."""
+    """A disabled object has no pixels and no collisions, and is listed as not visible; a second call changes nothing;
+    EnableObject restores its pose."""
     record = max(thor.movables(), key=lambda o: np.prod(list(o["axisAlignedBoundingBox"]["size"].values())))
     for _ in range(2):
         thor.ok("DisableObject", objectId=record["objectId"])
@@ -359,7 +360,8 @@ def test_ids_of_another_scene_are_unknown(thor):
 @pytest.mark.contract("4 PausePhysicsAutoSim", "4 UnpausePhysicsAutoSim", "4 AdvancePhysicsStep")
 @pytest.mark.scenes(3)
 def test_physics_by_hand(thor):
-    """Paused, a thing in the air stays there however many actions pass; steps move it; unpaused, it falls by itself."""
+    """While physics is paused, an object stays in the air through any number of actions; steps move it; after unpausing, it
+    falls."""
     (record,) = thor.pickupable()
     (cell,) = open_floor(thor)
     target = {"x": cell["x"], "y": 1.6, "z": cell["z"]}

@@ -1,4 +1,4 @@
-"""Contract, section 4: further cameras, the map, spawning, paint, filters, and what concerns the whole scene."""
+"""Contract, section 4: third-party cameras, map view, spawning, materials, filters, and actions on the whole scene."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def image(thor, **arguments):
 
 @pytest.mark.contract("4 AddThirdPartyCamera", "1.9")
 def test_add_third_party_camera(thor):
-    """Its pose in the metadata, one more image of each enabled kind, none left after a reset."""
+    """The camera's pose is in the metadata; each event has one more image of each enabled kind; a reset removes the camera."""
     position, rotation = {**thor.agent["position"], "y": 1.6}, {"x": 20.0, "y": 40.0, "z": 0.0}
     event = thor.controller.step("AddThirdPartyCamera", position=position, rotation=rotation, fieldOfView=60)
     assert event
@@ -123,7 +123,7 @@ def test_update_third_party_camera_refusals(thor):
 @pytest.mark.contract("4 ToggleMapView")
 @pytest.mark.scenes(3)
 def test_map_view(thor):
-    """From above, with all of the room in it; off again, all is as before."""
+    """The map view shows the whole room from above; a second call restores the agent's view."""
     before = thor.look()
     eye = dict(before.metadata["cameraPosition"])
     thor.ok("ToggleMapView")
@@ -142,7 +142,7 @@ def test_map_view(thor):
 @pytest.mark.contract("4 GetMapViewCameraProperties")
 @pytest.mark.scenes(3)
 def test_map_view_properties(thor):
-    """Over the centre of the scene, looking down, half the larger extent; nothing is toggled."""
+    """The camera is over the centre of the scene and looks down on half its larger extent; nothing is toggled."""
     value = thor.ok("GetMapViewCameraProperties").metadata["actionReturn"]
     assert {"position", "rotation", "orthographicSize", "orthographic"} <= set(value)
     bounds = thor.metadata["sceneBounds"]
@@ -163,7 +163,7 @@ def test_map_view_properties(thor):
 @pytest.mark.contract("4 GetSpawnCoordinatesAboveReceptacle")
 @pytest.mark.scenes(4)
 def test_spawn_coordinates(thor):
-    """Points over the receptacle, above its lower edge; in view there are no more of them than anywhere."""
+    """Points are over the receptacle, above its lower edge; the visible ones are among them."""
     found = 0
     for record in thor.metadata["objects"]:
         if not record["receptacle"] or record["objectType"] in ("Floor",) or record["openable"]:
@@ -191,7 +191,8 @@ def test_spawn_coordinates_of_nothing(thor):
 @pytest.mark.contract("4 InitialRandomSpawn")
 @pytest.mark.scenes(3)
 def test_initial_random_spawn(thor):
-    """The same seed gives the same scene, another seed another; only pickupables move; nothing is lost; a reset undoes it."""
+    """The same seed gives the same scene, another seed another one; only pickupable objects move; none is lost; a reset restores
+    the scene."""
     before = {o["name"]: o for o in thor.metadata["objects"]}
 
     def spawned(seed):
@@ -219,7 +220,7 @@ def test_initial_random_spawn_leaves_out_what_it_is_told_to(thor):
 
 @pytest.mark.contract("4 InitialRandomSpawn")
 def test_initial_random_spawn_makes_duplicates(thor):
-    """Of types that have a place to go; ids stay unique."""
+    """Duplicates are made of types with a receptacle; ids stay unique."""
     kinds = {o["objectType"] for o in thor.pickupable(6)}
 
     def counts():
@@ -233,13 +234,13 @@ def test_initial_random_spawn_makes_duplicates(thor):
     assert len({o["objectId"] for o in thor.metadata["objects"]}) == len(thor.metadata["objects"])
 
 
-# Paint
+# Materials
 
 
 @pytest.mark.contract("4 RandomizeMaterials", "4 ResetMaterials")
 @pytest.mark.scenes(3)
 def test_randomize_materials(thor):
-    """Another look of the same world: colours change, depth and ids do not. ResetMaterials and Reset undo it."""
+    """Colours change, depth and ids do not. ResetMaterials and Reset restore them."""
     thor.go(thor.free_cell(), 90, 30)
     before = thor.look()
     value = thor.ok("RandomizeMaterials").metadata["actionReturn"]
@@ -326,7 +327,7 @@ def test_quality_and_seed(thor):
 @pytest.mark.contract("1.7", "4 CreateHouse")
 @pytest.mark.scenes(1)
 def test_house_as_a_scene(thor):
-    """Reset, Initialize and CreateHouse, which the client sends for a scene that is a dict; then back to a scene by name."""
+    """The client sends Reset, Initialize and CreateHouse for a scene that is a dict; afterwards a scene by name works."""
     plan = house()
     thor.controller.initialization_parameters = {**BASE, "snapToGrid": False, "renderImage": False}
     event = thor.controller.reset(plan)
@@ -353,7 +354,7 @@ def test_create_house_refuses_what_is_no_house(thor):
 @pytest.mark.contract("1.7", "4 Reset")
 @pytest.mark.scenes(4)
 def test_reset_brings_the_same_world_back(thor):
-    """Whatever was done to it, and whatever scenes came in between."""
+    """The restored world does not depend on earlier actions and scenes."""
     before = thor.pose, {k: (v["position"], v["rotation"]) for k, v in thor.objects.items()}
     picture = image(thor).frame
     for record in thor.pickupable(2):

@@ -1,0 +1,118 @@
+"""Rows of metrics, frozen dataclasses, as typed data frames and as csv files; a column a field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import fields
+from pathlib import Path
+from types import UnionType
+from typing import Any, TypeVar, get_args, get_type_hints
+
+import numpy as np
+import pandas as pd
+
+P_VALUES = ("p", "p_holm")
+"""Columns that are written with six significant digits, as six decimals would round small values to 0."""
+
+RowType = TypeVar("RowType")
+
+
+def frame_of(kind: type[RowType], rows: Iterable[RowType]) -> pd.DataFrame:
+    """A data frame with a typed column for each field of the dataclass `kind`. None is NaN, or NA in a column of counts."""
+    every = list(rows)
+    return pd.DataFrame(
+        {name: pd.Series([_plain(getattr(row, name)) for row in every], dtype=dtype) for name, dtype in dtypes(kind).items()}
+    )
+
+
+def csv_text(kind: type[RowType], rows: Iterable[RowType]) -> str:
+    """RFC 4180 with a line feed at each end of line: six decimals for floats, 1 and 0 for truth values, nothing for None."""
+    frame = frame_of(kind, rows)
+    for name in frame.columns.intersection(list(P_VALUES)):
+        frame[name] = frame[name].map("{:.6g}".format, na_action="ignore").astype(str).where(frame[name].notna(), "")
+    return frame.to_csv(index=False, lineterminator="\n", float_format=_decimals)
+
+
+def write(path: Path, kind: type[RowType], rows: Iterable[RowType]) -> None:
+    """Write `csv_text` of the rows to `path`."""
+    path.write_text(csv_text(kind, rows), encoding="utf-8", newline="\n")
+
+
+def read(path: Path, kind: type[RowType]) -> pd.DataFrame:
+    """The rows of a file of metrics as `frame_of` types them; empty text is "" in a column of words and NaN or NA in others.
+
+    Raises ValueError in one line that names the file, for a column that is missing and for a value of another type.
+    """
+    try:
+        return typed(pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8"), kind)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from None
+
+
+def typed(text: pd.DataFrame, kind: type[RowType]) -> pd.DataFrame:
+    """The rows of a frame whose cells are all text. Raises ValueError as `read`."""
+    wanted = dtypes(kind)
+    if absent := [name for name in wanted if name not in text.columns]:
+        raise ValueError(f"no column {absent[0]}, there are {', '.join(text.columns)}; make the metrics again")
+    columns = {}
+    for name, dtype in wanted.items():
+        column = text[name]
+        if dtype != "str":
+            numbers = pd.to_numeric(column.where(column != "", None), errors="coerce").astype("float64")
+            if (wrong := column[(column != "") & ~np.isfinite(numbers)]).size:
+                raise ValueError(f"{name} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
+            if dtype == "int64" and numbers.isna().any():
+                raise ValueError(f"{name} is empty in a row; make the metrics again")
+            column = pd.Series(numbers, dtype=dtype)
+        columns[name] = column
+    return pd.DataFrame(columns)
+
+
+def rows_of(kind: type[RowType], frame: pd.DataFrame) -> list[RowType]:
+    """The rows of a frame as `kind`, the inverse of `frame_of`."""
+    hints, dtype_of = get_type_hints(kind), dtypes(kind)
+
+    def value(name: str, cell: Any) -> Any:
+        members = _members(hints[name])
+        if pd.isna(cell) or (cell == "" and type(None) in members):
+            return None
+        return members[0](cell) if dtype_of[name] != "str" or members[0] is not str else str(cell)
+
+    names = list(dtype_of)
+    return [kind(**{name: value(name, cell) for name, cell in zip(names, row, strict=True)}) for row in _tuples(frame[names])]
+
+
+def read_rows(path: Path, kind: type[RowType]) -> list[RowType]:
+    """The rows of a file of metrics. Raises as `read` does."""
+    return rows_of(kind, read(path, kind))
+
+
+def dtypes(kind: type) -> dict[str, str]:
+    """The type of a column for each field of a dataclass: float64; int64, or Int64 where None is possible; else str."""
+    hints = get_type_hints(kind)
+    return {field.name: _dtype(_members(hints[field.name])) for field in fields(kind)}
+
+
+def _dtype(members: Sequence[Any]) -> str:
+    if float in members:
+        return "float64"
+    if set(members) <= {int, bool, type(None)}:
+        return "Int64" if {bool, type(None)} & set(members) else "int64"
+    return "str"
+
+
+def _members(hint: Any) -> tuple[Any, ...]:
+    return get_args(hint) if isinstance(hint, UnionType) else (hint,)
+
+
+def _plain(value: Any) -> Any:
+    return value if value is None or isinstance(value, int | float) else str(value)
+
+
+def _tuples(frame: pd.DataFrame) -> Iterable[tuple[Any, ...]]:
+    return frame.itertuples(index=False, name=None)
+
+
+def _decimals(value: object) -> str:
+    # Python rounds exactly, NumPy does not. Adding zero drops the sign that rounding may leave on a zero.
+    return f"{round(float(str(value)), 6) + 0.0:.6f}"

@@ -1,0 +1,86 @@
+"""Which arms are set beside which: sections `comparisons` and `paper` of config.yaml."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, Field
+
+from ovman.models.settings.arms import Arm, Kind
+from ovman.models.settings.values import Section
+
+
+class Pair(Section):
+    """Two arms over the same episodes. A win is an episode on which `arm` succeeds and `baseline` does not."""
+
+    name: str = Field(description="the key of its entry: the title of the comparison in the tables")
+    arm: str = Field(description="the arm that is tested")
+    baseline: str = Field(description="the arm that it is tested against")
+
+
+def _without_nulls(value: Any) -> Any:
+    return {key: entry for key, entry in value.items() if entry is not None} if isinstance(value, dict) else value
+
+
+def _named(value: Any) -> Any:
+    entries = _without_nulls(value)
+    if not isinstance(entries, dict):
+        return entries
+    return {name: {**entry, "name": name} if isinstance(entry, dict) else entry for name, entry in entries.items()}
+
+
+Pairs = Annotated[dict[str, Pair], BeforeValidator(_named)]
+"""By title, in the order of the tables; an entry that is null is left out."""
+ByArm = Annotated[dict[str, str], BeforeValidator(_without_nulls)]
+"""By the name of an arm, in the order of the tables; an entry that is null is left out."""
+
+
+class Comparisons(Section):
+    """Which arms are tested against each other, and which ones single tables are about.
+
+    Arms that are named here need not be there: what needs them is left out.
+    """
+
+    agent: str = Field(description="static arm whose failures are told apart, and that held-out sentences are put to")
+    rungs: ByArm = Field(description="rungs of the error budget from the lowest: static arms, each with its title")
+    pairs: Pairs = Field(description="pairs of arms with one answer an episode and seed, by title")
+    pairings: Pairs = Field(description="pairs of static arms of which at least one has several runs, by title")
+    difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
+
+
+class PaperRows(Section):
+    """Which arm stands beside which row of the paper's tables. Several arms may stand beside one row, the first for it."""
+
+    static: ByArm = Field(description='row of the paper\'s table "static" by static arm')
+    embodied: ByArm = Field(description='row of the paper\'s table "embodied" by embodied arm')
+
+
+def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What in section `comparisons` does not fit the arms: its place, and what is to be said of it."""
+    of_kind = {kind: [name for name, arm in arms.items() if arm.kind is kind] for kind in Kind}
+    if comparisons.agent not in of_kind[Kind.STATIC]:
+        yield (
+            ("comparisons", "agent"),
+            f"is {comparisons.agent}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
+        )
+    for section in ("rungs", "difficulty"):
+        for name in getattr(comparisons, section):
+            if name in of_kind[Kind.EMBODIED]:
+                yield ("comparisons", section, name), "is an embodied arm; name a static one"
+    tested = {(pair.arm, pair.baseline) for pair in comparisons.pairs.values()}
+    for lower, upper in pairwise(comparisons.rungs):
+        if (upper, lower) not in tested:
+            says = f"follows {lower}, but no entry of comparisons.pairs tests {upper} against {lower}; add it"
+            yield ("comparisons", "rungs", upper), says
+    for section, pairs in (("pairs", comparisons.pairs), ("pairings", comparisons.pairings)):
+        for title, pair in pairs.items():
+            place = ("comparisons", section, title)
+            here = [arms[name] for name in (pair.arm, pair.baseline) if name in arms]
+            if len({arm.kind for arm in here}) > 1:
+                yield place, f"compares {pair.arm} with {pair.baseline}, of which one is static and one embodied"
+            if section == "pairings" and any(arm.kind is Kind.EMBODIED for arm in here):
+                yield place, "has an embodied arm; pairings are of static arms, write it under comparisons.pairs"
+            if pair.arm in arms and arms[pair.arm].expected:
+                yield place, f"tests {pair.arm}, a stochastic pick; no exact test does, name it as the baseline"

@@ -1,0 +1,35 @@
+"""The table of the error budget."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from ovman.models.settings import Settings
+from ovman.report.tables.columns import ALL, numbers, p_values, percent, range_column, signed, span, three, words
+from ovman.report.tables.table import DATA, Table
+
+
+def budget_table(steps: pd.DataFrame, settings: Settings) -> Table:
+    """The rungs over all episodes. steps: rows of `Step`."""
+    confidence = settings.evaluation.confidence
+    rows = steps[steps["relation"] == ALL].drop(columns=["relation", "successes"])
+    rows["range"] = [span(low, high) for low, high in zip(rows["low"], rows["high"], strict=True)]
+    columns = (
+        words("rung"),
+        words("arm", formats=DATA),
+        numbers("rate", data=three),
+        numbers("low", data=three, formats=DATA),
+        numbers("high", data=three, formats=DATA),
+        range_column(confidence),
+        numbers("gain", data=signed),
+        numbers("gained"),
+        numbers("lost"),
+        p_values("p", "p"),
+        numbers("n"),
+    )
+    caption = (
+        "Error budget of the two-visit agent, static gate: each rung hands over one source of error more. Gained, lost: "
+        "episodes, against the line above; p: exact two-sided McNemar test on them. The answer given succeeds by definition. "
+        f"Ranges are Wilson {percent(confidence)} intervals."
+    )
+    return Table(caption, columns, rows)

@@ -1,0 +1,142 @@
+"""The tables of tests: arm against arm on the same episodes, and run against run."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from ovman.analysis.significance import Method
+from ovman.models.settings import Settings
+from ovman.report.tables.columns import (
+    ALL,
+    MARK,
+    count,
+    exact_mean,
+    numbers,
+    p_value,
+    p_values,
+    relation_column,
+    signed,
+    words,
+)
+from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, SECTION, Column, Table
+
+OF_A_PICK = "Poisson-binomial: exact, one-sided, the probability that the pick succeeds at least as often as the first arm did"
+"""What captions say of the test against a stochastic pick."""
+TESTS = {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{MARK}"}
+
+
+def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
+    """Wins, losses and p of every pair, by relation and over all. comparisons: rows of `Comparison`.
+
+    A pair that was run under several seeds is shown under the first; the caption has what the others come to.
+    """
+    first = comparisons.groupby("title", sort=False)["seed"].transform("first") if len(comparisons) else comparisons["seed"]
+    shown = comparisons[comparisons["seed"] == first]
+    others = comparisons[(comparisons["seed"] != first) & (comparisons["relation"] == ALL)]
+    rows = shown.rename(columns={"title": "comparison"}).assign(**{SECTION: shown["title"]})
+    for key in ("baseline_successes", "wins", "losses"):
+        rows[key] = _counts(rows, key)
+    columns = (
+        words("comparison", formats=CSV_AND_MARKDOWN),
+        words("arm", formats=DATA),
+        words("baseline", formats=DATA),
+        words("seed", formats=DATA),
+        relation_column(),
+        numbers("n"),
+        numbers("successes"),
+        numbers("baseline_successes", "baseline"),
+        numbers("wins"),
+        numbers("losses"),
+        _test_column(),
+        p_values("p", "p"),
+        p_values("p_holm", "p (Holm)"),
+    )
+    return Table(_caption(shown, others), columns, rows, wide=True)
+
+
+def _caption(shown: pd.DataFrame, others: pd.DataFrame) -> str:
+    caption = (
+        "Arm against arm on the same episodes: a win is an episode on which the first succeeds and the second, the baseline, "
+        "does not. McNemar: exact, two-sided, on wins and losses. p (Holm): corrected for the relations of one comparison; all "
+        "is one test and is not corrected."
+    )
+    stochastic = shown[shown["test"] == Method.POISSON_BINOMIAL]
+    if len(stochastic):
+        caption += f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. {OF_A_PICK}."
+    if (stochastic["p"] == 0.0).any():
+        caption += " 0: more successes than the pick can come to."
+    for title, seeds in others.groupby("title", sort=False):
+        further = "; ".join(
+            f"seed {row['seed']}: {count(row['wins'])} to {count(row['losses'])}, p = {p_value(row['p'])}"
+            for _, row in seeds.iterrows()
+        )
+        seed = shown.loc[shown["title"] == title, "seed"].iloc[0]
+        caption += f" {str(title)[0].upper()}{str(title)[1:]}: shown for seed {seed}; over all, {further}."
+    return caption
+
+
+def pairings_table(pairings: pd.DataFrame, settings: Settings) -> Table:
+    """One row a pair of arms and relation: mean, worst and best over the pairings. pairings: rows of `Pairing`."""
+    groups = pairings.groupby(["title", "relation"], sort=False)
+    rows = [_row(str(title), str(relation), runs) for (title, relation), runs in groups]
+    columns = (
+        words("comparison", formats=CSV_AND_MARKDOWN),
+        words("arm", formats=DATA),
+        words("baseline", formats=DATA),
+        relation_column(),
+        numbers("pairings"),
+        numbers("difference", data=signed),
+        numbers("worst", data=signed),
+        words("worst_runs", "worst runs", formats=DATA),
+        numbers("worst_wins", "wins"),
+        numbers("worst_losses", "losses"),
+        p_values("worst_p", "p"),
+        numbers("best", data=signed),
+        words("best_runs", "best runs", formats=DATA),
+        p_values("best_p", "p"),
+        _test_column(),
+        numbers("n"),
+    )
+    caption = (
+        "Static arms of which one has several runs, each run of the first against each run of the second, the baseline. "
+        "Difference: of the success rates, the mean over the pairings; worst and best: the pairing with the least and with the "
+        "greatest. Wins, losses: of the worst pairing. p: of the pairing to its left, not corrected; McNemar: exact, two-sided."
+    )
+    if (pairings["test"] == Method.POISSON_BINOMIAL).any():
+        caption += f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. {OF_A_PICK}"
+        caption += "; 0: more often than the pick can." if (pairings["p"] == 0.0).any() else "."
+    return Table(caption, columns, pd.DataFrame(rows), wide=True)
+
+
+def _row(title: str, relation: str, runs: pd.DataFrame) -> dict[str, object]:
+    # Of equal differences the worst is the one with the larger p, the best the one with the smaller p.
+    ranked = runs.sort_values(["difference", "p"], ascending=[True, False], kind="stable")
+    worst = ranked.iloc[0]
+    best = ranked[ranked["difference"] == ranked["difference"].max()].sort_values("p", kind="stable").iloc[0]
+    return {
+        SECTION: title,
+        "comparison": title,
+        "arm": worst["arm"],
+        "baseline": worst["baseline"],
+        "relation": relation,
+        "pairings": len(runs),
+        "difference": exact_mean(runs["difference"]),
+        "worst": worst["difference"],
+        "worst_runs": f"{worst['arm_run']}-{worst['baseline_run']}",
+        "worst_wins": count(worst["wins"], worst["test"] == Method.POISSON_BINOMIAL),
+        "worst_losses": count(worst["losses"], worst["test"] == Method.POISSON_BINOMIAL),
+        "worst_p": worst["p"],
+        "best": best["difference"],
+        "best_runs": f"{best['arm_run']}-{best['baseline_run']}",
+        "best_p": best["p"],
+        "test": worst["test"],
+        "n": runs["n"].iloc[0],
+    }
+
+
+def _counts(rows: pd.DataFrame, key: str) -> list[str]:
+    return [count(value, test == Method.POISSON_BINOMIAL) for value, test in zip(rows[key], rows["test"], strict=True)]
+
+
+def _test_column() -> Column:
+    return Column("test", "test", page=lambda test: TESTS[Method(test)])

@@ -1,0 +1,70 @@
+"""Of which rows and by which function each table is made. `ovman.analysis.registry` lists the metrics themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import pandas as pd
+
+from ovman.analysis.budget import Step
+from ovman.analysis.difficulty import Difficulty
+from ovman.analysis.dualmap_objects import Objects
+from ovman.analysis.language import LanguageRate
+from ovman.analysis.localisation import Localised
+from ovman.analysis.navigation import Navigation
+from ovman.analysis.own_task import OwnTask
+from ovman.analysis.pairings import Pairing
+from ovman.analysis.rates import Rate
+from ovman.analysis.scenes import SceneRate
+from ovman.analysis.scores import Score
+from ovman.analysis.significance import Comparison
+from ovman.analysis.spread import Pass
+from ovman.analysis.taxonomy import TaxonomyCount
+from ovman.models.settings import Kind, Settings
+from ovman.report.tables.backprojection import backprojection_table
+from ovman.report.tables.budget import budget_table
+from ovman.report.tables.difficulty import difficulty_table
+from ovman.report.tables.dualmap import dualmap_table
+from ovman.report.tables.language import language_table
+from ovman.report.tables.navigation import navigation_table
+from ovman.report.tables.own_task import own_task_table
+from ovman.report.tables.perception import perception_table
+from ovman.report.tables.rates import embodied_table, static_table
+from ovman.report.tables.rejections import RejectionCount, rejections_table
+from ovman.report.tables.scenes import scenes_table
+from ovman.report.tables.seeds import seeds_table
+from ovman.report.tables.significance import pairings_table, significance_table
+from ovman.report.tables.table import Table
+from ovman.report.tables.taxonomy import taxonomy_table
+
+
+@dataclass(frozen=True, slots=True)
+class TableSpec:
+    """What a table is made of. rows: the dataclass of its rows of metrics; make: the table of such rows and the settings, with
+    its columns and caption; kind: the kind of arms of which it has one row each, for notes on those that were not run."""
+
+    rows: type
+    make: Callable[[pd.DataFrame, Settings], Table]
+    kind: Kind | None = None
+
+
+SPECS: Mapping[str, TableSpec] = {
+    "static_rates": TableSpec(Rate, static_table, Kind.STATIC),
+    "embodied_rates": TableSpec(Rate, embodied_table, Kind.EMBODIED),
+    "rejections": TableSpec(RejectionCount, rejections_table),
+    "taxonomy": TableSpec(TaxonomyCount, taxonomy_table),
+    "significance": TableSpec(Comparison, significance_table),
+    "navigation": TableSpec(Navigation, navigation_table),
+    "difficulty": TableSpec(Difficulty, difficulty_table),
+    "budget": TableSpec(Step, budget_table),
+    "pairings": TableSpec(Pairing, pairings_table),
+    "own_task": TableSpec(OwnTask, own_task_table),
+    "seeds": TableSpec(Pass, seeds_table),
+    "scenes": TableSpec(SceneRate, scenes_table),
+    "language": TableSpec(LanguageRate, language_table),
+    "perception": TableSpec(Score, perception_table),
+    "backprojection": TableSpec(Localised, backprojection_table),
+    "dualmap": TableSpec(Objects, dualmap_table),
+}
+"""By the name of the metrics that it shows."""

@@ -1,0 +1,68 @@
+"""What the Snakefile uses of Snakemake beyond its documentation, in one place, with the reason for each.
+
+`USED` lists the attributes; a test compares it with the Snakemake that is installed. Imports nothing heavy.
+"""
+
+from __future__ import annotations
+
+import fcntl
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, TextIO
+
+USED: Mapping[str, str] = {
+    "Workflow.register_resource": "a limit of one GPU job, which a user's --resources cannot raise; a profile's limit it can",
+    "Workflow.overwrite_configfiles": "the overlays of --configfile, beside which agents lie and which messages name",
+    "Workflow.is_main_process": "what is done once and not in every job",
+    "Workflow.dryrun": "a dry run writes no results",
+    "Workflow.local_exec": "jobs that are processes of this machine",
+    "JobScheduler.job_rate_limiter": "no option switches the limit off, and its timers take half a core while jobs wait",
+    "Persistence: .snakemake/locks": "--unlock is a command of its own, and a killed Snakemake leaves its locks",
+}
+"""Attributes and files, and why each is used."""
+LOCKS = Path(".snakemake", "locks")
+ALIVE = Path(".snakemake", "ovman.alive")
+"""Every Snakemake that works in a directory shares a lock on this file; the kernel releases it when the process ends."""
+_open_files: list[TextIO] = []
+
+
+def limit_gpu(workflow: Any) -> None:
+    """At most one job of those that ask for `gpu` at a time. A user's --resources replaces a profile's limit, but not this."""
+    workflow.register_resource("gpu", 1)
+
+
+def lift_rate_limit(workflow: Any) -> None:
+    """As many jobs a second as there are cores for, where jobs are processes of this machine; when the jobs start.
+
+    For its limit, Snakemake looks for work again a second after every look. While jobs wait for a core, every job that ends adds
+    one look a second; some hundred of them take half a core.
+    """
+    if workflow.local_exec:
+        workflow.scheduler.job_rate_limiter = None
+
+
+def overlays(workflow: Any) -> list[Path]:
+    """The absolute paths of the files of --configfile, in their order."""
+    return [Path(path).absolute() for path in workflow.overwrite_configfiles]
+
+
+def alone(directory: Path) -> bool:
+    """Say from now on that this process works in `directory`; whether no other living Snakemake does.
+
+    Removes Snakemake's locks on the directory where no other does: a killed Snakemake leaves them, and the next one would refuse
+    to start. filelock has no shared locks, so this is the kernel's flock.
+    """
+    path = directory / ALIVE
+    path.parent.mkdir(parents=True, exist_ok=True)
+    file = path.open("a")
+    _open_files.append(file)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        found = False
+    else:
+        found = True
+        for lock in (directory / LOCKS).glob("*.lock"):
+            lock.unlink(missing_ok=True)
+    fcntl.flock(file, fcntl.LOCK_SH)
+    return found

@@ -1,0 +1,172 @@
+"""A function that an arm names, and what is said where it or its agent fails: one line with the key, the place and the remedy."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+from ovman.agents.interface import Action, Agent, Answer, Visit
+from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.predictions import predict
+from ovman.evaluation.supervision import AgentError, Supervised, failures, function
+from ovman.models.settings import Arm, Kind
+from ovman.models.settings.arms import ArmJob
+from ovman.task import Query, Relation
+from ovman.workflow.parameter import stage_settings
+from tests.arms import BY_NAME, CONFIG
+from tests.episodes import released
+
+MODULE = """
+def whole(query, context):
+    return context.rng.random()
+
+def broken(query, context):
+    return 1 / 0
+
+number = 3
+"""
+EPISODE = released()[0]
+
+
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """A module and a package outside of the project."""
+    (tmp_path / "elsewhere_a").mkdir()
+    (tmp_path / "elsewhere_a" / "__init__.py").write_text("")
+    (tmp_path / "elsewhere_a" / "deep.py").write_text(MODULE)
+    (tmp_path / "elsewhere_b.py").write_text("import not_there_at_all\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    function.cache_clear()
+    yield
+    for name in [name for name in sys.modules if name.startswith("elsewhere_")]:
+        del sys.modules[name]
+
+
+def said(caught) -> str:
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+def test_a_function_of_a_package_of_somebody_elses_is_found():
+    assert function("mine", "elsewhere_a.deep:whole").__module__ == "elsewhere_a.deep"
+
+
+@pytest.mark.parametrize(
+    ("agent", "line"),
+    [
+        ("elsewhere_c:f", "arms.mine.agent is 'elsewhere_c:f', and there is no module elsewhere_c; install it, or put it beside"),
+        ("elsewhere_c.d:f", "there is no module elsewhere_c.d; install it"),
+        ("elsewhere_a.deep:part", "elsewhere_a.deep has no function part; name one that it has"),
+        ("elsewhere_a.deep:number", "elsewhere_a.deep has no function number"),
+        ("elsewhere_b:f", "importing elsewhere_b raised ModuleNotFoundError in elsewhere_b.py, line 1: No module named"),
+    ],
+)
+def test_what_is_not_there_is_one_line(agent, line):
+    with pytest.raises(AgentError) as caught:
+        function("mine", agent)
+    assert line in said(caught)
+
+
+def static(function_name: str, **fields) -> Arm:
+    return ArmJob(name="mine", kind=Kind.STATIC, agent=f"elsewhere_a.deep:{function_name}", **fields)
+
+
+def predicted(arm: Arm, tmp_path):
+    view = stage_settings(CONFIG, "predictions", "two_visits")
+    return predict(arm, EPISODE, view, ObservationStore(arm, view, 90.0, tmp_path))
+
+
+def test_a_static_function_that_raises_or_answers_nonsense_is_one_line_with_the_episode(tmp_path):
+    with pytest.raises(AgentError) as caught:
+        predicted(static("broken"), tmp_path)
+    line = f"{EPISODE.id}: it raised ZeroDivisionError in deep.py, line 6: division by zero; mend the agent"
+    assert line in said(caught)
+    with pytest.raises(AgentError, match=f"{EPISODE.id}: it returned 0.*return .Answer"):
+        predicted(static("whole"), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("body", "line"),
+    [
+        ("context.map('first')", r"arms.mine is given no maps; write needs: \[maps\] in its entry"),
+        ("context.networks()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
+        ("context.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
+        ("context.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
+        ("context.settings.maps.cluster_radius_m", "does not own the constant 'maps.cluster_radius_m'"),
+        ("context.noun('chair')", r"arms.mine is given no networks"),
+    ],
+)
+def test_what_an_entry_does_not_ask_for_is_refused_with_what_to_write(body, line, tmp_path):
+    (tmp_path / "elsewhere_d.py").write_text(f"def ask(query, context):\n    return {body}\n")
+    with pytest.raises(AgentError, match=line):
+        predicted(ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_d:ask"), tmp_path)
+
+
+def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tmp_path):
+    arm = ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_e:ask")
+    text = "from ovman.agents.interface import Answer\n\n\ndef ask(query, context):\n"
+    text += "    assert len(context.tour('first').observations) == 0\n    return Answer(*context.rng.random(2)), None\n"
+    (tmp_path / "elsewhere_e.py").write_text(text)
+    view = stage_settings(CONFIG, "predictions", "two_visits")
+    store = ObservationStore(arm, view, 90.0, tmp_path)
+    one, again, other = (predict(arm, EPISODE, view, store, run=run) for run in (0, 0, 1))
+    assert one == again != other and isinstance(one[0], Answer)
+
+
+class Wrong:
+    """Raises in one of its methods, or acts in words."""
+
+    def __init__(self, wrong: str) -> None:
+        self.wrong = wrong
+
+    def _do(self, method: str):
+        if method == self.wrong:
+            raise KeyError("chair")
+
+    def familiarise(self, visit):
+        self._do("familiarise")
+
+    def revisit(self, visit):
+        self._do("revisit")
+
+    def ask(self, query):
+        self._do("ask")
+
+    def act(self, observation):
+        self._do("act")
+        return "MoveAhead" if self.wrong == "words" else Action.STOP
+
+
+def driven(agent) -> Action:
+    supervised = Supervised(agent, BY_NAME["oracle_check"], "FloorPlan1/moved/0000, seed 2")
+    assert isinstance(supervised, Agent)
+    visit = Visit((), np.empty((0, 2)))
+    supervised.familiarise(visit)
+    supervised.revisit(visit)
+    supervised.ask(Query("Chair", Relation.MOVED))
+    return supervised.act(None)
+
+
+@pytest.mark.parametrize("method", ["familiarise", "revisit", "ask", "act"])
+def test_an_agent_that_raises_is_one_line_with_arm_episode_and_seed(method, capsys):
+    with pytest.raises(AgentError) as caught:
+        driven(Wrong(method))
+    where = "arms.oracle_check.agent is 'ovman.agents.oracle:agent': FloorPlan1/moved/0000, seed 2"
+    assert said(caught).startswith(f"{where}: {method} raised KeyError in test_factory.py, line ")
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_an_agent_acts_in_actions_and_has_all_methods():
+    assert driven(Wrong("")) is Action.STOP
+    with pytest.raises(AgentError, match="act returned 'MoveAhead'; return an ovman.agents.interface.Action"):
+        driven(Wrong("words"))
+    with pytest.raises(AgentError, match="object has no method familiarise"):
+        driven(object())
+
+
+def test_a_failure_that_was_told_is_not_told_again():
+    assert AgentError.says_all
+    with pytest.raises(AgentError, match="^once$"), failures("outer"):
+        raise AgentError("once")

@@ -1,0 +1,67 @@
+"""Recorded tours as an agent is given them."""
+
+from __future__ import annotations
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+
+from ovman.evaluation.recorded_tour import content, recorded
+from ovman.models.visit_files import seal
+
+FOV_DEG = 90.0
+REACHABLE = np.zeros((1, 2))
+
+
+def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
+    """Three views, each of one colour, and a recording that says more than an agent may know."""
+    directory.mkdir()
+    for view in range(3):
+        rgb = np.full((4, 6, 3), (200, 10 * view, shade), np.uint8)
+        cv2.imwrite(str(directory / f"{view:02d}_rgb.png"), rgb[..., ::-1])
+        cv2.imwrite(str(directory / f"{view:02d}_depth.png"), np.full((4, 6), 1500 + view, np.uint16))
+        cv2.imwrite(str(directory / f"{view:02d}_ids.png"), np.full((4, 6), len(alterations), np.uint16))
+    views = [
+        {"pose": {"x": x, "z": 2.0, "yaw_deg": 90.0 * view, "horizon_deg": 0.0}, "camera": {"x": x, "y": 1.6, "z": 2.0}}
+        for view in range(3)
+    ]
+    (directory / "visit.json").write_text(json.dumps({"visit": directory.name, "alterations": list(alterations), "views": views}))
+    seal(directory)
+    return directory
+
+
+def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
+    directory = tour(tmp_path / "tour")
+    visit = recorded(directory, FOV_DEG, REACHABLE)
+    (directory / "00_rgb.png").unlink()
+    assert len(visit.observations) == 3
+    last = visit.observations[2]
+    assert last.rgb.shape == (4, 6, 3) and last.rgb.dtype == np.uint8 and (last.rgb == (200, 20, 0)).all()
+    assert last.depth.dtype == np.float32 and last.depth == pytest.approx(1.502)
+    assert (last.pose.x, last.pose.y, last.pose.z, last.pose.yaw_deg) == (1.0, 1.6, 2.0, 180.0)
+    assert last.field_of_view_deg == FOV_DEG and last.positions is None
+    assert len(visit.observations[1:]) == 2 and (visit.observations[-1].rgb == last.rgb).all()
+    with pytest.raises(IndexError):
+        visit.observations[3]
+    with pytest.raises(ValueError, match="00_rgb.png"):
+        visit.observations[0]
+
+
+def test_content_is_what_the_tour_shows(tmp_path):
+    one = content(tour(tmp_path / "untouched"), FOV_DEG)
+    same = content(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG)
+    assert same == one
+    others = [
+        content(tour(tmp_path / "b", shade=1), FOV_DEG),
+        content(tour(tmp_path / "c", x=1.1), FOV_DEG),
+        content(tmp_path / "untouched", 80.0),
+    ]
+    assert len({one, *others}) == 4
+
+
+def test_nothing_says_what_was_changed(tmp_path):
+    visit = recorded(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
+    public = {name for name in dir(visit.observations) if not name.startswith("_")}
+    assert public == {"count", "index"} and "Chair" not in repr(visit)

@@ -1,0 +1,21 @@
+# The page of results and its charts. No part of the main job: snakemake --cores 2 results/results.md
+PAPER_COMPARISON = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison")
+
+
+rule paper_comparison:
+    input:
+        metrics=expand("results/metrics/{name}.csv", name=registry.compared(ARMS)),
+        paper=os.path.join(PAPER_COMPARISON, "paper.yaml"),
+        statements=os.path.join(PAPER_COMPARISON, "statements.yaml"),
+        explanations=os.path.join(PAPER_COMPARISON, "explanations.yaml"),
+        template=os.path.join(PAPER_COMPARISON, "page.md.j2"),
+    output:
+        page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
+        budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
+        memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
+    log:
+        "logs/paper_comparison.log",
+    params:
+        constants=stage("paper_comparison"),
+    script:
+        "../scripts/paper_comparison.py"
