@@ -38,9 +38,7 @@ def jobs(world: World) -> Iterator[Declared]:
     said = world.snakemake("--dry-run", "--forceall")
     assert said.returncode == 0, said.stdout
     for rule, text in JOB.findall(said.stdout):
-        listed = {
-            name: tuple(values.split(", ")) for name, values in re.findall(r"^    (input|output): (.*)$", text, re.MULTILINE)
-        }
+        listed = {name: tuple(values.split(", ")) for name, values in FILES.findall(text)}
         yield Declared(rule, listed.get("input", ()), listed["output"])
 
 
@@ -55,9 +53,7 @@ def link(source: Path, place: Path) -> None:
 def check(world: World, job: Declared, directory: Path) -> None:
     """Run a job where its inputs are and nothing else."""
     sandbox = World(directory)
-    tours = [
-        Path(name).with_suffix("") for name in (*job.inputs, *job.outputs) if re.fullmatch(r"results/visits/\w+\.json", name)
-    ]
+    tours = [Path(name).with_suffix("") for name in (*job.inputs, *job.outputs) if MANIFEST.fullmatch(name)]
     for name in (*job.inputs, *map(str, tours)):
         if not Path(name).is_absolute():
             link(world.directory / name, directory / name)
