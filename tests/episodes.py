@@ -1,4 +1,4 @@
-"""Records of episodes for tests: released ones with other content."""
+"""The released episodes and their sightings, maps that are true to the tours, and episodes with other content."""
 
 from __future__ import annotations
 
@@ -7,17 +7,46 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from ovman.evaluation.privileged_grounding import recorded_positions
+from ovman.language import noun
 from ovman.models.episode import Episode
+from ovman.models.sighting import Sighting, Sightings
+from ovman.perception.clusters import Cluster
 
 ROOT = Path(__file__).parents[1]
-RELEASED = ROOT / "data" / "ovman-embedded-v1"
+DATA = ROOT / "data" / "ovman-embedded-v1"
+EPISODES, SIGHTINGS = DATA / "episodes" / "main.jsonl", DATA / "episodes" / "sightings.jsonl"
 TARGET, OTHER = "a", "b"
 
 
 @cache
 def released() -> tuple[Episode, ...]:
-    """The released episodes."""
-    return tuple(Episode.load(RELEASED / "episodes" / "main.jsonl"))
+    """All released episodes in their order."""
+    return tuple(Episode.load(EPISODES))
+
+
+@cache
+def sightings() -> dict[str, Sightings]:
+    """By episode."""
+    return {record.episode: record for record in Sightings.read(SIGHTINGS)}
+
+
+def of_scene(scene: str) -> list[Episode]:
+    """The released episodes of a scene."""
+    return [episode for episode in released() if episode.scene == scene]
+
+
+def true_map(seen: tuple[Sighting, ...]) -> tuple[Cluster, ...]:
+    """One cluster for each place where an instance was recorded, and something else far away."""
+    places = np.unique(recorded_positions(seen, 300), axis=0)
+    feature, other = np.array([1.0, 0.0]), np.array([0.0, 1.0])
+    views = np.array([0])
+    return (
+        *(Cluster(place, feature, place[None], views) for place in places),
+        Cluster(np.array([50.0, 50.0]), other, np.array([[50.0, 50.0]]), views),
+    )
 
 
 def episode_record(
@@ -39,6 +68,7 @@ def episode_record(
         "id": f"{scene}/{relation}/{number:04d}",
         "scene": scene,
         "category": category,
+        "noun": noun(category),
         "instances_in_category": 2,
         "answer": point,
         "target": TARGET,

@@ -3,41 +3,59 @@
 from __future__ import annotations
 
 import hashlib
-import json
+import re
 from collections import Counter
 from pathlib import Path
 
 import pytest
 
-from ovman.evaluation import predictions
-from ovman.evaluation import rollouts as executions
-from ovman.evaluation import scores as runs
-from ovman.generation import admissible, candidates, certified, episodes, scenes, trials
+from ovman.analysis import metrics
+from ovman.evaluation import predictions, rollouts, scores
+from ovman.evaluation.scoring import judged
+from ovman.generation import candidates, certification, release, scenes, trials, verdict
+from ovman.models.certification import Certification
 from ovman.models.episode import Episode
+from ovman.models.run import Score
+from ovman.models.scene import Scene
 from ovman.models.settings import Arm, Kind, Source, of_kind
-from ovman.sim.recorded import judged
-from ovman.task import Relation, referents
+from ovman.models.trial import Trial
+from ovman.report import tables
+from ovman.report.release import rows
+from ovman.task import referents, spl
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
+from tests.episodes import DATA, EPISODES, SIGHTINGS
 
 ROOT = Path(__file__).parent.parent
-DATA = ROOT / "data" / "ovman-embedded-v1"
 CONFIG = load(ROOT / "config.yaml")
 REGENERATED = "FloorPlan318"
+RESULTS_OF_0_4 = {
+    "metrics": "852e146ae585f435ffce628cb209ea175920ecc12e378bea602c18fe524016b4",
+    "predictions": "9b247f7ac89463fbb0959f536feb7b730b3a822db4e94c291026c789dbcb32be",
+    "runs": "82d0a8cdc0f4efdace9d7c248fe5ee8d0d13e935a37550f9cc2bd764f46adf3d",
+}
+"""Digests of the checksums of 0.4's predictions, runs and metrics: their values stay as they were."""
+
+
+NEW_NAMES = {"grounding.band": "grounding.similarity_margin", "minimum_mask_px": "min_mask_px"}
+"""Settings that were named otherwise in 0.4."""
+
+
+def renamed(table: str) -> str:
+    """A table with the present names of settings, whatever the width of its columns."""
+    for before, now in NEW_NAMES.items():
+        table = table.replace(before, now).replace(before.replace("_", r"\_"), now.replace("_", r"\_"))
+    return re.sub(r" +|(?<=-)-+", " ", table)
 
 
 def constants(stage: str, arm: Arm | None = None) -> StageSettings:
     return StageSettings.parse(canonical(CONFIG, stage, arm and arm.name))
 
 
-def records(path: Path) -> list[dict]:
-    return [json.loads(line) for line in path.read_text().splitlines()]
-
-
 @pytest.fixture(scope="module")
 def released():
-    return Episode.load(DATA / "episodes" / "main.jsonl")
+    return Episode.load(EPISODES)
 
 
 def test_every_file_has_its_checksum():
@@ -46,6 +64,13 @@ def test_every_file_has_its_checksum():
     assert set(sums) == files
     for name, checksum in sums.items():
         assert hashlib.sha256((DATA / name).read_bytes()).hexdigest() == checksum, name
+
+
+@pytest.mark.parametrize("folder", sorted(RESULTS_OF_0_4))
+def test_results_are_those_of_version_0_4(folder):
+    files = sorted(path for path in (DATA / folder).rglob("*") if path.is_file())
+    sums = "".join(f"{hashlib.sha256(path.read_bytes()).hexdigest()} {path.relative_to(DATA).as_posix()}\n" for path in files)
+    assert hashlib.sha256(sums.encode()).hexdigest() == RESULTS_OF_0_4[folder]
 
 
 def test_the_split_is_the_papers(released):
@@ -65,27 +90,54 @@ def test_every_episode_was_completed_four_times_and_its_referent_is_unique(relea
 def test_verdicts_episodes_and_audit_follow_from_the_released_measurements(tmp_path):
     files = [f"{scene}.jsonl" for scene in CONFIG.benchmark.scenes]
     for name in files:
-        admissible.run(DATA / "trials" / name, constants("admissible"), tmp_path / name)
-    folders = (DATA / "trials", tmp_path, DATA / "certified")
-    inputs = [[folder / name for name in files] for folder in folders]
-    episodes.run(*inputs, constants("episodes"), tmp_path / "main.jsonl", tmp_path / "rejections.csv")
-    assert (tmp_path / "main.jsonl").read_bytes() == (DATA / "episodes" / "main.jsonl").read_bytes()
-    assert (tmp_path / "rejections.csv").read_bytes() == (DATA / "metrics" / "rejections.csv").read_bytes()
+        verdict.run(DATA / "trials" / name, constants("admissible"), tmp_path / name)
+    surveyed = [DATA / "scenes" / f"{scene}.json" for scene in CONFIG.benchmark.scenes]
+    inputs = [[folder / name for name in files] for folder in (DATA / "trials", tmp_path, DATA / "certified")]
+    outputs = tmp_path / "main.jsonl", tmp_path / "sightings.jsonl", tmp_path / "rejections.csv"
+    release.run(surveyed, *inputs, constants("episodes"), *outputs)
+    for made, kept in zip(outputs, (EPISODES, SIGHTINGS, DATA / "metrics" / "rejections.csv"), strict=True):
+        assert made.read_bytes() == kept.read_bytes(), kept.name
 
 
-def test_predictions_judgements_rates_and_tables_follow_from_the_released_records(tmp_path):
-    episodes_file = DATA / "episodes" / "main.jsonl"
-    trial_files = sorted((DATA / "trials").glob("*.jsonl"))
-    # What the others answer hangs on maps, which networks make.
+def test_predictions_judgements_rates_and_tables_follow_from_the_released_records(tmp_path, released):
+    # What the other arms answer follows from maps, which networks make.
     for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
-        predictions.run(arm, episodes_file, trial_files, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl")
+        predictions.run(arm, EPISODES, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl", SIGHTINGS)
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     run_files = sorted((DATA / "runs").rglob("*.jsonl"))
-    task = constants("runs").success
+    episodes, judged_runs = {episode.id: episode for episode in released}, 0
     for file in run_files:
-        for run in records(file):
-            relation = Relation(run["episode"].split("/")[1])
-            assert judged(run, relation, task) == run["success"], run
+        for run in Score.read(file):
+            episode = episodes[run.episode]
+            assert judged(run, episode.relation, episode.protocol.success) == run.success, run
+            assert round(spl(run.success, episode.shortest_path_m, run.path_length_m), 6) == run.spl, run
+            judged_runs += 1
+    assert judged_runs == len(episodes) * len(CONFIG.evaluation.seeds) * len(list(of_kind(ARMS, Kind.EMBODIED))) == 3285
+    answered = {path.stem for path in (DATA / "predictions").iterdir()} | {path.name for path in (DATA / "runs").iterdir()}
+    metrics.run(
+        EPISODES,
+        sorted((DATA / "predictions").glob("*.jsonl")),
+        run_files,
+        constants("metrics"),
+        tmp_path / "metrics",
+        [arm for arm in ARMS if arm.name in answered],
+    )
+    derived = {path.name: path for path in (tmp_path / "metrics").iterdir()}
+    kept = sorted((DATA / "metrics").iterdir())
+    for path in kept:
+        assert path.name not in derived or derived[path.name].read_bytes() == path.read_bytes(), path.name
+    shown = [derived.get(path.name, path) for path in kept if path.stem in tables.TABLES]
+    tables.run(shown, constants("tables"), tmp_path / "tables")
+    for path in sorted((tmp_path / "tables").iterdir()):
+        assert renamed((DATA / "tables" / path.name).read_text()) == renamed(path.read_text()), path.name
+
+
+def test_what_must_come_out_does():
+    rates = {(r["arm"], r["relation"]): r for r in rows(DATA / "metrics" / "static_rates.csv")}
+    assert float(rates["positions_two_visits", "all"]["rate"]) >= 0.97
+    rates = {(r["arm"], r["relation"]): r for r in rows(DATA / "metrics" / "embodied_rates.csv")}
+    assert float(rates["oracle_check", "all"]["rate"]) >= 0.98
+    assert float(rates["two_visits_oracle_positions", "all"]["rate"]) >= 0.97
 
 
 def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
@@ -101,24 +153,25 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     assert path("scene", "json").read_bytes() == (DATA / "scenes" / f"{scene}.json").read_bytes()
     candidates.run(path("scene", "json"), constants("candidates"), path("candidates"))
     visits = tmp_path / "visits"
-    trials.run(path("candidates"), path("scene", "json"), constants("trials"), path("trials"), visits, journal("trials"))
-    assert path("trials").read_bytes() == (DATA / "trials" / f"{scene}.jsonl").read_bytes()
-    admissible.run(path("trials"), constants("admissible"), path("admissible"))
+    files = path("candidates"), path("scene", "json")
+    trials.run(*files, constants("trials"), path("trials"), path("visits", "json"), visits, journal("trials"))
+    assert Trial.read(path("trials")) == Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    verdict.run(path("trials"), constants("admissible"), path("admissible"))
     (tmp_path / f"{scene}.jsonl").write_bytes(path("trials").read_bytes())
-    certified.run(
+    certification.run(
         path("admissible"), tmp_path / f"{scene}.jsonl", constants("certified"), path("certified"), journal("certified")
     )
-    made = {c["id"]: c["runs"] for c in records(path("certified"))}
-    by_id = {t["candidate"]["id"]: t for t in records(path("trials"))}
-    task = constants("episodes").success
-    kept = [e for e in records(DATA / "episodes" / "main.jsonl") if e["scene"] == scene]
+    made = {record.id: record.runs for record in Certification.read(path("certified"))}
+    by_id = {trial.candidate.id: trial for trial in Trial.read(path("trials"))}
+    (surveyed,) = Scene.read(path("scene", "json"))
+    kept = [episode for episode in Episode.load(EPISODES) if episode.scene == scene]
     assert kept
-    for record in kept:
-        again = episodes.episode(by_id[record["id"]], made[record["id"]], CONFIG.benchmark.backend, task)
-        assert episodes.Episode.from_json(again).to_json() == record
+    for episode in kept:
+        again = release.episode(by_id[episode.id], made[episode.id], surveyed, constants("episodes"))
+        assert again.to_json() == episode.to_json()
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
-        main, of_arm = DATA / "episodes" / "main.jsonl", constants("executions", arm)
-        executions.run(of_arm.arm, scene, main, path("trials"), of_arm, outputs, journal(arm.name))
-        runs.run([outputs[0]], DATA / "episodes" / "main.jsonl", constants("runs"), [tmp_path / "judged.jsonl"])
+        of_arm = constants("executions", arm)
+        rollouts.run(of_arm.arm, scene, EPISODES, of_arm, outputs, journal(arm.name), SIGHTINGS)
+        scores.run([outputs[0]], EPISODES, [tmp_path / "judged.jsonl"], of_arm.arm)
         assert (tmp_path / "judged.jsonl").read_bytes() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_bytes()

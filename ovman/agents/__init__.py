@@ -1,5 +1,1 @@
-"""Agents: the interface, the reference agent's parts, and the table of arms."""
-
-from ovman.agents.interface import Action, Agent, CameraPose, Observation, Sighting, Visit
-
-__all__ = ["Action", "Agent", "CameraPose", "Observation", "Sighting", "Visit"]
+"""Agents: the interface, the reference agent, the oracle and the baselines. They know nothing of the evaluator."""

@@ -1,23 +1,17 @@
-"""The oracle agent: given the true answer, it goes there with the primitives of every agent (Algorithm 1, lines 9 and 10)."""
+"""The oracle agent: it knows the true answer and drives there with the shared navigator (Algorithm 1, lines 9 and 10)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from ovman.agents.interface import Action, Observation, Visit
+from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
-from ovman.task import Query
-
-if TYPE_CHECKING:
-    from ovman.evaluation.context import Given
 
 
 class Oracle:
-    """Told where the answer is. For MOVING it is told which instance moves and reads its position from each observation.
+    """An agent that knows the answer. For MOVING it reads the position of the moving target from observations.
 
-    `answer` is a floor-plane point in metres; `follow` the name under which observations carry the moving target, or None.
+    answer: floor-plane point in metres; follow: name of the moving target in observations, or None.
     """
 
     def __init__(self, pilot: Pilot, answer: tuple[float, float], follow: str | None) -> None:
@@ -27,7 +21,7 @@ class Oracle:
         """Nothing to learn."""
 
     def revisit(self, visit: Visit) -> None:
-        """Takes the grid on which it will navigate."""
+        """Take the grid for navigation."""
         self._reachable: np.ndarray = visit.reachable
 
     def ask(self, query: Query) -> None:
@@ -39,15 +33,15 @@ class Oracle:
         return self._pilot.act(observation, followed(observation, self._follow) or self._answer)
 
 
-def agent(given: Given) -> Oracle:
-    """The embodied arm oracle_check. ValueError for an arm that is not handed the answer."""
-    if given.told is None:
+def agent(context: AgentContext) -> Oracle:
+    """The embodied arm oracle_check. ValueError for an arm that is not given the answer."""
+    if context.privileged is None:
         raise ValueError("an oracle is told the answer; write answer: handed in its entry")
-    return Oracle(given.pilot, given.told.answer, given.told.follow)
+    return Oracle(context.pilot, context.privileged.answer, context.privileged.follow)
 
 
 def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:
-    """Where the instance called `name` is in an observation that hands positions; None if it is not among them."""
+    """Position of the instance `name` in an observation with positions; None if it is not among them."""
     if name is None or observation.positions is None:
         return None
     return next(((s.x, s.z) for s in observation.positions if s.instance == name), None)

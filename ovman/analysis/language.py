@@ -8,20 +8,17 @@ from enum import StrEnum
 from functools import partial
 from pathlib import Path
 
-from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis import frames
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
-from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.perceived import Perceived, read_perceived
-from ovman.evaluation.prediction import Prediction
-from ovman.language import noun
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
 from ovman.models.episode import Episode
-from ovman.models.record import line
+from ovman.models.prediction import Prediction
+from ovman.models.record import line, lines
 from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 
@@ -76,15 +73,14 @@ def run(
 ) -> None:
     """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
 
-    supplied_file: the predictions of the arm comparisons.agent. constants: comparisons.agent,
-    benchmark.seed, success.radius_m, evaluation.confidence and
-    those of the reference agent. Raises ValueError in one line.
+    supplied_file: the predictions of the arm comparisons.agent. constants: comparisons.agent, success.radius_m,
+    evaluation.confidence and those of the reference agent. Raises ValueError in one line.
     """
     episodes = Episode.load(episodes_file)
     held_out = read_held_out(held_out_file)
-    asked = [ask(episode, held_out, constants.benchmark.seed) for episode in episodes]
+    asked = [ask(episode, held_out) for episode in episodes]
     perceived = read_perceived(maps_files, nouns_file)
-    supplied = prediction.read(supplied_file)
+    supplied = Prediction.read(supplied_file)
     relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
     both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
     cases = [Case.of(episode) for episode in episodes]
@@ -100,8 +96,8 @@ def run(
     )
     output_dir.mkdir(parents=True, exist_ok=True)
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
-    prediction.write(output_dir / f"{RELATION_INFERRED}.jsonl", relation_inferred)
-    prediction.write(output_dir / f"{INFERRED}.jsonl", both_inferred)
+    (output_dir / f"{RELATION_INFERRED}.jsonl").write_text(lines(relation_inferred), encoding="utf-8")
+    (output_dir / f"{INFERRED}.jsonl").write_text(lines(both_inferred), encoding="utf-8")
     frames.write(output_dir / METRICS, LanguageRate, rates)
     right = sum(one.object_right and one.relation_right for one in asked)
     print(f"{right} of {len(asked)} held-out sentences are understood; origin: {held_out.origin}", flush=True)
@@ -121,16 +117,16 @@ def inferred(
     name: what follows the agent's name in that of the arm. said_noun: whether the noun is the one that was understood, or the
     category's own, supplied.
     """
-    reference, arm = ReferenceConstants.of(constants), f"{constants.comparisons.agent}_{name}"
+    arm = f"{constants.comparisons.agent}_{name}"
     predictions = []
     for episode, one in zip(episodes, asked, strict=True):
         match one.understood:
             case Parsed(noun_phrase, relation):
-                phrase = noun_phrase if said_noun else noun(episode.category)
-                outcome, evidence = answer(phrase, relation, episode.visits, perceived[episode.scene], reference)
-                predictions.append(Prediction(one.episode, arm, 0, outcome, evidence))
+                phrase = noun_phrase if said_noun else episode.noun
+                outcome, evidence = answer(phrase, relation, episode.visits, perceived[episode.scene], constants)
+                predictions.append(Prediction.of(one.episode, arm, 0, outcome, evidence))
             case ParseFailure():
-                predictions.append(Prediction(one.episode, arm, 0, NOT_UNDERSTOOD))
+                predictions.append(Prediction.of(one.episode, arm, 0, NOT_UNDERSTOOD))
     return predictions
 
 

@@ -18,7 +18,7 @@ from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
-from ovman.evaluation import prediction
+from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind, Settings, arms_of
 
@@ -117,8 +117,8 @@ def _every_run(outcomes: Sequence[StaticOutcome], arms: Sequence[Arm]) -> None:
             )
 
 
-def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list[prediction.Prediction]:
-    answered = prediction.read(path)
+def _predictions(path: Path, cases: Sequence[Case], arms: Sequence[Arm]) -> list[Prediction]:
+    answered = Prediction.read(path)
     if not answered and path.stem in _may_lack(arms):
         return []
     # Without this an arm that broke off before its first answer would leave the tables as silently as one that does not exist.

@@ -8,10 +8,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.agents.reference.decision import Abstention, Answer
-from ovman.agents.reference.single_visit import success_probability
-from ovman.evaluation.prediction import Prediction
+from ovman.evaluation.scoring import success_probability
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, Answer, Prediction
 from ovman.models.relation import Relation
 from ovman.models.run import Score
 from ovman.workflow.seeds import generator

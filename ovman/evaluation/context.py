@@ -1,129 +1,144 @@
-"""What the function that an arm names is given: `Given` for an agent that drives, `Recorded` for one that predicts a point."""
+"""What the evaluator gives to the function that an arm names: the protocols of `ovman.agents.interface.context`, implemented."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ovman.agents.interface import Visit
+from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
-from ovman.agents.reference.object_map import ObjectMap
-from ovman.evaluation.observation_store import Senses
+from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
+from ovman.models.episode import Episode
 from ovman.models.settings import Arm, Need, Settings, Source
-from ovman.sim.recorded import world_state
-from ovman.task import WorldState
+from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.models.world_state import WorldState
+from ovman.perception.object_map import ObjectMap
+from ovman.task.world import recorded_world
+from ovman.workflow.parameter import StageSettings, constants_of
 
 if TYPE_CHECKING:
-    from ovman.agents.reference.mapper import Mapper
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
 
 
-@dataclass(frozen=True, slots=True)
-class Told:
-    """The answer, for the arm that is handed it: a floor-plane point in metres, and for MOVING the name under which observations
-    carry the target."""
-
-    answer: tuple[float, float]
-    follow: str | None
-
-
 @dataclass(frozen=True, slots=True, eq=False)
-class Given:
-    """For an agent that drives one episode under one seed.
-
-    rng: draws of this arm, episode and seed. constants: those of the stage `executions` and those that the arm's entry names.
-    pilot: the way to a point, as the reference agent drives it. told: None but for the oracle. senses: behind the methods.
-    """
+class RolloutContext:
+    """An `AgentContext`. store: of the episode's scene; privileged: None but for the oracle."""
 
     rng: np.random.Generator
-    constants: Settings
+    settings: Settings
     pilot: Pilot
-    senses: Senses
-    told: Told | None = None
+    store: ObservationStore
+    privileged: PrivilegedAnswer | None = None
 
     @property
     def mapper(self) -> Mapper:
-        """From a recorded visit to the clusters of its map. For an arm that needs maps."""
-        return self.senses.mapper
+        """See `AgentContext.mapper`."""
+        return self.store.mapper
 
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps or networks."""
-        return self.senses.noun(phrase)
+        """See `AgentContext.noun`."""
+        return self.store.noun(phrase)
 
-    def sight(self) -> tuple[Detector, Encoder]:
-        """The detector and the encoder of section perception. For an arm that needs networks."""
-        return self.senses.sight
+    def networks(self) -> tuple[Detector, Encoder]:
+        """See `AgentContext.networks`."""
+        return self.store.networks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Recorded:
-    """For an arm that predicts a point: what was recorded of an episode's two visits, `which` of them is "first" or "second".
+class EpisodeContext:
+    """A `PredictionContext` of an episode.
 
-    rng: draws of this arm, episode and run; run: 0 for the first of `runs`. constants: those of the stage `predictions` and those
-    that the arm's entry names. reachable (2, 2): two corners of the box around what can be reached in the second visit, metres.
-    visits: the names under which files have what was made of the visits; they tell what was changed, and an agent uses them for
-    nothing but to look that up. category: the query's; sightings: by visit, of the instances of that category, for an arm that is
-    handed its grounding or positions, else None.
+    sightings: None for an arm that is given neither its grounding nor positions.
     """
 
     rng: np.random.Generator
     run: int
-    constants: Settings
-    reachable: np.ndarray
-    visits: Mapping[str, str]
-    category: str
+    settings: Settings
+    episode: Episode
     arm: Arm
-    senses: Senses
-    sightings: Mapping[str, Sequence[Mapping[str, Any]]] | None = None
+    store: ObservationStore
+    sightings: Sightings | None = None
 
     @property
-    def grounding(self) -> Source:
-        """Whether the arm is handed its grounding."""
-        return self.arm.grounding
+    def reachable(self) -> np.ndarray:
+        """See `PredictionContext.reachable`."""
+        box = self.episode.reachable_box
+        return np.array(list(zip(box.x, box.z, strict=True)))
+
+    @property
+    def visits(self) -> VisitPair[str]:
+        """See `PredictionContext.visits`."""
+        return self.episode.visits
+
+    @property
+    def privileged_grounding(self) -> bool:
+        """See `PredictionContext.privileged_grounding`."""
+        return self.arm.grounding is Source.HANDED
 
     def map(self, which: str) -> ObjectMap:
-        """The reference agent's map of a visit. For an arm that needs maps."""
-        return self.senses.perceived.map(self.visits[which])
+        """See `PredictionContext.map`."""
+        return self.store.perceived.map(self.visits[which])
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
-        """What was made of the scene, read once by `read`. For an arm that needs it."""
-        return self.senses.made(need, read)
+        """See `PredictionContext.made`."""
+        return self.store.made(need, read)
 
     def tour(self, which: str) -> Visit:
-        """The frames of a visit. For an arm that needs tours."""
-        return self.senses.visit(self.visits[which], self.reachable)
+        """See `PredictionContext.tour`."""
+        return self.store.visit(self.visits[which], self.reachable)
 
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, dualmap or networks."""
-        return self.senses.noun(phrase)
+        """See `PredictionContext.noun`."""
+        return self.store.noun(phrase)
 
-    def sight(self) -> tuple[Detector, Encoder]:
-        """The detector and the encoder of section perception. For an arm that needs networks."""
-        return self.senses.sight
+    def networks(self) -> tuple[Detector, Encoder]:
+        """See `PredictionContext.networks`."""
+        return self.store.networks
 
     def true_objects(self, which: str, p: np.ndarray) -> tuple[int, ...]:
-        """Which of the map objects at p (N, 2) stand for instances of the query's category in a visit.
-
-        For an arm that is handed its grounding. ValueError for any other.
-        """
-        sightings = self._handed(self.arm.grounding, "grounding")[which]
-        min_mask_px, radius_m = self.constants.admissibility.min_mask_px, self.constants.success.radius_m
+        """See `PredictionContext.true_objects`."""
+        sightings = self._privileged(self.arm.grounding, "grounding")[which]
+        min_mask_px, radius_m = self.settings.admissibility.min_mask_px, self.episode.protocol.success.radius_m
         return grounding_by_truth(recorded_positions(sightings, min_mask_px), p, radius_m)
 
     def world(self, which: str) -> WorldState:
-        """The instances of the query's category as a visit recorded them. For an arm that is handed positions."""
-        sightings = self._handed(self.arm.positions, "positions")[which]
-        return world_state(sightings, self.category, self.constants.admissibility.min_mask_px)
+        """See `PredictionContext.world`."""
+        sightings = self._privileged(self.arm.positions, "positions")[which]
+        return recorded_world(sightings, self.episode.category, self.settings.admissibility.min_mask_px)
 
-    def _handed(self, source: Source, what: str) -> Mapping[str, Sequence[Mapping[str, Any]]]:
-        if source is not Source.HANDED or self.sightings is None:
+    def _privileged(self, source: Source, what: str) -> VisitPair[tuple[Sighting, ...]]:
+        if source is not Source.HANDED:
             raise ValueError(f"arms.{self.arm.name} finds its {what} itself; a diagnostic arm says {what}: handed in its entry")
-        return self.sightings
+        if self.sightings is None:
+            raise ValueError(f"arms.{self.arm.name} is given its {what}: it needs the file of sightings beside the episodes")
+        return self.sightings.sightings
+
+
+def agent_settings(episode: Episode, stage: StageSettings) -> Settings:
+    """What an agent may read: what its arm's entry names, the settings of its stage, and the episode's camera and primitives."""
+    return _merged(stage, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
+
+
+def run_settings(episode: Episode, stage: StageSettings) -> Settings:
+    """What a run is measured by: the settings of its stage, for the body that an arm names, and the episode's protocol."""
+    sections = {name: dict(getattr(episode.protocol, name)) for name in type(episode.protocol).model_fields}
+    return _merged(stage, sections | {"benchmark": {"backend": episode.backend}})
+
+
+def _merged(stage: StageSettings, sections: Mapping[str, dict[str, Any]]) -> Settings:
+    tree: dict[str, Any] = {}
+    for name, value in constants_of(stage).items():
+        *path, last = name.split(".")
+        here = tree
+        for section in path:
+            here = here.setdefault(section, {})
+        here[last] = value
+    return Settings.owned({**tree, **sections}, stage.stage)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.agents.interface import VISITS
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.reasoning import Evidence, ReferenceConstants, two_visits_asked
+from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, Evidence, Relation
+from ovman.agents.reference.reasoning import two_visits_asked
 from ovman.evaluation.perceived import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.models.episode import Episode
-from ovman.models.relation import Relation
+from ovman.models.settings import Settings
 from ovman.models.sighting import VisitPair
 from ovman.workflow.seeds import generator
 
@@ -21,8 +20,7 @@ SCHEMA = "ovman-sentence/1"
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A sentence that was said about an episode. noun: the one in it; relation: the one that was meant; understood: the parser's
-    result."""
+    """A sentence about an episode. noun: the one in it; relation: the one that is meant; understood: the parser's result."""
 
     episode: str
     sentence: str
@@ -37,6 +35,7 @@ class Asked:
 
     @property
     def relation_right(self) -> bool:
+        """Whether the relation was found."""
         return isinstance(self.understood, Parsed) and self.understood.relation == self.relation
 
     @property
@@ -55,22 +54,23 @@ class Asked:
                 return record | {"failure": str(failure)}
 
 
-def ask(episode: Episode, held_out: HeldOut, seed: int) -> Asked:
-    """A held-out sentence for an episode, drawn by seed and episode alone, and what is understood of it."""
-    noun, sentence = held_out.drawn(episode.relation, episode.category, generator(seed, "language", episode.id))
+def ask(episode: Episode, held_out: HeldOut) -> Asked:
+    """A held-out sentence for an episode, drawn by its seed and id alone, and the parser's result."""
+    draws = generator(episode.provenance.seed, "language", episode.id)
+    noun, sentence = held_out.drawn(episode.relation, episode.category, draws)
     return Asked(episode.id, sentence, noun, episode.relation, parse(sentence))
 
 
 def answer(
-    noun_phrase: str, relation: str, visits: VisitPair[str], perceived: Perceived, constants: ReferenceConstants
+    noun_phrase: str, relation: str, visits: VisitPair[str], perceived: Perceived, settings: Settings
 ) -> tuple[Answer | Abstention, Evidence]:
     """What the reference agent with two visits answers to a query of any noun phrase and relation.
 
-    visits: the names of the "first" and the "second" visit of the episode. Raises ValueError as ``Perceived`` does for a visit
-    without a map or a noun phrase without an embedding.
+    visits: the names of both visits of the episode; settings: those of the reference agent. Raises ValueError as ``Perceived``
+    does for a visit without a map or a noun phrase without an embedding.
     """
-    maps = [perceived.map(visits[visit]) for visit in VISITS]
-    return two_visits_asked(Relation(relation), *maps, perceived.noun(noun_phrase), constants)
+    map_1, map_2 = (perceived.map(visits[visit]) for visit in VISITS)
+    return two_visits_asked(Relation(relation), map_1, map_2, perceived.noun(noun_phrase), settings)
 
 
 NOT_UNDERSTOOD = Abstention(AbstentionReason.NOT_PARSED)

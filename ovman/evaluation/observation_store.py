@@ -1,44 +1,63 @@
-"""What the agents of a job see with in one scene: recorded tours, maps that were made of them, nouns, networks.
+"""What the agents of a job observe in one scene: recorded tours, maps that were made of them, nouns, networks.
 
-Everything is read or loaded when it is first asked for: a job whose answers are all known opens nothing.
+Everything is read or loaded at its first use: a job whose answers are all known opens no file.
 """
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 
 from ovman.agents.interface import Visit
 from ovman.evaluation.perceived import Perceived
 from ovman.models.settings import Arm, Need, Settings
+from ovman.perception.clusters import Cluster
 from ovman.perception.records import read_maps, read_nouns
 
 if TYPE_CHECKING:
-    from ovman.agents.reference.mapper import KeptMaps
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
 FILES: Mapping[Need, str] = {Need.MAPS: "maps", Need.DUALMAP: "dualmap"}
-"""By need: how the workflow calls the file that was made of a scene."""
+"""By need: the workflow's name of the file that was made of a scene."""
 
 
-class Senses:
-    """What an arm's agents are given in a scene.
+class MapsByContent:
+    """Maps that were made of recorded tours, looked up by the content of the tour. No frame is read.
 
-    arm: whose; what its entry does not need is refused in one line. constants: the stage's view, with camera.field_of_view_deg
-    and, for networks, the section perception. visits: directory of the scene's recorded visits. files: what was made of the
-    scene, by the names that the workflow has for it ("maps", "nouns", "dualmap").
+    maps: clusters by ``Visit.content``. Names of visits reveal the change, so an agent does not learn them.
     """
 
-    def __init__(self, arm: Arm, constants: Settings, visits: Path, files: Mapping[str, Path]) -> None:
-        self._arm, self._constants, self._visits, self._files = arm, constants, visits, files
-        self._made: dict[Any, Any] = {}
+    def __init__(self, maps: Mapping[str, Sequence[Cluster]]) -> None:
+        self._maps = dict(maps)
+
+    def __call__(self, visit: Visit) -> Sequence[Cluster]:
+        """The clusters of the visit's map. ValueError for a tour of which no map was made."""
+        if visit.content is None or visit.content not in self._maps:
+            raise ValueError(f"no map was made of the tour with the content {visit.content}; make the stage maps again")
+        return self._maps[visit.content]
+
+
+class ObservationStore:
+    """What an arm's agents are given in a scene.
+
+    arm: whose agents; what its entry does not need is refused in one line. settings: section perception, for an arm that needs
+    networks. field_of_view_deg: of the tours' camera, vertical. visits: directory of the scene's recorded visits. files: what was
+    made of the scene, by the names that the workflow has for it ("maps", "nouns", "dualmap").
+    """
+
+    def __init__(
+        self, arm: Arm, settings: Settings, field_of_view_deg: float, visits: Path, files: Mapping[str, Path] = {}
+    ) -> None:
+        self._arm, self._settings, self._field_of_view_deg = arm, settings, field_of_view_deg
+        self._visits, self._files = visits, files
+        self._made: dict[Hashable, object] = {}
         self._phrases: dict[str, np.ndarray] = {}
 
     @cached_property
@@ -47,12 +66,10 @@ class Senses:
         return Perceived(self.made(Need.MAPS, read_maps), self._nouns)
 
     @cached_property
-    def mapper(self) -> KeptMaps:
-        """Maps by what the tours show: names of visits tell what was changed, so an agent does not learn them."""
-        from ovman.agents.reference.mapper import KeptMaps
-
+    def mapper(self) -> MapsByContent:
+        """The scene's maps by what the tours show."""
         maps = self.perceived.maps
-        return KeptMaps({self._content(name): clusters for name, clusters in maps.items()})
+        return MapsByContent({self._content(name): clusters for name, clusters in maps.items()})
 
     def noun(self, phrase: str) -> np.ndarray:
         """Unit embedding (K,) of a noun phrase, by the encoder that made the features of the maps.
@@ -62,26 +79,26 @@ class Senses:
         if "nouns" in self._files and (phrase in self._nouns or not self._needs(Need.NETWORKS)):
             return Perceived({}, self._nouns).noun(phrase)
         if phrase not in self._phrases:
-            _, encoder = self.sight
+            _, encoder = self.networks
             self._phrases[phrase] = encoder.texts([phrase])[0]
         return self._phrases[phrase]
 
     @cached_property
-    def sight(self) -> tuple[Detector, Encoder]:
+    def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception, loaded once. ValueError for an arm that does not need them."""
         self._allow(Need.NETWORKS)
         from ovman.perception.networks import detector_of, encoder_of
 
-        return detector_of(self._constants.perception), encoder_of(self._constants.perception)
+        return detector_of(self._settings.perception), encoder_of(self._settings.perception)
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
-        """What was made of the scene, read once. ValueError for what the arm does not need."""
+        """What was made of the scene, read once. ValueError for what the arm does not need or nothing has made."""
         self._allow(need)
         if FILES[need] not in self._files:
-            raise ValueError(f"arms.{self._arm.name} needs {need}, and there are none of {self._visits.name}; make them")
+            raise ValueError(f"arms.{self._arm.name} needs {need}, and {self._visits.name} has none; make them")
         if (need, read) not in self._made:
             self._made[need, read] = read(self._files[FILES[need]])
-        return self._made[need, read]
+        return cast(Made, self._made[need, read])
 
     def visit(self, name: str, reachable: np.ndarray) -> Visit:
         """The recorded visit of that name, with the positions (K, 2) that can be reached in it; without frames for an arm that
@@ -90,11 +107,11 @@ class Senses:
         if self._needs(Need.TOURS) or self._needs(Need.MAPS):
             from ovman.evaluation.recorded_tour import recorded
 
-            return recorded(self._visits / name, self._constants.camera.field_of_view_deg, reachable)
+            return recorded(self._visits / name, self._field_of_view_deg, reachable)
         return Visit((), reachable)
 
-    def seen(self, visits: Sequence[str], phrase: str) -> Any:
-        """All that the arm's answer may hang on in these visits, JSON-serialisable: by it a run is found again in a journal."""
+    def cache_key(self, visits: Sequence[str], phrase: str) -> dict[str, Any]:
+        """Cache key: everything of the observations of these visits that the arm's answer can depend on, JSON-serialisable."""
         found: dict[str, Any] = {}
         if self._needs(Need.TOURS):
             found["tours"] = [self._content(name) for name in visits]
@@ -108,10 +125,10 @@ class Senses:
         return found
 
     @cached_property
-    def _looked_at_by(self) -> Any:
+    def _looked_at_by(self) -> object:
         from ovman.perception.networks import looked_at_by
 
-        return looked_at_by(self._constants.perception)
+        return looked_at_by(self._settings.perception)
 
     @cached_property
     def _nouns(self) -> Mapping[str, np.ndarray]:
@@ -120,7 +137,7 @@ class Senses:
     def _content(self, name: str) -> str:
         from ovman.evaluation.recorded_tour import content
 
-        return content(self._visits / name, self._constants.camera.field_of_view_deg)
+        return content(self._visits / name, self._field_of_view_deg)
 
     def _needs(self, need: Need) -> bool:
         return need in self._arm.needs
@@ -131,12 +148,12 @@ class Senses:
 
 
 def of_scene(scene: str, files: Mapping[str, Sequence[Path]]) -> dict[str, Path]:
-    """Of files by the workflow's names for them, those of a scene: the one that is called after it, or the one that there is."""
+    """Of files by the workflow's names for them, those of a scene: the one named after it, or the one of all scenes (nouns)."""
     found = {name: [path for path in paths if path.stem == scene or name == "nouns"] for name, paths in files.items()}
     return {name: paths[0] for name, paths in found.items() if paths}
 
 
-def _numbers(cluster: Any) -> list[Any]:
+def _numbers(cluster: Cluster) -> list[Any]:
     return [np.asarray(part).tolist() for part in (cluster.position, cluster.feature, cluster.track, cluster.views)]
 
 

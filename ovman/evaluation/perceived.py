@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.reference.object_map import ObjectMap
 from ovman.perception.clusters import Cluster
+from ovman.perception.object_map import ObjectMap
 from ovman.perception.records import read_maps, read_nouns
 
 
@@ -21,20 +21,20 @@ class Perceived:
     nouns: Mapping[str, np.ndarray]
 
     def map(self, visit: str) -> ObjectMap:
-        """The map of a visit. ValueError for a visit that there is none of."""
+        """The map of a visit. ValueError for a visit without a map."""
         if visit not in self.maps:
-            raise ValueError(f"there is no map of the visit {visit!r}; make the stage maps again")
+            raise ValueError(f"the visit {visit!r} has no map; make the stage maps again")
         return ObjectMap.of(self.maps[visit])
 
     def noun(self, phrase: str) -> np.ndarray:
-        """The embedding (K,) of a noun phrase. ValueError for one that there is none of."""
+        """The embedding (K,) of a noun phrase. ValueError for one without an embedding."""
         if phrase not in self.nouns:
-            raise ValueError(f"there is no embedding of the noun {phrase!r}; make the stage nouns again")
+            raise ValueError(f"the noun {phrase!r} has no embedding; make the stage nouns again")
         return self.nouns[phrase]
 
 
 def read_perceived(maps_files: Sequence[Path], nouns_file: Path | None) -> dict[str, Perceived]:
-    """What was perceived, by scene; nothing where there are no files."""
+    """What was perceived, by scene; nothing without a file of nouns."""
     if nouns_file is None:
         return {}
     nouns = read_nouns(nouns_file)

@@ -1,6 +1,6 @@
 """Stage `predictions`: what the static arms answer to the released episodes, from the recorded observations. Pure.
 
-What is handed over to a diagnostic arm is looked up behind `Recorded`, from the trials; the others get their maps and the noun.
+An arm that is given its grounding or positions reads the file of sightings; no other arm opens it.
 """
 
 from __future__ import annotations
@@ -8,74 +8,102 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from ovman.agents.reference.reasoning import Evidence
-from ovman.evaluation.context import Recorded
-from ovman.evaluation.observation_store import Senses, of_scene
-from ovman.evaluation.prediction import Outcome, Prediction, write
+from ovman.evaluation.context import EpisodeContext, agent_settings
+from ovman.evaluation.observation_store import ObservationStore, of_scene
 from ovman.evaluation.supervision import AgentError, failures, function
-from ovman.models.record import read_records
-from ovman.models.settings import Arm, Settings, Source
-from ovman.task import Query, Relation
+from ovman.models.episode import Episode
+from ovman.models.prediction import Evidence, Predicted, Prediction
+from ovman.models.record import lines
+from ovman.models.settings import Arm
+from ovman.models.sighting import Sightings
 from ovman.workflow import seeds
+from ovman.workflow.parameter import StageSettings
+
+VISITS = Path("results", "visits")
+"""Directory of the recorded visits of all scenes."""
 
 
 def predict(
-    arm: Arm, trial: Mapping[str, Any], constants: Settings, senses: Senses, run: int = 0
-) -> tuple[Outcome, Evidence | None]:
-    """What a static arm answers to the query of a trial, given what was recorded of both visits, and from which evidence.
+    arm: Arm,
+    episode: Episode,
+    settings: StageSettings,
+    store: ObservationStore,
+    sightings: Sightings | None = None,
+    run: int = 0,
+) -> tuple[Predicted, Evidence | None]:
+    """What a static arm answers to the query of an episode, and from which evidence.
 
-    senses: of the trial's scene; run: 0 for the first of the arm's runs. AgentError, in one line, where the arm's function fails.
+    store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding or positions; run: 0 for the
+    first of the arm's runs. AgentError, in one line, where the arm's function fails or returns no prediction.
     """
-    candidate, measured = trial["candidate"], trial["measured"]
-    recorded = Recorded(
-        rng=seeds.generator(constants.benchmark.seed, "predictions", arm.name, candidate["id"], run),
+    context = EpisodeContext(
+        rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
         run=run,
-        constants=constants,
-        reachable=np.array(list(zip(*measured["reachable_box"].values(), strict=True))),
-        visits=measured["visits"],
-        category=candidate["category"],
+        settings=agent_settings(episode, settings),
+        episode=episode,
         arm=arm,
-        senses=senses,
-        sightings=measured["sightings"] if Source.HANDED in (arm.grounding, arm.positions) else None,
+        store=store,
+        sightings=sightings if arm.reads_sightings else None,
     )
     answer = function(arm.name, arm.agent)
-    with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {candidate['id']}: it"):
-        answered = answer(Query(candidate["category"], Relation(candidate["relation"])), recorded)
+    with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
+        answered = answer(episode.query, context)
     match answered:
-        case (outcome, Evidence() | None as evidence) if isinstance(outcome, Outcome):
+        case (outcome, Evidence() | None as evidence) if isinstance(outcome, Predicted):
             return outcome, evidence
     raise AgentError(f"{where} returned {answered!r:.80}; return (Answer(x, z), None), or another outcome of a prediction")
+
+
+def sightings_of(arm: Arm, file: Path | None) -> dict[str, Sightings]:
+    """The sightings by episode, for an arm that reads them. ValueError, in one line, where the file is not given."""
+    if not arm.reads_sightings:
+        return {}
+    if file is None:
+        raise ValueError(f"arms.{arm.name} is given its grounding or positions: it needs the file of sightings")
+    return {record.episode: record for record in Sightings.read(file)}
 
 
 def run(
     arm: Arm,
     episodes_file: Path,
-    trials_files: Sequence[Path],
-    constants: Settings,
+    settings: StageSettings,
     output: Path,
-    visits: Path = Path("results", "visits"),
+    sightings_file: Path | None = None,
+    visits: Path = VISITS,
     files: Mapping[str, Sequence[Path]] = {},
 ) -> None:
     """Write the predictions of an arm for all released episodes, run after run.
 
-    visits: directory of all scenes' recorded visits. files: what was perceived, by the workflow's names for it: under "maps" and
-    "dualmap" one file a scene, named after it, under "nouns" one; none for an arm with positions handed over. Prints how long it
-    took from the files to the predictions.
+    sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
+    perceived, by the workflow's names: under "maps" and "dualmap" one file a scene, named after it, under "nouns" one. Prints
+    how long it took from the files to the predictions.
     """
     began, worked = time.perf_counter(), time.process_time()
-    trials = {t["candidate"]["id"]: t for file in trials_files for t in read_records(file)}
-    episodes = list(read_records(episodes_file))
-    scenes = dict.fromkeys(episode["scene"] for episode in episodes)
-    senses = {scene: Senses(arm, constants, visits / scene, of_scene(scene, files)) for scene in scenes}
+    episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)
+    stores: dict[tuple[str, float], ObservationStore] = {}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
-            outcome, evidence = predict(arm, trials[episode["id"]], constants, senses[episode["scene"]], number)
-            predictions.append(Prediction(episode["id"], arm.name, number, outcome, evidence))
-    write(output, predictions)
+            store = store_of(arm, episode, settings, visits, files, stores)
+            outcome, evidence = predict(arm, episode, settings, store, sightings.get(episode.id), number)
+            predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
+    output.write_text(lines(predictions), encoding="utf-8")
     took, worked = time.perf_counter() - began, time.process_time() - worked
     print(f"{arm.name}: {len(predictions)} predictions in {took:.2f} s, {worked:.2f} s of the processor", flush=True)
+
+
+def store_of(
+    arm: Arm,
+    episode: Episode,
+    settings: StageSettings,
+    visits: Path,
+    files: Mapping[str, Sequence[Path]],
+    stores: dict[tuple[str, float], ObservationStore],
+) -> ObservationStore:
+    """The store of an episode's scene and camera, made where `stores` has none."""
+    lens = episode.protocol.camera.field_of_view_deg
+    key = episode.scene, lens
+    if key not in stores:
+        stores[key] = ObservationStore(arm, settings, lens, visits / episode.scene, of_scene(episode.scene, files))
+    return stores[key]

@@ -1,18 +1,17 @@
-"""Grounding handed over: ground truth over an agent's own map objects.
+"""Grounding by the truth over an agent's own map objects, for diagnostic arms.
 
-For the diagnostic arms only. Whoever calls this knows where the true instances were, so it belongs to the evaluator's side; the
-agent proper grounds with ``ovman.agents.reference.grounding``.
+It needs the true positions of instances; an agent proper grounds with ``ovman.agents.reference.grounding``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import distances, positions
+from ovman.models.sighting import Sighting
 
 
 def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tuple[int, ...]:
@@ -32,9 +31,9 @@ def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tu
     return tuple(sorted({int(order[j]) for t, j in enumerate(nearest) if gap[t, j] <= radius_m}))
 
 
-def recorded_positions(sightings: Sequence[Mapping[str, Any]], min_mask_px: int) -> np.ndarray:
+def recorded_positions(sightings: Sequence[Sighting], min_mask_px: int) -> np.ndarray:
     """(T, 2) floor-plane positions in metres at which a tour recorded the instances, with masks of at least min_mask_px.
 
-    sightings: those of one category in one visit (``ovman.sim.visit.Visit.sightings``).
+    sightings: those of one category in one visit (`ovman.models.visit.Visit.sightings`).
     """
-    return positions([(seen["x"], seen["z"]) for seen in sightings if seen["px"] >= min_mask_px], "recorded")
+    return positions([(seen.x, seen.z) for seen in sightings if seen.px >= min_mask_px], "recorded")

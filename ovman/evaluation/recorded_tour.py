@@ -1,4 +1,4 @@
-"""Recorded tours as an agent is given them: frames and camera poses, and nothing of what else the recording says."""
+"""Recorded tours as an agent is given them: frames and camera poses, and nothing else of the recording."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ovman.perception.tour_files import cameras, digest, view
 
 
 class RecordedTour(Sequence[Observation]):
-    """The frames of a recorded tour, each read from its files when it is asked for."""
+    """The frames of a recorded tour, each read from its files when it is indexed."""
 
     def __init__(self, directory: Path, field_of_view_deg: float) -> None:
         self._directory, self._cameras = directory, cameras(directory, field_of_view_deg)
@@ -40,12 +40,12 @@ class RecordedTour(Sequence[Observation]):
 def recorded(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
     """The visit that was recorded in a directory (``ovman.sim.visit``), with the positions (K, 2) that can be reached in it.
 
-    Raises TourError where there is no tour.
+    Raises TourError where no tour is recorded.
     """
     return Visit(RecordedTour(directory, field_of_view_deg), reachable, content(directory, field_of_view_deg))
 
 
 @lru_cache(maxsize=256)
 def content(directory: Path, field_of_view_deg: float) -> str:
-    """Digest of a recorded tour's frames and cameras: the same for tours that nobody can tell apart by looking."""
+    """Digest of a recorded tour's frames and cameras: equal for tours that look the same."""
     return digest(directory, field_of_view_deg, "")

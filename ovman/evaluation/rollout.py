@@ -1,4 +1,4 @@
-"""Runs an agent in the simulator from its spawn to its stop, and measures there. The same for the oracle and for every agent."""
+"""One rollout: an agent runs in the simulator from its spawn to its stop, and is measured there. The same for every agent."""
 
 from __future__ import annotations
 
@@ -6,39 +6,76 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, partial
+from typing import Any, Protocol
 
 import numpy as np
 
-from ovman.agents.interface import Action, Agent, CameraPose, Observation, Sighting, Visit
-from ovman.evaluation.assignment import Assignment
-from ovman.models.run import Measured, Outcome
-from ovman.models.run import Terms as StopTerms
+from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenInstance, Visit
+from ovman.models.change import Alteration, MoverStart
+from ovman.models.geometry import Point, Spawn
+from ovman.models.query import Query
+from ovman.models.run import InstanceTerms, Measured, Outcome, Terms
 from ovman.models.settings import Settings
+from ovman.sim import measurement
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.measurement import ReachableRegion
-from ovman.sim.session import Session
-from ovman.task import Query
+from ovman.sim.session import AgentPose, Session
 from ovman.workflow.journal import digest
 
 
+class Runnable(Protocol):
+    """The part of an episode that a run depends on; a trial that is being certified has it, too."""
+
+    @property
+    def query(self) -> Query:
+        """What the agent is asked."""
+
+    @property
+    def target(self) -> str:
+        """Id of the instance that the query means."""
+
+    @property
+    def spawn(self) -> Spawn:
+        """Where the run begins."""
+
+    @property
+    def answer(self) -> Point:
+        """Floor-plane point in metres; for MOVING where the mover is when the run begins."""
+
+    @property
+    def nearest_navigable(self) -> Point:
+        """nu(a): the cell nearest to the answer that the benchmark's own body can reach."""
+
+    @property
+    def mover(self) -> MoverStart | None:
+        """The state of the mover when the run begins; None where nothing moves."""
+
+    @property
+    def gone(self) -> frozenset[str]:
+        """Ids of the instances that are absent from visit 2."""
+
+    def alterations(self, visit: str) -> tuple[Alteration, ...]:
+        """What differs from the untouched scene in the visit "first" or "second"."""
+
+
 @cache
-def handed(visit: str, instance: str) -> str:
-    """The name by which an agent that is handed positions knows an instance in one visit; it says nothing about the other."""
+def alias(visit: str, instance: str) -> str:
+    """The name of an instance for an agent that is given positions, within one visit; it says nothing about the other."""
     return digest(visit, instance)[:8]
 
 
-NOWHERE = StopTerms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)
+NOWHERE = Terms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)
 """The terms of Eq. 4 of a run that did not stop."""
 
 
 @dataclass(frozen=True, slots=True)
-class Terms:
+class Limits:
     """The terms of an arm's runs that are not the benchmark's for all.
 
-    budget: of actions, primitives.action_budget where it is None. marks: numbers of actions at which the path length is written
-    down ("path_at_m"), for those that cut the run there. any_instance: whether every instance of the category is measured at the
-    stop ("instances"), for an agent whose own task is to reach one.
+    budget: of actions, primitives.action_budget where it is None. marks: numbers of actions at which the path length is recorded
+    ("path_at_m"), for arms that cut the run there. any_instance: whether every instance of the category is measured at the stop
+    ("instances"), for an agent whose own task is to reach one.
     """
 
     budget: int | None = None
@@ -46,44 +83,90 @@ class Terms:
     any_instance: bool = False
 
 
-def execute(
+def begin(session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False) -> World:
+    """The world of visit 2 with the mover where the recorded visit left it; `rng` drives the mover.
+
+    every_object: whether the session reports all objects from then on, or those of the query's category alone. settings: mover.*.
+    SimulatorError if the simulator refuses.
+    """
+    category = episode.query.category
+
+    def of_category(metadata: Mapping[str, Any]) -> bool:
+        return bool(metadata["objectType"] == category)
+
+    world = World(session, episode.alterations("second"), settings.mover, rng, None if every_object else of_category)
+    if episode.mover is not None:
+        world.send_mover_to(episode.mover.along_m, episode.mover.direction)
+    return world
+
+
+def measure_at_stop(
     session: Session,
-    assignment: Assignment,
+    episode: Runnable,
+    world: World,
+    settings: Settings,
+    region: ReachableRegion | None = None,
+    any_instance: bool = False,
+) -> tuple[Terms, Mapping[str, InstanceTerms]]:
+    """The terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category by id.
+
+    region: what the agent could reach from its spawn; without it `nearest_navigable` holds. Where something moves, its present
+    place is the answer, and nu(a) is found anew. settings: primitives.step_m and success.sweep_deg.
+    """
+    answer, navigable = episode.answer, episode.nearest_navigable
+    if world.mover is not None:
+        answer = world.mover.position
+        region = ReachableRegion.around(session, session.pose, settings.primitives.step_m)
+    if region is not None:
+        navigable = region.navigable(*answer)
+    instances: list[str] = []
+    if any_instance:
+        category, gone = episode.query.category, episode.gone
+        instances = [k for k, o in session.objects.items() if o["objectType"] == category and k not in gone]
+    sweep, past = tuple(settings.success.sweep_deg), episode.query.relation.past
+    return measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
+
+
+def roll_out(
+    session: Session,
+    episode: Runnable,
     agent: Agent,
     first: Visit | None,
     second: Callable[[np.ndarray], Visit],
     name_of: Callable[[str], str] | None,
     rng: np.random.Generator,
-    constants: Settings,
-    terms: Terms = Terms(),
+    settings: Settings,
+    limits: Limits = Limits(),
     noise: int | None = None,
 ) -> Measured:
-    """One run as it was measured.
+    """One run of an agent.
 
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
-    reachable positions (K, 2) around the spawn; name_of: how instances are called in the positions that are handed to it, None
-    for an agent that is not handed any. `rng` drives the mover. noise: seed of what a noisy body does beside what it is told.
-    A body of its own is not told where the benchmark's can go, and is not ended for standing still: CoW knows no such rule.
-    An agent that is handed positions, or says that it does not look, is given no images. Deterministic for a deterministic
-    simulator. SimulatorError if it refuses.
+    reachable positions (K, 2) around the spawn; name_of: names of the instances in the positions that an agent is given, None for
+    an agent without positions. `rng` drives the mover. settings: sections camera, primitives and mover and success.sweep_deg.
+    noise: seed of the actuation noise of a noisy body.
+
+    Agents with a body of their own get no reachable grid and are exempt from the stall rule. An agent that is given positions, or
+    whose attribute `looks` is False, gets no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.
     """
-    world = assignment.begun(session, constants, rng, object_filter=assignment.concerns)
+    world = begin(session, episode, settings, rng)
     if noise is not None:
         session.step("SetRandomSeed", seed=noise)
-    session.teleport(assignment.spawn)
-    own_body = session.embodiment.mode != Embodiment.of(constants).mode
-    ground = None if own_body else ReachableRegion.around(session, assignment.spawn, constants.primitives.step_m)
+    spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
+    session.teleport(spawn)
+    own_body = session.embodiment.mode != Embodiment.of(settings).mode
+    region = None if own_body else ReachableRegion.around(session, spawn, settings.primitives.step_m)
     if first is not None:
         agent.familiarise(first)
-    agent.revisit(second(np.empty((0, 2)) if ground is None else cells(ground)))
-    agent.ask(Query(assignment.category, assignment.relation))
+    agent.revisit(second(np.empty((0, 2)) if region is None else cells(region)))
+    agent.ask(episode.query)
 
     looks = name_of is None and getattr(agent, "looks", True)
-    observe = partial(_observation, session, looks, assignment.gone, name_of)
-    driven = _driven(session, world, agent, observe, own_body, looks, constants, terms)
+    observe = partial(_observation, session, looks, episode.gone, name_of)
+    driven = _driven(session, world, agent, observe, own_body, looks, settings, limits)
     at_stop, instances = NOWHERE, None
     if driven.outcome == "stopped":
-        at_stop, found = assignment.at_stop(session, world, constants, ground, terms.any_instance)
+        at_stop, found = measure_at_stop(session, episode, world, settings, region, limits.any_instance)
         instances = found or None
     return Measured(
         **dict(at_stop),
@@ -91,7 +174,7 @@ def execute(
         path_length_m=round(driven.path_length_m, 4),
         actions=driven.actions,
         instances=instances,
-        path_at_m=driven.path_at_m if terms.marks else None,
+        path_at_m=driven.path_at_m if limits.marks else None,
     )
 
 
@@ -112,15 +195,15 @@ def _driven(
     observe: Callable[[bool, np.ndarray | None], Observation],
     own_body: bool,
     looks: bool,
-    constants: Settings,
-    terms: Terms,
+    settings: Settings,
+    limits: Limits,
 ) -> _Driven:
     """observe: what the agent sees, given whether its last action succeeded, and what can be reached now (None: as before).
 
-    Where nothing else moves after an action, its own image is what the agent sees next.
+    Where nothing else moves after an action, the image of the action is the agent's next one.
     """
-    step_m = constants.primitives.step_m
-    budget = constants.primitives.action_budget if terms.budget is None else terms.budget
+    step_m = settings.primitives.step_m
+    budget = settings.primitives.action_budget if limits.budget is None else limits.budget
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
     mover_in: tuple[int, int] | None = None
     path_at_m: dict[int, float] = {}
@@ -141,11 +224,11 @@ def _driven(
         after = session.pose
         moved = math.hypot(after.x - before.x, after.z - before.z)
         travelled, actions = travelled + moved, actions + 1
-        if actions in terms.marks:
+        if actions in limits.marks:
             path_at_m[actions] = round(travelled, 4)
         since_moved = 0 if moved > 0 else since_moved + 1
         world.after_action()
-        if since_moved >= constants.primitives.stall_after and not own_body:
+        if since_moved >= settings.primitives.stall_after and not own_body:
             outcome = "stalled"
             break
     return _Driven(outcome, travelled, actions, path_at_m)
@@ -155,9 +238,9 @@ def _cell(point: tuple[float, float], step_m: float) -> tuple[int, int]:
     return round(point[0] / step_m), round(point[1] / step_m)
 
 
-def cells(ground: ReachableRegion) -> np.ndarray:
+def cells(region: ReachableRegion) -> np.ndarray:
     """The positions (K, 2) in metres that can be reached, sorted."""
-    return np.array([ground.grid.centre(c) for c in sorted(ground.grid.cells)])
+    return np.array([region.grid.centre(c) for c in sorted(region.grid.cells)])
 
 
 def _observation(
@@ -179,5 +262,5 @@ def _observation(
         return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
     present = {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
     at = {k: position(o) for k, o in present.items()}
-    positions = tuple(Sighting(name_of(k), present[k]["objectType"], at[k].x, at[k].z) for k in sorted(at))
+    positions = tuple(SeenInstance(name_of(k), present[k]["objectType"], at[k].x, at[k].z) for k in sorted(at))
     return Observation(None, None, camera, field_of_view_deg, succeeded, positions, reachable)

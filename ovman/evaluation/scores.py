@@ -1,59 +1,61 @@
-"""Stage `runs`: judges the measured executions (Eq. 4 and 5). Pure."""
+"""Stage `scores`: judges the measured rollouts (Eq. 4 and 5) by the constants of their episodes. Pure."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-from ovman.analysis.outcomes import OWN_SUCCESS
-from ovman.models.record import read_records
-from ovman.models.settings import Arm, Settings
-from ovman.models.settings.benchmark import Success
-from ovman.sim.recorded import MEASURED, any_instance, judged
-from ovman.task import Relation, spl
-
-FIELDS = ("schema", "episode", "arm", "seed", "outcome", *MEASURED)
+from ovman.evaluation.rollout import NOWHERE
+from ovman.evaluation.scoring import any_instance, judged
+from ovman.models.episode import Episode
+from ovman.models.record import lines
+from ovman.models.run import Rollout, Score, Travelled
+from ovman.models.settings import Arm
+from ovman.task import spl
 
 
-def judge(execution: Mapping[str, Any], episode: Mapping[str, Any], constants: Success, own_task: bool = False) -> dict[str, Any]:
-    """An "ovman-run/1" record: the execution with its success and SPL.
+def score(rollout: Rollout, episode: Episode, own_task: bool = False) -> Score:
+    """A rollout with its success and SPL.
 
-    own_task: whether the agent has a task of its own, to reach any instance of the category; the verdict on that is added.
+    own_task: whether the agent's own task is to reach any instance of the category; the verdict on that is added.
     """
-    success = judged(execution, Relation(episode["relation"]), constants)
-    score = spl(success, episode["shortest_path_m"], execution["path_length_m"])
-    judged_on = {"success": success, "spl": round(score, 6)}
-    own = {OWN_SUCCESS: any_instance(execution, constants)} if own_task else {}
-    return {field: execution[field] for field in FIELDS} | judged_on | own
+    constants = episode.protocol.success
+    success = judged(rollout, episode.relation, constants)
+    return Score(
+        **{name: getattr(rollout, name) for name in _SCORED},
+        success=success,
+        spl=round(spl(success, episode.shortest_path_m, rollout.path_length_m), 6),
+        own_success=any_instance(rollout, constants) if own_task else None,
+    )
 
 
-def cut(execution: Mapping[str, Any], arm: Arm) -> Mapping[str, Any]:
+_SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields)
+"""Fields of a rollout that its score repeats."""
+
+
+def cut(rollout: Rollout, arm: Arm) -> Rollout:
     """The run of another arm as that of an arm which has a smaller budget of actions, and else does the same.
 
-    Raises ValueError where the run went on and its path length up to there was not written down.
+    Raises ValueError where the run went on and its path length up to there was not recorded.
     """
     if arm.cut_from is None or arm.budget is None:
-        return execution
-    kept = {**execution, "arm": arm.name}
-    ended = execution["outcome"] in ("stalled", "budget") and execution["actions"] == arm.budget
-    if execution["actions"] < arm.budget or ended:
-        return kept
-    travelled = execution.get("path_at_m", {}).get(str(arm.budget))
+        return rollout
+    ended = rollout.outcome in ("stalled", "budget") and rollout.actions == arm.budget
+    if rollout.actions < arm.budget or ended:
+        return rollout.model_copy(update={"arm": arm.name})
+    travelled = (rollout.path_at_m or {}).get(arm.budget)
     if travelled is None:
-        raise ValueError(f"{execution['episode']}: {arm.cut_from} was not run for {arm.name}; make its executions again")
-    return kept | dict.fromkeys(MEASURED) | {"outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
+        raise ValueError(f"{rollout.episode}: {arm.cut_from} was not run for {arm.name}; make its rollouts again")
+    return rollout.model_copy(
+        update=dict(NOWHERE) | {"arm": arm.name, "outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
+    )
 
 
-def run(
-    executions_files: Sequence[Path], episodes_file: Path, constants: Settings, outputs: Sequence[Path], arm: Arm | None = None
-) -> None:
-    """Judge each file of executions into the output of the same position; arm: whose they are, if they may have to be cut."""
-    episodes = {e["id"]: e for e in read_records(episodes_file)}
-    for source, output in zip(executions_files, outputs, strict=True):
-        executions = [x if arm is None else cut(x, arm) for x in read_records(source)]
+def run(rollout_files: Sequence[Path], episodes_file: Path, outputs: Sequence[Path], arm: Arm | None = None) -> None:
+    """Judge each file of rollouts into the output of the same position; arm: whose they are, if they may have to be cut."""
+    episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
+    for source, output in zip(rollout_files, outputs, strict=True):
+        rollouts = [rollout if arm is None else cut(rollout, arm) for rollout in Rollout.read(source)]
         own_task = arm is not None and arm.any_instance
-        records = [judge(x, episodes[x["episode"]], constants.success, own_task) for x in executions]
-        Path(output).parent.mkdir(parents=True, exist_ok=True)
-        Path(output).write_text("".join(json.dumps(r, separators=(",", ":")) + "\n" for r in records))
+        output.parent.mkdir(parents=True, exist_ok=True)
+        output.write_text(lines(score(rollout, episodes[rollout.episode], own_task) for rollout in rollouts), encoding="utf-8")

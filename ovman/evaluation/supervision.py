@@ -34,10 +34,10 @@ def function(name: str, agent: str) -> Callable[..., Any]:
         except ModuleNotFoundError:
             there = False
         if there:
-            found = getattr(import_module(module), attribute, None)
+            found: Callable[..., Any] | None = getattr(import_module(module), attribute, None)
     if not there:
         raise AgentError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
-    if not callable(found):
+    if found is None or not callable(found):
         raise AgentError(f"{key}, and {module} has no function {attribute}; name one that it has")
     return found
 

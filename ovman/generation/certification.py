@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,11 @@ import numpy as np
 from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.assignment import assignment_of
-from ovman.evaluation.rollout import execute, handed
+from ovman.evaluation.rollout import alias, roll_out
 from ovman.models.certification import Certification, OracleRun
+from ovman.models.change import Alteration, MoverStart
+from ovman.models.geometry import Point, Spawn
+from ovman.models.query import Query
 from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.run import Measured
@@ -24,18 +27,57 @@ from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 
 
+@dataclass(frozen=True)
+class TrialRun:
+    """What a run depends on of a trial that was measured to its end; a released episode has the same."""
+
+    query: Query
+    target: str
+    spawn: Spawn
+    answer: Point
+    nearest_navigable: Point
+    mover: MoverStart | None
+    second: tuple[Alteration, ...]
+
+    @staticmethod
+    def of(trial: Trial) -> TrialRun:
+        """ValueError for a trial that ended early."""
+        candidate, measured = trial.candidate, trial.measured
+        if candidate.spawn is None or measured.answer is None or measured.nearest_navigable is None:
+            raise ValueError(f"{candidate.id}: the trial ended early and cannot be run")
+        query, mover = Query(candidate.category, candidate.relation), measured.mover
+        return TrialRun(
+            query,
+            candidate.target,
+            candidate.spawn,
+            measured.answer,
+            measured.nearest_navigable,
+            None if mover is None else mover.start,
+            candidate.second,
+        )
+
+    @property
+    def gone(self) -> frozenset[str]:
+        """Ids of the instances that are absent from visit 2."""
+        return frozenset(alteration.instance for alteration in self.second if alteration.kind == "disable")
+
+    def alterations(self, visit: str) -> tuple[Alteration, ...]:
+        """What differs from the untouched scene in visit 2, the only one that is run in."""
+        return self.second
+
+
 def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettings) -> Measured:
     """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the mover.
 
     ValueError for a trial that ended early, SimulatorError if the simulator refuses.
     """
-    assignment = assignment_of(trial)
+    episode = TrialRun.of(trial)
     assert trial.measured.visits is not None
     paths, mover = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 1])
-    name_of = partial(handed, trial.measured.visits.second)
-    moving = assignment.relation is Relation.MOVING
-    agent = Oracle(Pilot(constants.primitives, paths), assignment.answer, name_of(assignment.target) if moving else None)
-    return execute(session, assignment, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
+    name_of = partial(alias, trial.measured.visits.second)
+    moving = episode.query.relation is Relation.MOVING
+    agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
+    return roll_out(session, episode, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
 
 
 def certify(session: Session, trial: Trial, constants: StageSettings) -> Certification:

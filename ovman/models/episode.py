@@ -99,6 +99,8 @@ class Episode(Record):
             raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
         if (self.mover is not None) != (self.relation is Relation.MOVING):
             raise ValueError("mover: MOVING has one and no other relation does")
+        if self.mover is not None and self.mover.instance != self.target:
+            raise ValueError(f"mover is {self.mover.instance!r}; the target {self.target!r} moves")
         visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
         if self.target not in world or world[self.target].category != self.category:
             raise ValueError(f"target {self.target!r} is no {self.category} of {visit}, which {self.relation} answers from")
@@ -155,6 +157,14 @@ class Episode(Record):
                 for instance in self.world_2
             )
         )
+
+
+def root_seed(episodes: Sequence[Episode]) -> int:
+    """The root of the random numbers of episodes of one release; 0 for no episodes. ValueError where they have several."""
+    seeds = sorted({episode.provenance.seed for episode in episodes})
+    if len(seeds) > 1:
+        raise ValueError(f"the episodes were made from the seeds {seeds}; use episodes of one release")
+    return seeds[0] if seeds else 0
 
 
 def episode_lines(episodes: Sequence[Episode]) -> str:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-# Who owns which constant: "a.b" is one, "a.*" is all of a section. A change reruns the stages that own it and what follows them.
-# benchmark.scenes and evaluation.seeds say which files there are; who owns them as well puts them into its records.
+# "a.b" is one constant, "a.*" is all of a section. A change reruns the stages that own the constant and all that follow them.
+# benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
 _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 )
 _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px"))
-_PREDICTING = ("benchmark.seed", "camera.field_of_view_deg", "admissibility.min_mask_px", "success.radius_m")
 _METRICS = (
     "arms",
     "comparisons.agent",
@@ -85,26 +84,18 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "maps": ("maps.*",),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
-    "walks": (
-        *_SIMULATOR,
-        *_GAIT,
-        "benchmark.seed",
-        "perception.*",
-        "dualmap.runs",
-        "dualmap.walk.*",
-        "dualmap.observation.*",
-    ),
-    "dualmap": ("benchmark.seed", "dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
+    # The seed, the camera, the primitives, the mover and the success test of what follows are those of each episode.
+    "walks": ("perception.*", "dualmap.runs", "dualmap.walk.*", "dualmap.observation.*"),
+    "dualmap": ("dualmap.runs", "dualmap.maintained", "dualmap.local_map.*", "dualmap.global_map.*"),
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
-    "predictions": _PREDICTING,
-    "executions": (*_RUNNING, "admissibility.min_mask_px"),
-    "runs": ("success.*",),
+    "predictions": ("admissibility.min_mask_px",),
+    "executions": ("admissibility.min_mask_px",),
+    "runs": (),
     "metrics": _METRICS,
     "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (
         "comparisons.agent",
-        "benchmark.seed",
         "grounding.*",
         "association.*",
         "admissibility.tau_m",

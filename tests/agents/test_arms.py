@@ -109,7 +109,7 @@ def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables(
     changed = texts(loaded(two_visits=two | {"runs": 2}))
     assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
     code = texts(
-        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.privileged_positions:agent"})
+        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.positions_two_visits:agent"})
     )
     assert {name for name in before if code[name] != before[name]} == {"oracle_check"}
 

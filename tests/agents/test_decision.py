@@ -5,21 +5,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from ovman.agents.interface import Abstention, AbstentionReason, Answer
 from ovman.agents.reference.association import Association, associate
-from ovman.agents.reference.decision import (
-    Abstention,
-    AbstentionReason,
-    Answer,
-    DecisionConstants,
-    decide,
-    moving_by_last_sighting,
-    moving_by_spread,
-    spread_m,
-)
+from ovman.agents.reference.decision import decide, moving_by_last_sighting, moving_by_spread, spread_m
 from ovman.task import Relation
 
 GATE, TAU, SPREAD, DELTA_MIN = 1.25, 0.75, 0.4, 1.5
-CONSTANTS = DecisionConstants(tau_m=TAU, track_spread_m=SPREAD)
+CONSTANTS = {"tau_m": TAU, "track_spread_m": SPREAD}
 PAST, STATIC = (Relation.FORMER, Relation.REMOVED), tuple(relation for relation in Relation if relation is not Relation.MOVING)
 
 # Homes: instances of a category, some metres apart, as (x, z) in steps of 5 cm.
@@ -29,7 +21,7 @@ homes = st.lists(st.tuples(coordinate, coordinate), min_size=0, max_size=5, uniq
 
 def ask(relation, p_1, p_2, tracks_2=None):
     association = associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0)
-    return decide(relation, p_1, p_2, association, tracks_2 or [[p] for p in p_2], CONSTANTS)
+    return decide(relation, p_1, p_2, association, tracks_2 or [[p] for p in p_2], **CONSTANTS)
 
 
 def distance(a, b) -> float:
@@ -84,8 +76,8 @@ def test_visits_swapped_swap_the_relations(p_1, p_2):
     association = associate(p_1, p_2, gate_m=GATE, feature_scale_m=2.0)
     mirrored = Association(tuple(sorted((j, i) for i, j in association.pairs)), association.unmatched_2, association.unmatched_1)
     tracks = [[p] for p in p_1]
-    assert decide(Relation.MOVED, p_1, p_2, association, [], CONSTANTS) == decide(
-        Relation.FORMER, p_2, p_1, mirrored, tracks, CONSTANTS
+    assert decide(Relation.MOVED, p_1, p_2, association, [], **CONSTANTS) == decide(
+        Relation.FORMER, p_2, p_1, mirrored, tracks, **CONSTANTS
     )
 
 

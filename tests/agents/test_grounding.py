@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from ovman.agents.reference.grounding import grounded, similarities
 from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
+from ovman.models.sighting import Sighting
 
 BAND = 0.03
 vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
@@ -93,6 +94,6 @@ def test_a_moving_instance_is_every_object_along_its_track():
 
 
 def test_only_masks_that_count_are_recorded():
-    sightings = [{"view": v, "instance": "k", "px": px, "x": float(v), "z": 0.0} for v, px in enumerate((299, 300, 5000))]
+    sightings = [Sighting(view=v, instance="k", px=px, x=float(v), z=0.0) for v, px in enumerate((299, 300, 5000))]
     assert recorded_positions(sightings, 300).tolist() == [[1.0, 0.0], [2.0, 0.0]]
     assert grounding_by_truth(recorded_positions([], 300), [(0.0, 0.0)], 1.0) == ()

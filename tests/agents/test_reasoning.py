@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -10,18 +9,25 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference import privileged_positions as positions_arm
-from ovman.agents.reference.agent import picked
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer, DecisionConstants
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidence, UniformBox, UniformPick
+from ovman.agents.reference import positions_two_visits
 from ovman.agents.reference.grounding import grounded
-from ovman.agents.reference.object_map import ObjectMap
-from ovman.agents.reference.privileged_positions import AssociationConstants
-from ovman.agents.reference.reasoning import Evidence, ReferenceConstants, one_visit, two_visits
-from ovman.agents.reference.single_visit import UniformBox, UniformPick, success_probability
+from ovman.agents.reference.reasoning import one_visit, single_visit_pick, two_visits
+from ovman.agents.reference.single_visit import picked
+from ovman.evaluation.scoring import success_probability
+from ovman.models.settings import Settings
 from ovman.perception.clusters import Cluster
+from ovman.perception.object_map import ObjectMap
 from ovman.task import Instance, Query, Relation, WorldState
 
-CONSTANTS = ReferenceConstants(0.03, AssociationConstants(1.25, 2.0), DecisionConstants(0.75, 0.4))
+
+def constants(similarity_margin: float = 0.03, gate_m: float = 1.25, feature_scale_m: float = 2.0) -> Settings:
+    association = {"gate_m": gate_m, "feature_scale_m": feature_scale_m, "track_spread_m": 0.4}
+    grounding, admissibility = {"similarity_margin": similarity_margin}, {"tau_m": 0.75}
+    return Settings.owned({"association": association, "grounding": grounding, "admissibility": admissibility}, "test")
+
+
+CONSTANTS = constants()
 CATEGORIES = ("Chair", "Vase", "Book")
 REACHABLE = [(-5.0, -4.0), (5.0, 4.0), (0.0, 0.0)]
 STILL = [relation for relation in Relation if relation is not Relation.MOVING]
@@ -48,9 +54,11 @@ def world_of(placed) -> WorldState:
     return WorldState(tuple(Instance(str(i), CATEGORIES[k], x, z, ((x, z),)) for i, (k, x, z) in enumerate(placed)))
 
 
-def asked(relation: Relation, first, second, noun: int = 0, constants: ReferenceConstants = CONSTANTS):
+def asked(relation: Relation, first, second, noun: int = 0, constants: Settings = CONSTANTS):
     maps = ObjectMap.of(first), ObjectMap.of(second)
-    return two_visits(relation, *maps, *(grounded(m.f, one_hot(noun), constants.similarity_margin) for m in maps), constants)
+    return two_visits(
+        relation, *maps, *(grounded(m.f, one_hot(noun), constants.grounding.similarity_margin) for m in maps), constants
+    )
 
 
 @settings(derandomize=True, max_examples=60, deadline=None)
@@ -58,13 +66,7 @@ def asked(relation: Relation, first, second, noun: int = 0, constants: Reference
 def test_maps_that_are_true_lead_to_the_answer_of_positions_handed_over(first, second, relation, noun):
     # A map without any instance of the category grounds the noun in something else, which positions never do.
     assume(all(any(k == noun for k, *_ in placed) for placed in (first, second)))
-    expected = positions_arm.answer(
-        Query(CATEGORIES[noun], relation),
-        world_of(first),
-        world_of(second),
-        CONSTANTS.association,
-        CONSTANTS.decision,
-    )
+    expected = positions_two_visits.answer(Query(CATEGORIES[noun], relation), world_of(first), world_of(second), CONSTANTS)
     assert asked(relation, clusters_of(first), clusters_of(second), noun)[0] == expected
 
 
@@ -93,8 +95,7 @@ def test_the_order_of_the_clusters_is_of_no_consequence(first, second, relation,
 @settings(derandomize=True, max_examples=60, deadline=None)
 @given(seen, seen, st.sampled_from(list(Relation)), st.floats(0.3, 3))
 def test_pairs_are_grounded_and_cost_less_than_the_gate(first, second, relation, gate_m):
-    constants = replace(CONSTANTS, similarity_margin=0.2, association=AssociationConstants(gate_m, 2.0))
-    _, evidence = asked(relation, first, second, constants=constants)
+    _, evidence = asked(relation, first, second, constants=constants(0.2, gate_m))
     for i, j in evidence.pairs:
         one, other = first[i], second[j]
         assert i in evidence.grounded_1 and j in evidence.grounded_2
@@ -103,11 +104,10 @@ def test_pairs_are_grounded_and_cost_less_than_the_gate(first, second, relation,
 
 def test_features_tell_apart_what_places_confuse():
     slanted = (0.8, 0.6, 0.0)
-    constants = replace(CONSTANTS, similarity_margin=0.5)
+    wide, blind = constants(0.5), constants(0.5, feature_scale_m=1e-9)
     first = [cluster(0.0, 0.0), cluster(0.4, 0.0, slanted)]
     second = [cluster(0.35, 0.0), cluster(0.05, 0.0, slanted)]
-    assert asked(Relation.STABLE, first, second, constants=constants)[1].pairs == ((0, 0), (1, 1))
-    blind = replace(constants, association=AssociationConstants(1.25, 1e-9))
+    assert asked(Relation.STABLE, first, second, constants=wide)[1].pairs == ((0, 0), (1, 1))
     assert asked(Relation.STABLE, first, second, constants=blind)[1].pairs == ((0, 1), (1, 0))
 
 
@@ -183,8 +183,16 @@ def test_a_pick_is_uniform_and_an_abstention_stays_one():
     assert picked(gone, rng) is gone
 
 
-@settings(derandomize=True, max_examples=50)
-@given(st.none() | st.lists(st.integers(0, 99)).map(tuple), st.lists(st.integers(0, 99)).map(tuple))
-def test_evidence_is_what_its_record_says(first, second):
-    evidence = Evidence(first, second, tuple(zip(first or (), second, strict=False)))
-    assert Evidence.from_json(evidence.to_json()) == evidence
+@pytest.mark.parametrize("relation", [relation for relation in Relation if not relation.past])
+def test_current_relations_pick_among_last_track_points(relation):
+    pick = single_visit_pick(relation, [[(3.0, 0.0)], [(0.0, 0.0), (0.0, 1.0)], []], reachable=[(0.0, 0.0)])
+    assert pick == UniformPick(((0.0, 1.0), (3.0, 0.0)))
+
+
+@pytest.mark.parametrize("relation", [relation for relation in Relation if relation.past])
+def test_past_relations_know_only_what_is_reachable(relation):
+    assert single_visit_pick(relation, [[(9.0, 9.0)]], reachable=[(0.0, 1.0), (2.0, -1.0), (1.0, 0.0)]) == UniformBox(
+        0.0, -1.0, 2.0, 1.0
+    )
+    with pytest.raises(ValueError, match="reachable"):
+        single_visit_pick(relation, [], reachable=[])

@@ -1,40 +1,33 @@
-"""The reference agent: on wheels in the real engine, with maps that are true to what was recorded."""
+"""The reference agent: in the real engine, with maps that are true to what was recorded."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Agent, Visit
-from ovman.agents.reference.agent import ReferenceAgent, SingleVisitAgent
-from ovman.agents.reference.mapper import KeptMaps
-from ovman.agents.reference.reasoning import ReferenceConstants
-from ovman.evaluation import rollouts as executions
-from ovman.evaluation import scores as runs
-from ovman.evaluation.assignment import assignment_of
-from ovman.evaluation.observation_store import Senses
+from ovman.agents.interface import Action, Agent, Query, Relation, Visit
+from ovman.agents.reference.single_visit import SingleVisitAgent
+from ovman.agents.reference.two_visits import ReferenceAgent
+from ovman.evaluation import rollouts, scores
+from ovman.evaluation.observation_store import MapsByContent, ObservationStore
 from ovman.evaluation.perceived import Perceived
-from ovman.evaluation.privileged_grounding import recorded_positions
-from ovman.evaluation.rollout import execute
-from ovman.language import noun
+from ovman.evaluation.rollout import roll_out
+from ovman.evaluation.scoring import judged
+from ovman.models.episode import Episode
+from ovman.models.run import Rollout
 from ovman.models.settings.arms import ArmJob
-from ovman.models.trial import Trial
-from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
-from ovman.sim.recorded import judged
 from ovman.sim.session import Session
-from ovman.task import Query, Relation
 from ovman.workflow.parameter import StageSettings, canonical, stage_settings
 from tests.arms import CONFIG
+from tests.episodes import of_scene, sightings, true_map
 
-ROOT = Path(__file__).parents[2]
-DATA = ROOT / "data" / "ovman-embedded-v1"
 SCENE = "FloorPlan429"
+EPISODES = of_scene(SCENE)
 TWO_VISITS = stage_settings(CONFIG, "executions", "two_visits_embodied").arm
 
 
@@ -42,57 +35,57 @@ def with_fields(arm: ArmJob, **fields: Any) -> ArmJob:
     return arm.model_copy(update=fields)
 
 
-def constants(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageSettings:
+def settings(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageSettings:
     text = json.loads(canonical(CONFIG, "executions", arm))
     return StageSettings.parse(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
 
 
-def read(path: Path) -> list[dict]:
-    return [json.loads(line) for line in path.read_text().splitlines()]
+def of(relation: Relation) -> Episode:
+    return next(episode for episode in EPISODES if episode.relation is relation)
 
 
-RELEASED = {e["id"] for e in read(DATA / "episodes" / "main.jsonl")}
-TRIALS = [t for t in read(DATA / "trials" / f"{SCENE}.jsonl") if t["candidate"]["id"] in RELEASED]
+def with_primitives(episode: Episode, **fields: Any) -> Episode:
+    """The episode under another protocol."""
+    protocol = episode.protocol
+    return episode.model_copy(
+        update={"protocol": protocol.model_copy(update={"primitives": protocol.primitives.model_copy(update=fields)})}
+    )
 
 
-def trial(relation: Relation) -> dict:
-    return next(t for t in TRIALS if t["candidate"]["relation"] == relation)
-
-
-def true_map(sightings, category: str) -> tuple[Cluster, ...]:
-    """One cluster for each place where an instance was recorded, and something else far away."""
-    places = np.unique(recorded_positions(sightings, 300), axis=0)
-    feature, other = np.array([1.0, 0.0]), np.array([0.0, 1.0])
-    views = np.array([0])
-    return (
-        *(Cluster(place, feature, place[None], views) for place in places),
-        Cluster(np.array([50.0, 50.0]), other, np.array([[50.0, 50.0]]), views),
+def with_success(episode: Episode, **fields: Any) -> Episode:
+    protocol = episode.protocol
+    return episode.model_copy(
+        update={"protocol": protocol.model_copy(update={"success": protocol.success.model_copy(update=fields)})}
     )
 
 
 @dataclass
-class TrueEyes:
-    """Eyes to which a tour is its visit's name."""
+class TrueMaps:
+    """A store in which a tour is its visit's name and its map is true."""
 
-    trial: dict
+    episode: Episode
 
     def __post_init__(self) -> None:
-        measured, category = self.trial["measured"], self.trial["candidate"]["category"]
-        maps = {measured["visits"][v]: true_map(measured["sightings"][v], category) for v in ("first", "second")}
-        self.perceived = Perceived(maps, {noun(category): np.array([1.0, 0.0])})
-        self.mapper, self.noun = KeptMaps(maps), self.perceived.noun
+        seen, visits = sightings()[self.episode.id].sightings, self.episode.visits
+        maps = {visits[which]: true_map(seen[which]) for which in ("first", "second")}
+        self.perceived = Perceived(maps, {self.episode.noun: np.array([1.0, 0.0])})
+        self.mapper, self.noun = MapsByContent(maps), self.perceived.noun
 
     def visit(self, name, reachable):
         return Visit((), reachable, name)
 
 
+def rollout(session: Session, arm: ArmJob, seed: int, episode: Episode) -> Rollout:
+    return rollouts.run_episode(session, episode, arm, seed, settings(), TrueMaps(episode))
+
+
 @pytest.fixture(scope="module")
 def session():
-    with Session(SCENE, constants()) as made:
+    with rollouts.session_for(EPISODES[0], TWO_VISITS, settings()) as made:
         yield made
 
 
-@pytest.mark.parametrize("relation", sorted({t["candidate"]["relation"] for t in TRIALS} - {"moving"}))
+@pytest.mark.parametrize("relation", sorted({e.relation for e in EPISODES} - {Relation.MOVING}))
 def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, relation):
     drawn = []
     step = Session.step
@@ -102,40 +95,52 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
         return step(self, action, image=image, **arguments)
 
     monkeypatch.setattr(Session, "step", watched)
-    chosen = trial(Relation(relation))
-    run = executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen))
-    assert run["outcome"] == "stopped" and run["arm"] == "two_visits_embodied"
-    assert judged(run, Relation(relation), constants({"success.radius_m": 1.0, "success.visible_px": 100}).success)
+    chosen = of(relation)
+    run = rollout(session, TWO_VISITS, 0, chosen)
+    assert run.outcome == "stopped" and run.arm == "two_visits_embodied" and run.episode == chosen.id
+    assert judged(run, relation, chosen.protocol.success)
     # Frames are drawn for the look-down sweep at the stop alone.
     assert {action for action, image in drawn if image} <= {"TeleportFull"}
-    assert executions.execution(session, TWO_VISITS, 0, chosen, constants(), TrueEyes(chosen)) == run
+    assert rollout(session, TWO_VISITS, 0, chosen) == run
 
 
 def test_the_single_visit_draws_by_its_seed(session):
-    chosen = trial(Relation.FORMER)
-    arm, eyes = stage_settings(CONFIG, "executions", "single_visit_embodied").arm, TrueEyes(chosen)
-    one, again, other = (executions.execution(session, arm, seed, chosen, constants(), eyes) for seed in (0, 0, 1))
-    assert one == again and one["stop"] != other["stop"]
+    arm = stage_settings(CONFIG, "executions", "single_visit_embodied").arm
+    one, again, other = (rollout(session, arm, seed, of(Relation.FORMER)) for seed in (0, 0, 1))
+    assert one == again and one.stop != other.stop
 
 
 @pytest.mark.parametrize("budget", [4, 7, 300])
 def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
-    chosen, eyes = trial(Relation.FORMER), TrueEyes(trial(Relation.FORMER))
-    whole = executions.execution(session, with_fields(TWO_VISITS, marks=(budget,)), 0, chosen, constants(), eyes)
-    assert whole["outcome"] == "stopped" and 7 < whole["actions"] < 300
-    short = executions.execution(session, with_fields(TWO_VISITS, budget=budget), 0, chosen, constants(), eyes)
-    cut = runs.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
-    assert {key: cut[key] for key in short} == short | {"arm": "short"}
-    assert runs.cut(whole, TWO_VISITS) is whole
+    chosen = of(Relation.FORMER)
+    whole = rollout(session, with_fields(TWO_VISITS, marks=(budget,)), 0, chosen)
+    assert whole.outcome == "stopped" and 7 < whole.actions < 300
+    short = rollout(session, with_fields(TWO_VISITS, budget=budget), 0, chosen)
+    cut = scores.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
+    assert cut.model_copy(update={"path_at_m": None}) == short.model_copy(update={"arm": "short"})
+    assert scores.cut(whole, TWO_VISITS) is whole
 
 
 def test_a_run_that_left_no_mark_cannot_be_cut():
-    whole = {"episode": "e", "arm": "long", "outcome": "stopped", "actions": 9}
-    with pytest.raises(ValueError, match="e: long was not run for short; make its executions again"):
-        runs.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="long", budget=9))
+    whole = Rollout(
+        episode="e",
+        arm="long",
+        seed=0,
+        outcome="stopped",
+        stop=None,
+        box_distance_m=None,
+        answer_distance_m=None,
+        navigable_distance_m=None,
+        visible_px=None,
+        path_length_m=2.0,
+        actions=9,
+    )
+    short = with_fields(TWO_VISITS, name="short", cut_from="long", budget=9)
+    with pytest.raises(ValueError, match="e: long was not run for short; make its rollouts again"):
+        scores.cut(whole, short)
     for actions, outcome in ((8, "stopped"), (9, "stalled"), (9, "budget")):
-        ended = whole | {"actions": actions, "outcome": outcome}
-        assert runs.cut(ended, with_fields(TWO_VISITS, name="short", cut_from="long", budget=9)) == ended | {"arm": "short"}
+        ended = whole.model_copy(update={"actions": actions, "outcome": outcome})
+        assert scores.cut(ended, short) == ended.model_copy(update={"arm": "short"})
 
 
 class Watcher:
@@ -165,16 +170,8 @@ def test_frames_are_drawn_unless_an_agent_says_that_it_does_not_look(session, sa
     agent = Watcher(says)
     assert isinstance(agent, Agent)
     nowhere = Visit((), np.empty((0, 2)))
-    execute(
-        session,
-        assignment_of(Trial.from_json(TRIALS[0])),
-        agent,
-        nowhere,
-        lambda cells: nowhere,
-        None,
-        np.random.default_rng(0),
-        constants(),
-    )
+    chosen = EPISODES[0]
+    roll_out(session, chosen, agent, nowhere, lambda cells: nowhere, None, np.random.default_rng(0), chosen.settings)
     (frame,) = agent.frames
     assert frame.positions is None and (frame.rgb is not None) == (frame.depth is not None) == looks
 
@@ -194,9 +191,9 @@ class Wheels:
 
 
 def agents():
-    eyes = TrueEyes(TRIALS[0])
-    maps = {"empty": (), **eyes.perceived.maps}
-    given = (KeptMaps(maps), eyes.perceived.noun, ReferenceConstants.of(constants()))
+    store = TrueMaps(EPISODES[0])
+    maps = {"empty": (), **store.perceived.maps}
+    given = (MapsByContent(maps), store.perceived.noun, settings())
     wheels = Wheels()
     return wheels, (ReferenceAgent(wheels, *given), SingleVisitAgent(wheels, *given, np.random.default_rng(0)))
 
@@ -204,16 +201,16 @@ def agents():
 def asked(agent, first: str, second: str, relation: Relation) -> Action:
     agent.familiarise(Visit((), np.empty((0, 2)), first))
     agent.revisit(Visit((), np.array([[0.0, 0.0], [1.0, 1.0]]), second))
-    agent.ask(Query(TRIALS[0]["candidate"]["category"], relation))
+    agent.ask(Query(EPISODES[0].category, relation))
     return agent.act(None)
 
 
 def test_they_are_agents_that_forget_and_abstain():
     wheels, both = agents()
-    visits = TRIALS[0]["measured"]["visits"]
+    visits = EPISODES[0].visits
     for agent in both:
         assert isinstance(agent, Agent) and agent.looks is False
-        assert asked(agent, visits["first"], visits["second"], Relation.STABLE) is Action.STOP
+        assert asked(agent, visits.first, visits.second, Relation.STABLE) is Action.STOP
         assert asked(agent, "empty", "empty", Relation.STABLE) is Action.ABSTAIN
     assert len(wheels.goals) == 2 and all(len(goal) == 2 for goal in wheels.goals)
 
@@ -230,37 +227,59 @@ def test_a_tour_without_a_map_and_a_noun_without_an_embedding_are_named():
 
 
 def test_a_threshold_that_changes_no_answer_is_no_new_run():
-    chosen = TRIALS[0]
-    eyes = TrueEyes(chosen)
+    chosen = EPISODES[0]
+    store = TrueMaps(chosen)
 
-    def key(constants, seed=0, eyes=eyes):
-        return executions.unit(TWO_VISITS, seed, chosen, constants, eyes)
+    def key(settings, seed=0, episode=chosen, store=store):
+        return rollouts.cache_key(TWO_VISITS, seed, episode, settings, store)
 
-    usual = key(constants())
-    assert key(constants({"association.gate_m": 1.2501, "grounding.similarity_margin": 0.031})) == usual
-    assert key(constants({"primitives.stop_within_m": 0.61})) != usual
-    assert key(constants(), seed=1) != usual
-    blind = TrueEyes(chosen)
-    blind.perceived = Perceived(dict.fromkeys(eyes.perceived.maps, ()), eyes.perceived.nouns)
-    assert key(constants(), eyes=blind) != usual
+    usual = key(settings())
+    assert key(settings({"association.gate_m": 1.2501, "grounding.similarity_margin": 0.031})) == usual
+    assert key(settings(), seed=1) != usual
+    blind = TrueMaps(chosen)
+    blind.perceived = Perceived(dict.fromkeys(store.perceived.maps, ()), store.perceived.nouns)
+    assert key(settings(), store=blind) != usual
+
+
+def test_what_judges_an_episode_is_no_part_of_its_runs():
+    chosen = EPISODES[0]
+
+    def key(episode):
+        return rollouts.cache_key(TWO_VISITS, 0, episode, settings(), TrueMaps(chosen))
+
+    usual = key(chosen)
+    assert key(with_success(chosen, radius_m=0.3, visible_px=7)) == usual
+    for field, value in {"shortest_path_m": 1.0, "certification": (), "drift_m": {}, "split": "other"}.items():
+        assert key(chosen.model_copy(update={field: value})) == usual, field
+    moved = chosen.spawn.model_copy(update={"yaw_deg": 1.0})
+    others = [
+        with_success(chosen, sweep_deg=(0, 30)),
+        with_primitives(chosen, stop_within_m=0.61),
+        with_primitives(chosen, stall_after=81),
+        chosen.model_copy(update={"spawn": moved}),
+        chosen.model_copy(update={"answer": (0.0, 0.0)}),
+        chosen.model_copy(update={"changes": ()}),
+        chosen.model_copy(update={"provenance": chosen.provenance.model_copy(update={"seed": 1})}),
+    ]
+    assert len({usual, *map(key, others)}) == 1 + len(others)
 
 
 def test_an_arm_that_executes_nobodys_answer_is_run_again_when_what_it_sees_or_reads_changes(tmp_path):
-    chosen = TRIALS[0]
+    chosen = EPISODES[0]
     arm = with_fields(TWO_VISITS, executes=None)
     files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
-    eyes = TrueEyes(chosen)
+    perceived = TrueMaps(chosen).perceived
 
     def key(overrides=None, seed=0):
-        stage = json.loads(constants(overrides).canonical)
+        stage = json.loads(settings(overrides).canonical)
         del stage["arm"]["executed"]
-        text = StageSettings.parse(json.dumps(stage))
-        return executions.unit(arm, seed, chosen, text, Senses(arm, text, tmp_path, files))
+        alone = StageSettings.parse(json.dumps(stage))
+        return rollouts.cache_key(arm, seed, chosen, alone, ObservationStore(arm, alone, 90.0, tmp_path, files))
 
-    write_nouns(files["nouns"], eyes.perceived.nouns)
-    write_maps(files["maps"], eyes.perceived.maps)
+    write_nouns(files["nouns"], perceived.nouns)
+    write_maps(files["maps"], perceived.maps)
     usual = key()
     assert key() == usual != key(seed=1)
     assert key({"association.gate_m": 1.2501}) != usual
-    write_maps(files["maps"], dict.fromkeys(eyes.perceived.maps, ()))
+    write_maps(files["maps"], dict.fromkeys(perceived.maps, ()))
     assert key() != usual

@@ -4,46 +4,38 @@ from __future__ import annotations
 
 import csv
 import json
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason
-from ovman.agents.reference.reasoning import ReferenceConstants
 from ovman.analysis import frames, language
 from ovman.analysis.language import LanguageRate, What, language_rates
-from ovman.evaluation import prediction
 from ovman.evaluation.held_out_queries import Asked, answer
-from ovman.evaluation.observation_store import Senses
+from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.perceived import Perceived
-from ovman.evaluation.prediction import Prediction
 from ovman.evaluation.predictions import predict
 from ovman.language import noun
 from ovman.language.parser import Parsed, ParseFailure
 from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Prediction
+from ovman.models.record import lines
+from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
 from ovman.report.tables.language import language_table
 from ovman.report.tables.table import markdown
 from ovman.task import Relation
-from tests.arms import BY_NAME
+from ovman.workflow.parameter import stage_settings
+from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
 
 SCENE = "FloorPlan1"
-VISITS = {"first": "before", "second": "after"}
+VISITS = VisitPair[str](first="before", second="after")
 FEATURES = {"Chair": (1.0, 0.0, 0.0), "Sofa": (0.0, 1.0, 0.0)}
 NOUNS = {phrase: np.array(feature) for category, feature in FEATURES.items() for phrase in nouns(category)}
-CONSTANTS = SimpleNamespace(
-    comparisons=SimpleNamespace(agent="two_visits"),
-    benchmark=SimpleNamespace(seed=0),
-    success=SimpleNamespace(radius_m=1.0),
-    evaluation=SimpleNamespace(confidence=0.95),
-    grounding=SimpleNamespace(similarity_margin=0.03),
-    association=SimpleNamespace(gate_m=1.25, feature_scale_m=2.0, track_spread_m=0.4),
-    admissibility=SimpleNamespace(tau_m=0.75),
-)
+SETTINGS = stage_settings(CONFIG, "language")
 
 
 def cluster(x: float, z: float, category: str, view: int) -> Cluster:
@@ -59,21 +51,18 @@ ANSWERS = {"moved": 5.0, "former": 0.0, "moving": 5.0, "stable": 2.0, "appeared"
 PERCEIVED = Perceived(MAPS, NOUNS)
 
 
-def episode(relation: str, number: int = 0) -> dict:
-    return episode_record(relation, number, answer=(ANSWERS[relation], 0.0), visits=VISITS)
+def episode(relation: str, number: int = 0) -> Episode:
+    return Episode.from_json(episode_record(relation, number, answer=(ANSWERS[relation], 0.0), visits=VISITS.to_json()))
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
 def test_a_query_that_is_inferred_is_answered_as_the_arm_answers_it_supplied(relation, tmp_path):
-    box = {"x": [0.0, 1.0], "z": [0.0, 1.0]}
-    trial = {"candidate": {"id": "a", "category": "Chair", "relation": relation}}
-    trial["measured"] = {"visits": VISITS, "reachable_box": box}
     files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
     write_maps(files["maps"], MAPS)
     write_nouns(files["nouns"], NOUNS)
-    arm = BY_NAME["two_visits"]
-    supplied = predict(arm, trial, CONSTANTS, Senses(arm, CONSTANTS, tmp_path, files))
-    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, ReferenceConstants.of(CONSTANTS)) == supplied
+    arm, given = BY_NAME["two_visits"], stage_settings(CONFIG, "predictions", "two_visits")
+    supplied = predict(arm, episode(relation), given, ObservationStore(arm, given, 90.0, tmp_path, files))
+    assert answer(noun("Chair"), relation, VISITS, PERCEIVED, SETTINGS) == supplied
     assert supplied[0].x == ANSWERS[relation]
 
 
@@ -87,19 +76,16 @@ def held_out(tmp_path, **forms: str):
 def written(tmp_path, held_out_file):
     files = {name: tmp_path / name for name in ("main.jsonl", "two_visits.jsonl", f"{SCENE}.npz", "nouns.npz")}
     episodes = [episode(relation, number) for relation in RELATIONS for number in range(3)]
-    files["main.jsonl"].write_text("".join(json.dumps(record) + "\n" for record in episodes))
-    reference = ReferenceConstants.of(CONSTANTS)
-    supplied = [
-        Prediction(e["id"], "two_visits", 0, *answer("chair", e["relation"], VISITS, PERCEIVED, reference)) for e in episodes
-    ]
-    prediction.write(files["two_visits.jsonl"], supplied)
+    files["main.jsonl"].write_text(lines(episodes))
+    supplied = [Prediction.of(e.id, "two_visits", 0, *answer("chair", e.relation, VISITS, PERCEIVED, SETTINGS)) for e in episodes]
+    files["two_visits.jsonl"].write_text(lines(supplied))
     write_maps(files[f"{SCENE}.npz"], MAPS)
     write_nouns(files["nouns.npz"], NOUNS)
     output = tmp_path / "out"
     inputs = (files["main.jsonl"], files["two_visits.jsonl"], [files[f"{SCENE}.npz"]], files["nouns.npz"], held_out_file)
-    language.run(*inputs, CONSTANTS, output)
+    language.run(*inputs, SETTINGS, output)
     first = {path.name: path.read_bytes() for path in output.iterdir()}
-    language.run(*inputs, CONSTANTS, output)
+    language.run(*inputs, SETTINGS, output)
     assert first == {path.name: path.read_bytes() for path in output.iterdir()}
     with (output / "language.csv").open(newline="") as file:
         return output, list(csv.DictReader(file))
@@ -122,7 +108,7 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
     read_as = {(row["relation"], row["read_as"]): int(row["count"]) for row in rows if row["what"] == "read_as"}
     assert read_as["stable", "removed"] == 3 and read_as["former", str(ParseFailure.NO_RELATION)] == 3
     assert sum(count for (relation, _), count in read_as.items() if relation == "all") == 18
-    predictions = {p.episode: p.outcome for p in prediction.read(output / "inferred.jsonl")}
+    predictions = {p.episode: p.outcome for p in Prediction.read(output / "inferred.jsonl")}
     assert predictions[f"{SCENE}/former/0000"] == Abstention(AbstentionReason.NOT_PARSED)
     assert predictions[f"{SCENE}/stable/0000"].x == ANSWERS["removed"]
     sentences = [json.loads(text) for text in (output / "sentences.jsonl").read_text().splitlines()]
@@ -163,7 +149,7 @@ def test_rates_of_every_relation_add_up():
 
 def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
     output, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
-    table = language_table(frames.read(output / "language.csv", LanguageRate), CONSTANTS)
+    table = language_table(frames.read(output / "language.csv", LanguageRate), SETTINGS)
     text = markdown(table)
     for shown in (
         "| object ",

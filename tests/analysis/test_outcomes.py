@@ -7,11 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
 from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
-from ovman.evaluation.prediction import Prediction
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
 from ovman.models.relation import Relation
 from ovman.models.run import Score
 from tests.episodes import episode_record
@@ -41,7 +39,7 @@ offset = st.floats(-3, 3).map(lambda value: round(value, 3))
 
 
 def judge(outcome, case=CASE, radius=1.0, seed=0):
-    predictions = [Prediction(case.id, "arm", 0, outcome)]
+    predictions = [Prediction.of(case.id, "arm", 0, outcome)]
     (row,) = static_outcomes([case], predictions, radius_m=radius, samples=5000, seed=seed)
     return row
 
@@ -73,7 +71,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
     alone = judge(box, OTHER).success
     among = static_outcomes(
         [CASE, OTHER],
-        [Prediction(CASE.id, "arm", 0, box), Prediction(OTHER.id, "arm", 0, box)],
+        [Prediction.of(CASE.id, "arm", 0, box), Prediction.of(OTHER.id, "arm", 0, box)],
         radius_m=1.0,
         samples=5000,
         seed=0,
@@ -83,7 +81,7 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
 
 
 def test_every_arm_answers_every_episode_once():
-    here, there = (Prediction(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
+    here, there = (Prediction.of(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
     arguments = {"radius_m": 1.0, "samples": 10, "seed": 0}
     with pytest.raises(ValueError, match="1 episodes are missing, the first is FloorPlan1/former/0000"):
         static_outcomes([CASE, OTHER], [here], **arguments)
@@ -92,7 +90,7 @@ def test_every_arm_answers_every_episode_once():
     with pytest.raises(ValueError, match="not among the episodes"):
         static_outcomes([CASE], [here, there], **arguments)
     with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
-        static_outcomes([CASE, OTHER], [here, there, replace(here, seed=1)], **arguments)
+        static_outcomes([CASE, OTHER], [here, there, here.model_copy(update={"seed": 1})], **arguments)
 
 
 def test_a_run_keeps_what_was_judged():

@@ -6,12 +6,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.taxonomy import LOST, Verdict, taxonomy, verdict
-from ovman.evaluation.prediction import Prediction
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction
 from ovman.models.settings import Kind
 from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
@@ -45,7 +44,7 @@ def episode(
 
 
 def judge(case, outcome):
-    (row,) = static_outcomes([case], [Prediction(case.id, "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0)
+    (row,) = static_outcomes([case], [Prediction.of(case.id, "two_visits", 0, outcome)], radius_m=R, samples=10, seed=0)
     return verdict(row, R, NEAR)
 
 

@@ -2,7 +2,6 @@ rule dualmap:
     input:
         walks="results/walks/{scene}.npz",
         episodes="results/episodes/main.jsonl",
-        trials="results/trials/{scene}.jsonl",
     output:
         dualmap="results/dualmap/{scene}.npz",
     log:

@@ -2,7 +2,7 @@
 rule executions:
     input:
         episodes="results/episodes/main.jsonl",
-        trials="results/trials/{scene}.jsonl",
+        sightings=handed("results/episodes/sightings.jsonl"),
         visits=needed(["tours", "maps"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),

@@ -1,7 +1,7 @@
 rule predictions:
     input:
         episodes="results/episodes/main.jsonl",
-        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
+        sightings=handed("results/episodes/sightings.jsonl"),
         visits=needed(["tours"], *expand("results/visits/{scene}.json", scene=SCENES)),
         maps=needed(["maps"], *expand("results/maps/{scene}.npz", scene=SCENES)),
         dualmap=needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=SCENES)),

@@ -4,7 +4,6 @@
 rule walks:
     input:
         episodes="results/episodes/main.jsonl",
-        trials="results/trials/{scene}.jsonl",
         visits="results/visits/{scene}.json",
         networks=weights("detector.weights", "encoder.weights", "encoder.model"),
     output:

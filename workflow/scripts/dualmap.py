@@ -8,7 +8,6 @@ with job(snakemake) as work:
         work.scene,
         work.input("walks"),
         work.input("episodes"),
-        work.input("trials"),
         work.constants,
         work.output("dualmap"),
     )

@@ -3,13 +3,14 @@
 from pathlib import Path
 
 from ovman.agents.dualmap import walks
+from ovman.models.episode import Episode
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    visits = Path("results/visits", work.scene)
+    episodes = [episode for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
     walks.run(
         work.scene,
-        walks.assigned(work.scene, work.input("episodes"), work.input("trials"), visits),
+        walks.assigned(episodes, Path("results", "visits", work.scene)),
         work.constants,
         work.journal().with_suffix(""),
         work.output("walks"),

@@ -14,11 +14,9 @@ from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
-from ovman.agents.interface import Action, Observation, Visit
-from ovman.evaluation.context import Given
+from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.models.settings.baselines import Cow
 from ovman.models.settings.benchmark import Primitives
-from ovman.task import Query
 
 
 class Mode(StrEnum):
@@ -177,7 +175,7 @@ class CowAgent:
         return self._proxies[region]
 
 
-def agent(given: Given) -> CowAgent:
-    """The arm `cow`. It needs the networks and the constants cow.*, locobot.* and perception.*."""
-    constants = given.constants
-    return CowAgent(localiser(constants, *given.sight()), constants.cow, constants.primitives)
+def agent(context: AgentContext) -> CowAgent:
+    """The arm `cow`: needs the networks, and of the settings cow.*, locobot.* and section perception."""
+    settings = context.settings
+    return CowAgent(localiser(settings, *context.networks()), settings.cow, settings.primitives)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+
+import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
-from ovman.models.record import read_records
+from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
 from ovman.workflow import seeds
 
@@ -21,18 +22,16 @@ class MapsError(RuntimeError):
     says_all = True
 
 
-def pairs_of(scene: str, episodes: Path, trials: Path) -> list[Pair]:
-    """The names of both visits of the scene's released episodes, each pair once."""
-    released = {episode["id"] for episode in read_records(episodes) if episode["scene"] == scene}
-    visits = [t["measured"]["visits"] for t in read_records(trials) if t["candidate"]["id"] in released]
-    return list(dict.fromkeys((visit["first"], visit["second"]) for visit in visits))
+def pairs_of(episodes: Sequence[Episode]) -> list[Pair]:
+    """The names of both visits of a scene's episodes, each pair once."""
+    return list(dict.fromkeys((episode.visits.first, episode.visits.second) for episode in episodes))
 
 
-def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], constants: Settings) -> RunMaps:
-    """The maps of a scene that the run of that number makes. constants own benchmark.seed and what it needs of `dualmap`."""
+def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], seed: int, constants: Settings) -> RunMaps:
+    """The maps of a scene of the run `number`. seed: root of its draws; constants: those of section `dualmap`."""
 
-    def draws(*visits: str) -> Any:
-        return seeds.generator(constants.benchmark.seed, "dualmap", scene, *visits, number)
+    def draws(*visits: str) -> np.random.Generator:
+        return seeds.generator(seed, "dualmap", scene, *visits, number)
 
     kinds, unknown = next(((walk.kinds, walk.unknown) for walk in walks.values()), (0, None))
     run = Run(number, kinds, constants.dualmap, draws, unknown)
@@ -41,7 +40,7 @@ def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[P
 
 
 def check(scene: str, run: int, made: RunMaps) -> None:
-    """MapsError for a map of no object, which would answer nothing and look like a poor system."""
+    """MapsError for a map without objects, which would pass for a system that fails."""
     named: dict[str, Mapped] = {**made.visits, **{" and ".join(pair): mapped for pair, mapped in made.maintained.items()}}
     for name, mapped in named.items():
         if not mapped.entries:
@@ -51,19 +50,20 @@ def check(scene: str, run: int, made: RunMaps) -> None:
             )
 
 
-def run(scene: str, walks_file: Path, episodes: Path, trials: Path, constants: Settings, output: Path) -> None:
-    """Write the maps of a scene, and print how many objects they hold and what they took.
+def run(scene: str, walks_file: Path, episodes_file: Path, constants: Settings, output: Path) -> None:
+    """Write the maps of a scene, and print their numbers of objects and the time.
 
-    MapsError as ``check``, and for an episode's visit that was not walked.
+    MapsError as ``check``, and for an episode's visit without a walk.
     """
-    walks, pairs = read_walks(walks_file), pairs_of(scene, episodes, trials)
+    episodes = [episode for episode in Episode.load(episodes_file) if episode.scene == scene]
+    walks, pairs = read_walks(walks_file), pairs_of(episodes)
     absent = sorted({visit for pair in pairs for visit in pair} - set(walks))
     if absent:
         raise MapsError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
     runs = []
     for number in range(constants.dualmap.runs):
         began = time.process_time()
-        made = run_of(number, scene, walks, pairs, constants)
+        made = run_of(number, scene, walks, pairs, root_seed(episodes), constants)
         check(scene, number, made)
         runs.append(made)
         counts = [len(mapped.entries) for mapped in (*made.visits.values(), *made.maintained.values())]

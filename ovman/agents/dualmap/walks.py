@@ -1,15 +1,15 @@
-"""Stage `walks`: what DualMap observes on the dense walks of a scene's visits.
+"""Stage `walks`: DualMap's observations on the dense walks of a scene's visits.
 
-Frames of equal content are looked at once, in whichever walks of the scene they are: much of a second visit looks as in the
-first. What a walk showed for the first time is kept as soon as the walk ends, so that a killed job goes on with the next one.
+Frames of equal content are processed once per scene, because most frames of a second visit equal those of the first. The
+new frames of a walk are saved when it ends, so that a killed job continues with the next walk.
 """
 
 from __future__ import annotations
 
 import hashlib
-import os
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
@@ -20,7 +20,11 @@ import numpy as np
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
-from ovman.models.record import read_records
+from ovman.atomic import replacing
+from ovman.models.episode import Episode, root_seed
+from ovman.models.settings import Settings
+from ovman.models.settings.baselines import DualmapObservation
+from ovman.models.settings.networks import Perception
 from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
@@ -35,52 +39,56 @@ from ovman.workflow.parameter import StageSettings
 
 PART = "ovman-walk-part/2"
 TOGETHER = 8
-"""Frames that are looked at at a time."""
+"""Batch size of frames."""
 
 
 @dataclass(frozen=True, slots=True)
 class Assigned:
-    """A visit to walk: its record, and the candidate whose name the mover's draws go by."""
+    """A visit to walk: its record, and the episode whose seed and id the mover's draws come from."""
 
     recorded: Visit
-    candidate: str
+    episode: Episode
+
+    @property
+    def identity(self) -> list[Any]:
+        """Cache key of its walk: everything its frames depend on, JSON-serialisable."""
+        episode, record = self.episode, self.recorded.to_json()
+        protocol = {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")}
+        drawn = [episode.backend, episode.provenance.seed, episode.id, protocol]
+        return [*drawn, *(record[key] for key in ("alterations", "mover", "views"))]
 
 
-def assigned(scene: str, episodes: Path, trials: Path, visits: Path) -> dict[str, Assigned]:
-    """The visits of a scene's released episodes by their names, sorted."""
-    released = {episode["id"] for episode in read_records(episodes) if episode["scene"] == scene}
-    found: dict[str, str] = {}
-    for trial in read_records(trials):
-        name = trial["candidate"]["id"]
-        if name in released:
-            for which in trial["measured"]["visits"].values():
-                found.setdefault(which, name)
+def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
+    """The recorded visits of a scene's episodes by their names, sorted. visits: the scene's directory of recorded visits."""
+    found: dict[str, Episode] = {}
+    for episode in episodes:
+        for which in (episode.visits.first, episode.visits.second):
+            found.setdefault(which, episode)
     return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
 
 
-def embodiment(constants: StageSettings) -> Embodiment:
-    """The benchmark's body with the frames of a dense walk, which come without instance masks."""
-    side_px = constants.dualmap.walk.side_px
-    return replace(Embodiment.of(constants), width_px=side_px, height_px=side_px, instances=False)
+def embodiment(settings: Settings, side_px: int) -> Embodiment:
+    """The benchmark's body with the frames of a dense walk, side_px wide and high, which come without instance masks."""
+    return replace(Embodiment.of(settings), width_px=side_px, height_px=side_px, instances=False)
 
 
-def frames(session: Session, of: Assigned, constants: StageSettings) -> Iterable[Frame]:
+def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     """The frames of a visit's dense walk, in the world state, and from it, that the visit was recorded in.
 
-    `constants` must own what a Session needs, mover.step_m and its probabilities, benchmark.seed and dualmap.walk.turn_deg.
-    Raises WalkError if the walk does not end as the visit did, SimulatorError if the simulator refuses.
+    turn_deg: between two frames of a spin. Raises WalkError if the walk does not end as the visit did, SimulatorError if the
+    simulator refuses.
     """
-    alterations = of.recorded.alterations
-    rng = seeds.generator(constants.benchmark.seed, "mover", of.candidate, "tour")
-    world = World(session, alterations, constants.mover, rng, object_filter=lambda _: False)
+    settings = of.episode.settings
+    rng = seeds.generator(settings.benchmark.seed, "mover", of.episode.id, "tour")
+    world = World(session, of.recorded.alterations, settings.mover, rng, object_filter=lambda _: False)
     views = [AgentPose(**dict(view.pose)) for view in of.recorded.views]
-    lens = constants.camera.field_of_view_deg
-    yield from walk.frames(session, world, views, constants.dualmap.walk.turn_deg, constants.primitives.step_m, lens)
+    lens = settings.camera.field_of_view_deg
+    yield from walk.frames(session, world, views, turn_deg, settings.primitives.step_m, lens)
     walk.check(session, world, of.recorded)
 
 
 def content(frame: Frame) -> str:
-    """Digest of a frame: of its picture, its depth and its camera."""
+    """Digest of the picture, the depth and the camera of a frame."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
         found.update(np.ascontiguousarray(array).data)
@@ -95,7 +103,7 @@ class Memory:
         self._observer, self._runs, self._seed = observer, runs, seed
 
     def walked(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
-        """Looks at what is new in a walk. Returns of every frame its content and its view, and the shots that were new."""
+        """Process the new frames of a walk. Returns content and view of every frame, and the new shots."""
         contents, views = [], []
         waiting: dict[str, Frame] = {}
         new: dict[str, Shot] = {}
@@ -111,7 +119,7 @@ class Memory:
         return contents, views, new | self._look(waiting)
 
     def _look(self, waiting: Mapping[str, Frame]) -> dict[str, Shot]:
-        """Which pixels a run draws of a frame depends on the frame alone: a walk does not hang on the walks before it."""
+        """Process frames. The pixels that a run draws depend on the frame only, so that walks are independent of each other."""
         if not waiting:
             return {}
         draws = [
@@ -122,25 +130,32 @@ class Memory:
 
 
 def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path) -> None:
-    """Writes what DualMap observes on the walks of the visits `of` (name -> what to walk), in their order.
+    """Write DualMap's observations on the walks of the visits `of` (by name), in their order.
 
-    kept: directory of what a killed job left. Raises WalkError, WeightsError.
+    constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else comes from the
+    episodes. kept: directory of finished walks of a killed job. Raises WalkError, WeightsError.
     """
     perception, dualmap = constants.perception, constants.dualmap
     observer = cache(lambda: _observer(perception, dualmap.observation))
-    memory = Memory(observer, dualmap.runs, constants.benchmark.seed)
+    memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
     seen_by = networks.looked_at_by(perception)
     walks: dict[str, tuple[list[str], list[int]]] = {}
     parts: set[Path] = set()
     kept.mkdir(parents=True, exist_ok=True)
-    with Session(scene, constants, embodiment(constants)) as session:
+    with ExitStack() as stack:
+        session: Session | None = None
         for name, one in of.items():
-            began, record = time.process_time(), one.recorded.to_json()
-            key = digest(constants.canonical, seen_by, one.candidate, record["alterations"], record["mover"], record["views"])
+            began = time.process_time()
+            if session is None:
+                settings = one.episode.settings
+                session = stack.enter_context(Session(scene, settings, embodiment(settings, dualmap.walk.side_px)))
+            key = digest(constants.canonical, seen_by, one.identity)
             part = kept / f"{key}.npz"
             parts.add(part)
             before = len(memory.shots)
-            walks[name] = _read(part, memory) or session.with_restarts(partial(_walk, session, one, constants, memory, part))
+            walks[name] = _read(part, memory) or session.with_restarts(
+                partial(_walk, session, one, dualmap.walk.turn_deg, memory, part)
+            )
             took, new = time.process_time() - began, len(memory.shots) - before
             print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
     order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))
@@ -158,20 +173,19 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
         left.unlink()
 
 
-def _walk(session: Session, one: Assigned, constants: StageSettings, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
-    """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
-    contents, views, new = memory.walked(frames(session, one, constants))
+def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
+    """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
+    contents, views, new = memory.walked(frames(session, one, turn_deg))
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
-    partial = part.with_suffix(".partial")
-    write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
-    os.replace(partial, part)
+    with replacing(part) as partial:
+        write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
     kept = _read(part, memory)
     assert kept is not None
     return kept
 
 
 def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
-    """A walk that was kept, its shots put into the memory; None where there is none, or where what it builds on is gone."""
+    """A saved walk, its shots added to memory; None if the file or a walk that it builds on is missing."""
     try:
         arrays = read_arrays(part, PART)
     except (FileNotFoundError, ArrayFileError):
@@ -184,5 +198,5 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     return contents, arrays["view"].tolist()
 
 
-def _observer(perception: Any, observation: Any) -> Observer:
+def _observer(perception: Perception, observation: DualmapObservation) -> Observer:
     return Observer(networks.detector_of(perception, observation.confidence), networks.encoder_of(perception), observation)

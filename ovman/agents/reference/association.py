@@ -33,7 +33,7 @@ def associate(
     """Minimum-cost partial matching of the instances of two visits.
 
     p_1 (N, 2), p_2 (M, 2): floor-plane positions (x, z) in metres, world frame. f_1 (N, K), f_2 (M, K): unit feature vectors,
-    or both None for the arms that are handed positions, whose cost is pure distance. gate_m: gamma; feature_scale_m: lambda.
+    or both None for the arms that are given positions, whose cost is pure distance. gate_m: gamma; feature_scale_m: lambda.
 
     Leaving i and j unmatched costs gate_m together, so no pair of cost >= gate_m is returned. The result does not depend on the
     order in which the instances are listed: among equal optima the one that the solver finds for the instances in lexicographic
@@ -49,9 +49,10 @@ def associate(
     p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
     n, m = len(p_1), len(p_2)
     keys_1, keys_2 = p_1, p_2
+    features_1 = features_2 = None
     if f_1 is not None and f_2 is not None:
-        f_1, f_2 = _features(f_1, "f_1", n), _features(f_2, "f_2", m)
-        keys_1, keys_2 = np.hstack([p_1, f_1]), np.hstack([p_2, f_2])
+        features_1, features_2 = _features(f_1, "f_1", n), _features(f_2, "f_2", m)
+        keys_1, keys_2 = np.hstack([p_1, features_1]), np.hstack([p_2, features_2])
 
     pairs: list[tuple[int, int]] = []
     if n and m:
@@ -59,8 +60,8 @@ def associate(
         cost = cost_matrix(
             p_1[order_1],
             p_2[order_2],
-            None if f_1 is None else f_1[order_1],
-            None if f_2 is None else f_2[order_2],
+            None if features_1 is None else features_1[order_1],
+            None if features_2 is None else features_2[order_2],
             feature_scale_m=feature_scale_m,
         )
         # Imported where it is needed: most jobs that import this module associate nothing, and it takes half a second.
@@ -110,7 +111,8 @@ def padded(cost: np.ndarray, gate_m: float) -> np.ndarray:
 
 def distances(p_1: np.ndarray, p_2: np.ndarray) -> np.ndarray:
     """(N, M) floor-plane distances in metres between the rows of (N, 2) and (M, 2)."""
-    return np.hypot(p_1[:, None, 0] - p_2[None, :, 0], p_1[:, None, 1] - p_2[None, :, 1])
+    gaps: np.ndarray = np.hypot(p_1[:, None, 0] - p_2[None, :, 0], p_1[:, None, 1] - p_2[None, :, 1])
+    return gaps
 
 
 def positions(points: ArrayLike, name: str = "positions") -> np.ndarray:

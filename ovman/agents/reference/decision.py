@@ -3,52 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, Relation
 from ovman.agents.reference.association import Association, distances, positions
-from ovman.models.settings import Settings
-from ovman.task import Relation
-
-
-class AbstentionReason(StrEnum):
-    """Why an agent gave no answer; the value is what a prediction record holds."""
-
-    NO_CANDIDATE = "no_candidate"  # the set that the rule looks in is empty, and so is its fallback
-    DISPLACEMENT_BELOW_TAU = "displacement_below_tau"  # MOVED, FORMER: all matched, and no pair moved far enough
-    DISPLACEMENT_ABOVE_TAU = "displacement_above_tau"  # STABLE: even the steadiest pair moved
-    NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold
-    NOTHING_GROUNDED = "nothing_grounded"  # no object of the maps is what the noun means; so it is with empty maps
-    NOT_PARSED = "not_parsed"  # the sentence names no query
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """A floor-plane point in metres, world frame."""
-
-    x: float
-    z: float
-
-
-@dataclass(frozen=True, slots=True)
-class Abstention:
-    reason: AbstentionReason
-
-
-@dataclass(frozen=True, slots=True)
-class DecisionConstants:
-    """tau_m: moved / stable displacement threshold; track_spread_m: tau_trk, spread of a track that counts as motion."""
-
-    tau_m: float
-    track_spread_m: float
-
-    @staticmethod
-    def of(constants: Settings) -> DecisionConstants:
-        """Those of config.yaml; `constants` must own admissibility.tau_m and association.track_spread_m."""
-        return DecisionConstants(constants.admissibility.tau_m, constants.association.track_spread_m)
 
 
 def decide(
@@ -57,33 +17,36 @@ def decide(
     p_2: ArrayLike,
     association: Association,
     tracks_2: Sequence[ArrayLike],
-    constants: DecisionConstants,
+    *,
+    tau_m: float,
+    track_spread_m: float,
 ) -> Answer | Abstention:
-    """The answer of the two-visit agent for one relation.
+    """The answer of the two-visit agent for one relation (Eq. rules of the paper).
 
     p_1 (N, 2), p_2 (M, 2): floor-plane positions (x, z) in metres of the grounded instances of the two visits; association: of
     their indices; tracks_2: for each instance of visit 2 its positions (T, 2) in the order they were seen, read for MOVING
-    only, by the rule for the arms that are handed positions (``moving_by_spread``). An agent with perception of its own answers
-    MOVING with ``moving_by_last_sighting``.
+    only, by the rule for the arms that are given positions (``moving_by_spread``). An agent with perception of its own answers
+    MOVING with ``moving_by_last_sighting``. tau_m: displacement in metres from which an instance has moved; track_spread_m:
+    tau_trk, spread of a track in metres that counts as motion.
 
-    Equal candidates are told apart by position (smallest x, then z), so the answer does not hang on the order of the instances.
+    Equal candidates are told apart by position (smallest x, then z): the answer does not depend on the order of the instances.
     The distance to an empty visit counts as infinite.
     Source: Eq. rules and the fallbacks stated below it.
     """
     p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
     match Relation(relation):
         case Relation.MOVING:
-            return moving_by_spread(tracks_2, constants.track_spread_m)
+            return moving_by_spread(tracks_2, track_spread_m)
         case Relation.STABLE:
-            return _steadiest(p_1, p_2, association, constants.tau_m)
+            return _steadiest(p_1, p_2, association, tau_m)
         case Relation.APPEARED:
             return _farthest(p_2, association.unmatched_2, p_1) or Abstention(AbstentionReason.NO_CANDIDATE)
         case Relation.REMOVED:
             return _farthest(p_1, association.unmatched_1, p_2) or Abstention(AbstentionReason.NO_CANDIDATE)
         case Relation.MOVED:
-            return _farthest(p_2, association.unmatched_2, p_1) or _most_displaced(p_1, p_2, association, 1, constants.tau_m)
+            return _farthest(p_2, association.unmatched_2, p_1) or _most_displaced(p_1, p_2, association, 1, tau_m)
         case Relation.FORMER:
-            return _farthest(p_1, association.unmatched_1, p_2) or _most_displaced(p_1, p_2, association, 0, constants.tau_m)
+            return _farthest(p_1, association.unmatched_1, p_2) or _most_displaced(p_1, p_2, association, 0, tau_m)
 
 
 def moving_by_spread(tracks_2: Sequence[ArrayLike], track_spread_m: float) -> Answer | Abstention:

@@ -20,7 +20,8 @@ def similarities(features: ArrayLike, noun: ArrayLike) -> np.ndarray:
     if not (np.isfinite(f).all() and np.isfinite(q).all()):
         raise ValueError("features or noun hold a value that is not finite")
     # Not a matrix product, whose last bit depends on the row's place in the matrix.
-    return (f * q).sum(axis=1)
+    similarity: np.ndarray = (f * q).sum(axis=1)
+    return similarity
 
 
 def grounded(features: ArrayLike, noun: ArrayLike, similarity_margin: float) -> tuple[int, ...]:

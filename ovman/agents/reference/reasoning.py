@@ -1,78 +1,34 @@
-"""From maps of two visits and what a noun means in them to an answer: the reference agent without its eyes and wheels."""
+"""From maps of two visits and what a noun means in them to an answer: the reference agent without perception and navigation.
+
+Functions that take `settings` read association.*, admissibility.tau_m and, where they ground a noun, grounding.similarity_margin.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ovman.agents.interface import VISITS
-from ovman.agents.reference.association import Association, associate
-from ovman.agents.reference.decision import (
+from ovman.agents.interface import (
+    VISITS,
     Abstention,
     AbstentionReason,
     Answer,
-    DecisionConstants,
-    decide,
-    moving_by_last_sighting,
+    Evidence,
+    PredictionContext,
+    Query,
+    Relation,
+    UniformBox,
+    UniformPick,
 )
+from ovman.agents.reference.association import Association, associate, positions
+from ovman.agents.reference.decision import decide, moving_by_last_sighting
 from ovman.agents.reference.grounding import grounded
-from ovman.agents.reference.object_map import ObjectMap
-from ovman.agents.reference.privileged_positions import AssociationConstants
-from ovman.agents.reference.single_visit import UniformBox, UniformPick, single_visit
 from ovman.language import noun
-from ovman.models.settings import Settings, Source
-from ovman.task import Query, Relation
-
-if TYPE_CHECKING:
-    from ovman.evaluation.context import Recorded
-
-
-@dataclass(frozen=True, slots=True)
-class ReferenceConstants:
-    """similarity_margin: delta_g of the grounding; association: gamma and lambda; decision: tau."""
-
-    similarity_margin: float
-    association: AssociationConstants
-    decision: DecisionConstants
-
-    @staticmethod
-    def of(constants: Settings) -> ReferenceConstants:
-        """Those of config.yaml; `constants` must own grounding.*, association.* and admissibility.tau_m."""
-        return ReferenceConstants(
-            constants.grounding.similarity_margin, AssociationConstants.of(constants), DecisionConstants.of(constants)
-        )
-
-
-@dataclass(frozen=True, slots=True)
-class Evidence:
-    """What an answer was drawn from. Indices are those of the visits' maps.
-
-    grounded_1, grounded_2: what the noun means in each visit, grounded_1 None where the first visit is not looked at; pairs:
-    objects of the first and of the second visit that were taken for the same.
-    """
-
-    grounded_1: tuple[int, ...] | None
-    grounded_2: tuple[int, ...]
-    pairs: tuple[tuple[int, int], ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """{"grounded": {"first": [i] or null, "second": [j]}, "pairs": [[i, j]]}."""
-        first = None if self.grounded_1 is None else list(self.grounded_1)
-        return {"grounded": {"first": first, "second": list(self.grounded_2)}, "pairs": [list(pair) for pair in self.pairs]}
-
-    @staticmethod
-    def from_json(record: Any) -> Evidence:
-        """The inverse of ``to_json``. Raises KeyError for a missing key."""
-        first = record["grounded"]["first"]
-        return Evidence(
-            None if first is None else tuple(first),
-            tuple(record["grounded"]["second"]),
-            tuple((i, j) for i, j in record["pairs"]),
-        )
+from ovman.models.settings import Settings
+from ovman.models.settings import benchmark as sections
+from ovman.perception.object_map import ObjectMap
 
 
 def two_visits(
@@ -81,7 +37,7 @@ def two_visits(
     map_2: ObjectMap,
     grounded_1: Sequence[int],
     grounded_2: Sequence[int],
-    constants: ReferenceConstants,
+    settings: Settings,
 ) -> tuple[Answer | Abstention, Evidence]:
     """What the two-visit agent answers from its maps of both visits, and from which evidence.
 
@@ -91,35 +47,46 @@ def two_visits(
     """
     g_1, g_2 = list(grounded_1), list(grounded_2)
     p_1, p_2 = map_1.p[g_1], map_2.p[g_2]
-    matched = _associated(map_1, map_2, g_1, g_2, constants.association)
+    matched = _associated(map_1, map_2, g_1, g_2, settings.association)
     evidence = Evidence(tuple(g_1), tuple(g_2), tuple((g_1[i], g_2[j]) for i, j in matched.pairs))
     if not g_1 and not g_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), evidence
     if Relation(relation) is Relation.MOVING:
         tracks, last_seen = [map_2.tracks[j] for j in g_2], [map_2.last_seen[j] for j in g_2]
         return moving_by_last_sighting(tracks, last_seen, matched), evidence
-    return decide(relation, p_1, p_2, matched, (), constants.decision), evidence
+    answer = decide(
+        relation,
+        p_1,
+        p_2,
+        matched,
+        (),
+        tau_m=settings.admissibility.tau_m,
+        track_spread_m=settings.association.track_spread_m,
+    )
+    return answer, evidence
 
 
 def two_visits_asked(
-    relation: Relation, map_1: ObjectMap, map_2: ObjectMap, phrase: np.ndarray, constants: ReferenceConstants
+    relation: Relation, map_1: ObjectMap, map_2: ObjectMap, phrase: np.ndarray, settings: Settings
 ) -> tuple[Answer | Abstention, Evidence]:
     """``two_visits``, with what the noun phrase of this unit embedding (K,) means by the features of the maps."""
-    means = [grounded(objects.f, phrase, constants.similarity_margin) for objects in (map_1, map_2)]
-    return two_visits(relation, map_1, map_2, *means, constants)
+    means_1, means_2 = (grounded(made.f, phrase, settings.grounding.similarity_margin) for made in (map_1, map_2))
+    return two_visits(relation, map_1, map_2, means_1, means_2, settings)
 
 
-def two_visits_recorded(query: Query, recorded: Recorded, maps: Sequence[ObjectMap]) -> tuple[Answer | Abstention, Evidence]:
-    """``two_visits`` on maps of the first and the second visit, with what the query's noun means in them (``means_of``)."""
-    means = [means_of(query, recorded, which, objects) for which, objects in zip(VISITS, maps, strict=True)]
-    return two_visits(query.relation, *maps, *means, ReferenceConstants.of(recorded.constants))
+def two_visits_recorded(
+    query: Query, context: PredictionContext, map_1: ObjectMap, map_2: ObjectMap
+) -> tuple[Answer | Abstention, Evidence]:
+    """``two_visits`` on maps of both visits, with what the query's noun means in them (``means_of``)."""
+    means_1, means_2 = (means_of(query, context, which, made) for which, made in zip(VISITS, (map_1, map_2), strict=True))
+    return two_visits(query.relation, map_1, map_2, means_1, means_2, context.settings)
 
 
-def means_of(query: Query, recorded: Recorded, which: str, objects: ObjectMap) -> tuple[int, ...]:
-    """Which objects of a map of the visit `which` the query's noun means: by their features, or as it is handed over."""
-    if recorded.grounding is Source.HANDED:
-        return recorded.true_objects(which, objects.p)
-    return grounded(objects.f, recorded.noun(noun(query.category)), recorded.constants.grounding.similarity_margin)
+def means_of(query: Query, context: PredictionContext, which: str, objects: ObjectMap) -> tuple[int, ...]:
+    """Which objects of a map of the visit `which` the query's noun means: by their features, or the true ones if given."""
+    if context.privileged_grounding:
+        return context.true_objects(which, objects.p)
+    return grounded(objects.f, context.noun(noun(query.category)), context.settings.grounding.similarity_margin)
 
 
 def one_visit(
@@ -130,18 +97,38 @@ def one_visit(
     grounded_2: indices of what the noun means in the map; reachable (K, 2): positions in metres that the agent can reach.
     Current relations are answered with the place of a grounded object, MOVING with its last track point; past ones, for which
     the visit holds no evidence, with a position in the bounding box of what is reachable. Abstains with NOTHING_GROUNDED where
-    a current relation finds nothing grounded. Raises ValueError as ``single_visit`` does.
+    a current relation finds nothing grounded. Raises ValueError as ``single_visit_pick`` does.
     Source: the single-visit baseline of the paper's problem formulation.
     """
     relation, evidence = Relation(relation), Evidence(None, tuple(grounded_2))
     if not relation.past and not evidence.grounded_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), evidence
     places = [map_2.tracks[j] if relation is Relation.MOVING else map_2.p[[j]] for j in evidence.grounded_2]
-    return single_visit(relation, places, reachable), evidence
+    return single_visit_pick(relation, places, reachable), evidence
+
+
+def single_visit_pick(relation: Relation, tracks_2: Sequence[ArrayLike], reachable: ArrayLike) -> UniformPick | UniformBox:
+    """What the single-visit agent picks from.
+
+    tracks_2: for each grounded instance of visit 2 its floor-plane positions (T, 2) in metres in the order they were seen (one
+    row for an instance that stands still); reachable (K, 2), K >= 1: positions that the agent can reach. Current relations are
+    answered with an instance of visit 2 at its last track point, past ones, for which the visit holds no evidence, with a
+    position in the bounding box of what is reachable.
+
+    Raises ValueError where a past relation is asked and nothing is reachable.
+    """
+    if Relation(relation).past:
+        points = positions(reachable, "reachable")
+        if not len(points):
+            raise ValueError("the reachable positions are empty: a past relation has no box to answer from")
+        (x_min, z_min), (x_max, z_max) = points.min(axis=0).tolist(), points.max(axis=0).tolist()
+        return UniformBox(x_min, z_min, x_max, z_max)
+    tracks = (positions(track, "track") for track in tracks_2)
+    return UniformPick(tuple(sorted((float(track[-1, 0]), float(track[-1, 1])) for track in tracks if len(track))))
 
 
 def _associated(
-    map_1: ObjectMap, map_2: ObjectMap, g_1: list[int], g_2: list[int], constants: AssociationConstants
+    map_1: ObjectMap, map_2: ObjectMap, g_1: list[int], g_2: list[int], constants: sections.Association
 ) -> Association:
     return associate(
         map_1.p[g_1],

@@ -78,6 +78,11 @@ class Arm(Section):
     budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")
     cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
 
+    @property
+    def reads_sightings(self) -> bool:
+        """Whether it is given what the tours truly recorded. An arm that is given the answer has no use for it."""
+        return self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
+
 
 WORDS = ("system", "memory")
 """Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""

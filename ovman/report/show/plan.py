@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
-from ovman.agents.reference.decision import Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
+from ovman.models.prediction import Answer, UniformBox, UniformPick
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels

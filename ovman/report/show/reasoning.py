@@ -15,9 +15,9 @@ import numpy as np
 from ovman.agents.interface import VISITS
 from ovman.agents.reference.association import associate, cost_matrix, distances
 from ovman.agents.reference.grounding import similarities
-from ovman.evaluation.prediction import Prediction
 from ovman.models.episode import Episode
 from ovman.models.geometry import Point
+from ovman.models.prediction import Prediction
 from ovman.models.settings import Arm, Kind, Need, Settings, Source, of_kind
 from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster

@@ -15,9 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
-from ovman.evaluation import prediction
-from ovman.evaluation.prediction import Prediction
 from ovman.models.episode import Episode
+from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 from ovman.models.scene import Scene
 from ovman.models.settings import Arm, Kind, of_kind
@@ -158,7 +157,7 @@ class Results:
             path = self.directory / "predictions" / f"{arm.name}.jsonl"
             if path.is_file():
                 answered = found.setdefault(arm.name, {})
-                for one in sorted(prediction.read(path), key=lambda one: one.seed):
+                for one in sorted(Prediction.read(path), key=lambda one: one.seed):
                     answered.setdefault(one.episode, {})[one.seed] = one
         return found
 

@@ -6,10 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformBox, UniformPick
-from ovman.evaluation.prediction import Outcome
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
 from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind, of_kind
 from ovman.report.show.results import MAKE, Results
@@ -38,7 +36,7 @@ class StaticRow:
 
     letter: str
     arm: Arm
-    outcome: Outcome | None
+    outcome: Predicted | None
     answer: str
     verdict: str
     words: str
@@ -102,7 +100,7 @@ def embodied_rows(results: Results, episode: Episode) -> list[EmbodiedRow]:
     return rows
 
 
-def answer_words(outcome: Outcome, relation: Relation) -> str:
+def answer_words(outcome: Predicted, relation: Relation) -> str:
     """The answer of an arm in words; an abstention with its reason."""
     match outcome:
         case Answer(x, z):
@@ -159,7 +157,7 @@ def _stop(seed: int, run: Score, row: Mapping[str, str] | None, past: bool) -> S
     return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
 
 
-def _beside(outcome: Outcome, episode: Episode) -> str:
+def _beside(outcome: Predicted, episode: Episode) -> str:
     """The true instance nearest to a predicted point, in the visit that the relation answers from."""
     if not isinstance(outcome, Answer):
         return ""

@@ -7,27 +7,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ovman.evaluation.assignment import Assignment
 from ovman.language.noun import noun
 from ovman.models.episode import Episode
-from ovman.sim.session import AgentPose
 
 FEET_M = 0.9
 """Height of the agent's position above its feet, metres; the simulator knows the height of a floor plan's own floor."""
-
-
-def assignment(episode: Episode) -> Assignment:
-    """What the evaluator keeps of an episode while the released runner is in it."""
-    return Assignment(
-        relation=episode.relation,
-        category=episode.category,
-        target=episode.target,
-        second=episode.alterations("second"),
-        spawn=AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg),
-        answer=episode.answer,
-        navigable=episode.nearest_navigable,
-        mover=episode.mover,
-    )
 
 
 def runner_name(episode: Episode) -> str:

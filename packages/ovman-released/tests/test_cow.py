@@ -25,7 +25,7 @@ from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
 from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
-from ovman_released.cow_episodes import assignment, exported, runner_name, vocabulary
+from ovman_released.cow_episodes import exported, runner_name, vocabulary
 from ovman_released.cow_process import Job
 from ovman_released.interpreter import environment, linked
 
@@ -145,8 +145,7 @@ def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
 def test_the_runner_is_told_of_all_objects_of_the_changed_world():
     body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
     launch = partial(launched, Controller, "embedded")
-    given = constants(ROOT, "0" * 40, sys.executable)
-    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, given, lambda *_: None, **body)
+    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, lambda *_: None, **body)
     try:
         untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
         stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)
@@ -248,14 +247,6 @@ def test_a_call_survives_a_file(tmp_path):
     call = Job(tmp_path / "clone", tmp_path / "results", tmp_path / "verdicts.jsonl", "{}", 3, EPISODES)
     call.write(tmp_path / "job.json")
     assert Job.load(tmp_path / "job.json") == call
-
-
-@pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
-def test_what_the_evaluator_keeps_is_the_episodes(episode):
-    kept = assignment(episode)
-    assert (kept.relation, kept.category, kept.target) == (episode.relation, episode.category, episode.target)
-    assert (kept.answer, kept.navigable) == (episode.answer, episode.nearest_navigable)
-    assert kept.second == episode.alterations("second") and (kept.mover is not None) == (episode is MOVING)
 
 
 @pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -11,22 +10,26 @@ import pytest
 
 from ovman.agents.dualmap.answers import predict_maintained, predict_two_visits
 from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
-from ovman.agents.reference.decision import Abstention, AbstentionReason, Answer
-from ovman.agents.reference.single_visit import UniformPick
-from ovman.evaluation.context import Recorded
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, UniformPick
+from ovman.evaluation.context import EpisodeContext
 from ovman.language import noun
-from ovman.models.settings import Kind, Source
+from ovman.models.settings import Kind, Settings, Source
 from ovman.models.settings.arms import ArmJob
+from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.task import Query, Relation
+from tests.episodes import released
 
 CHAIR, LAMP = np.eye(4)[0], np.eye(4)[1]
 VISITS = {"first": "untouched", "second": "displace-Chair"}
-CONSTANTS = SimpleNamespace(
-    grounding=SimpleNamespace(similarity_margin=0.03),
-    association=SimpleNamespace(gate_m=1.25, feature_scale_m=2.0, track_spread_m=0.4),
-    admissibility=SimpleNamespace(tau_m=0.75, min_mask_px=300),
-    success=SimpleNamespace(radius_m=1.0),
+SETTINGS = Settings.owned(
+    {
+        "grounding": {"similarity_margin": 0.03},
+        "association": {"gate_m": 1.25, "feature_scale_m": 2.0, "track_spread_m": 0.4},
+        "admissibility": {"tau_m": 0.75, "min_mask_px": 300},
+    },
+    "predictions",
 )
+EPISODE = released()[0].model_copy(update={"category": "Chair", "visits": VisitPair[str](**VISITS)})
 
 
 def entry(x: float, z: float, feature: np.ndarray = CHAIR, last_seen: int = 5) -> Entry:
@@ -39,7 +42,7 @@ def maps(first: list[Entry], second: list[Entry], both: list[Entry]) -> RunMaps:
 
 
 class Seen:
-    """Senses with these runs' maps and the noun of a chair."""
+    """A store with these runs' maps and the noun of a chair."""
 
     def __init__(self, *runs: RunMaps) -> None:
         self._runs = runs
@@ -54,11 +57,15 @@ class Seen:
 
 def recorded(
     *runs: RunMaps, grounding: Source = Source.OWN, run: int = 0, places: Mapping[str, list[tuple[float, float]]] | None = None
-) -> Recorded:
+) -> EpisodeContext:
     """places: where each visit recorded a chair."""
-    sightings = {which: [{"view": 0, "px": 900, "x": x, "z": z} for x, z in (places or {}).get(which, [])] for which in VISITS}
+    seen = {
+        which: tuple(Sighting(view=0, instance="k", px=900, x=x, z=z) for x, z in (places or {}).get(which, ()))
+        for which in VISITS
+    }
+    sightings = Sightings(episode=EPISODE.id, sightings=VisitPair[tuple[Sighting, ...]](**seen))
     arm = ArmJob(name="dualmap", kind=Kind.STATIC, agent="m:f", grounding=grounding)
-    return Recorded(np.random.default_rng(0), run, CONSTANTS, np.zeros((2, 2)), VISITS, "Chair", arm, Seen(*runs), sightings)
+    return EpisodeContext(np.random.default_rng(0), run, SETTINGS, EPISODE, arm, Seen(*runs), sightings)
 
 
 STAYED, BEFORE, AFTER, OTHER = (0.0, 0.0), (2.0, 0.0), (2.0, 3.0), (5.0, 5.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -13,9 +12,13 @@ from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.sighting import VisitPair
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
+from tests.episodes import released
 
 CONFIG = load(Path(__file__).parents[3] / "config.yaml")
 CONSTANTS = StageSettings.parse(canonical(CONFIG, "dualmap"))
@@ -25,7 +28,7 @@ FRAMES = {"untouched": walk(TEN, DENSE, 1, 3), "displaced": walk(MOVED, DENSE, 2
 
 
 def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> SimpleNamespace:
-    """Walks of these visits, and an episode for each pair; beside them a trial that was not released."""
+    """Walks of these visits, and an episode for each pair; beside them an episode of another scene."""
     shots, taken = [], {}
     for name in visits:
         numbers = range(len(shots), len(shots) + len(FRAMES[name]))
@@ -33,21 +36,21 @@ def files(directory: Path, pairs: list[tuple[str, str]], visits: list[str]) -> S
             Shot(tuple(FrameObject(o.class_id, o.confidence, o.feature, o.clouds) for o in seen), 2.5) for seen in FRAMES[name]
         ]
         taken[name] = Taken(np.array(numbers), np.zeros(len(numbers), int))
-    paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "trials", "output")})
+    paths = SimpleNamespace(**{name: directory / name for name in ("walks", "episodes", "output")})
     write_walks(paths.walks, taken, shots, [f"class {k}" for k in range(FEATURES)], np.ones(FEATURES, bool))
-    ids = [f"{SCENE}/moved/{k:04}" for k in range(len(pairs))]
-    paths.episodes.write_text("".join(json.dumps({"id": name, "scene": SCENE}) + "\n" for name in ids))
-    trials = [
-        {"candidate": {"id": name}, "measured": {"visits": {"first": first, "second": second}}}
-        for name, (first, second) in zip(ids, pairs, strict=True)
+    other = next(episode for episode in released() if episode.relation is Relation.MOVED)
+    made = [
+        other.model_copy(
+            update={"id": f"{SCENE}/moved/{k:04}", "scene": SCENE, "visits": VisitPair[str](first=first, second=second)}
+        )
+        for k, (first, second) in enumerate(pairs)
     ]
-    trials.append({"candidate": {"id": f"{SCENE}/moved/9999"}, "measured": {"ended": "no_placement"}})
-    paths.trials.write_text("".join(json.dumps(trial) + "\n" for trial in trials))
+    paths.episodes.write_text(lines([*made, other]))
     return paths
 
 
 def run(paths: SimpleNamespace) -> None:
-    maps.run(SCENE, paths.walks, paths.episodes, paths.trials, CONSTANTS, paths.output)
+    maps.run(SCENE, paths.walks, paths.episodes, CONSTANTS, paths.output)
 
 
 def test_every_run_has_a_map_of_each_visit_and_of_each_pair_of_visits_that_was_released(tmp_path: Path):

@@ -19,6 +19,7 @@ from ovman.sim.session import AgentPose
 from ovman.sim.walk import Frame
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
+from tests.episodes import released
 
 ROOT = Path(__file__).parents[3]
 RUNS = 2
@@ -86,7 +87,7 @@ def job(monkeypatch, tmp_path):
     state = SimpleNamespace(walked=[], fail=None, observer=Observer(), kept=tmp_path / "kept")
     constants = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
 
-    def frames(session, of, constants):
+    def frames(session, of, turn_deg):
         state.walked.append(of.recorded.visit)
         yield told[of.recorded.visit][0]
         if state.fail == of.recorded.visit:
@@ -95,7 +96,7 @@ def job(monkeypatch, tmp_path):
 
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
-        of = {n: Assigned(visit_of(n), n) for n in names}
+        of = {n: Assigned(visit_of(n), released()[0]) for n in names}
         walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
         return tmp_path / output
 

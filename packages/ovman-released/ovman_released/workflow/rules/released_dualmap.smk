@@ -33,9 +33,8 @@ rule released_dualmap:
     input:
         note="results/notes/released_dualmap.json",
         scene="results/scenes/{scene}.json",
-        visits="results/visits/{scene}.json",
         episodes="results/episodes/main.jsonl",
-        trials="results/trials/{scene}.jsonl",
+        visits="results/visits/{scene}.json",
     output:
         maps="results/released_dualmap/maps/{scene}.npz",
         nouns="results/released_dualmap/nouns/{scene}.npz",
@@ -56,7 +55,7 @@ rule released_dualmap_predictions:
     input:
         note="results/notes/released_dualmap.json",
         episodes="results/episodes/main.jsonl",
-        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
+        sightings=handed("results/episodes/sightings.jsonl"),
         dualmap=expand("results/released_dualmap/maps/{scene}.npz", scene=SCENES),
         nouns=f"results/released_dualmap/nouns/{SCENES[0]}.npz",
     output:

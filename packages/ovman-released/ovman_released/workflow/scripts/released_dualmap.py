@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ovman.agents.dualmap import maps, walks
 from ovman.language.vocabulary import all_nouns
+from ovman.models.episode import Episode
 from ovman.models.note import Note
 from ovman.workflow.job import job
 from ovman.workflow.provenance import module_digest
@@ -15,11 +16,11 @@ with job(snakemake) as work:
 
     outputs = work.output("maps"), work.output("nouns")
     if Note.read(work.input("note")).ran:
-        inputs = work.input("episodes"), work.input("trials")
+        episodes = [episode for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
         dualmap.run(
             work.scene,
-            walks.assigned(work.scene, *inputs, Path("results/visits", work.scene)),
-            maps.pairs_of(work.scene, *inputs),
+            walks.assigned(episodes, Path("results/visits", work.scene)),
+            maps.pairs_of(episodes),
             json.loads(work.input("scene").read_text())["floor_y"],
             sorted(set(all_nouns())),
             work.constants,

@@ -1,8 +1,6 @@
 """Stage `released_dualmap_predictions`: what a static arm answers from the maps of DualMap's released code, if there are any."""
 
-from pathlib import Path
-
-from ovman.evaluation import prediction, predictions
+from ovman.evaluation import predictions
 from ovman.models.note import Note
 from ovman.workflow.job import job
 
@@ -11,11 +9,10 @@ with job(snakemake) as work:
         predictions.run(
             work.constants.arm,
             work.input("episodes"),
-            work.inputs("trials"),
             work.constants,
             work.output("predictions"),
-            Path("results", "visits"),
-            {name: work.inputs(name) for name in ("dualmap", "nouns")},
+            next(iter(work.inputs("sightings")), None),
+            files={name: work.inputs(name) for name in ("dualmap", "nouns")},
         )
     else:
-        prediction.write(work.output("predictions"), [])
+        work.output("predictions").touch()

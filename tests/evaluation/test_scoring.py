@@ -1,3 +1,5 @@
+"""The probability that a stochastic pick succeeds."""
+
 from __future__ import annotations
 
 from math import pi
@@ -7,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.single_visit import UniformBox, UniformPick, single_visit, success_probability
-from ovman.task import Relation
+from ovman.evaluation.scoring import success_probability
+from ovman.models.prediction import UniformBox, UniformPick
 
 RADIUS = 1.0
 coordinate = st.floats(-4, 4).map(lambda value: round(value, 3))
@@ -54,21 +56,6 @@ def test_the_estimate_is_that_of_its_seed():
     box = UniformBox(-3.0, -3.0, 3.0, 3.0)
     assert probability(box, (0.5, 0.5), seed=3) == probability(box, (0.5, 0.5), seed=3)
     assert probability(box, (0.5, 0.5), seed=3) != probability(box, (0.5, 0.5), seed=4)
-
-
-@pytest.mark.parametrize("relation", [relation for relation in Relation if not relation.past])
-def test_current_relations_pick_among_last_track_points(relation):
-    pick = single_visit(relation, [[(3.0, 0.0)], [(0.0, 0.0), (0.0, 1.0)], []], reachable=[(0.0, 0.0)])
-    assert pick == UniformPick(((0.0, 1.0), (3.0, 0.0)))
-
-
-@pytest.mark.parametrize("relation", [relation for relation in Relation if relation.past])
-def test_past_relations_know_only_what_is_reachable(relation):
-    assert single_visit(relation, [[(9.0, 9.0)]], reachable=[(0.0, 1.0), (2.0, -1.0), (1.0, 0.0)]) == UniformBox(
-        0.0, -1.0, 2.0, 1.0
-    )
-    with pytest.raises(ValueError, match="reachable"):
-        single_visit(relation, [], reachable=[])
 
 
 def test_a_box_has_corners_in_order():

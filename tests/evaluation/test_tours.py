@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 
 import cv2
 import numpy as np
 import pytest
 
-from ovman.agents.interface import CameraPose, Observation, Visit
-from ovman.agents.reference.mapper import SeenMaps
 from ovman.evaluation.recorded_tour import content, recorded
 from ovman.models.visit_files import seal
-from ovman.perception.maps import mapped
-from ovman.perception.tour import detections
-from ovman.perception.tour_files import tour as recorded_views
 
 FOV_DEG = 90.0
 REACHABLE = np.zeros((1, 2))
@@ -71,42 +65,3 @@ def test_nothing_says_what_was_changed(tmp_path):
     visit = recorded(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
     public = {name for name in dir(visit.observations) if not name.startswith("_")}
     assert public == {"count", "index"} and "Chair" not in repr(visit)
-
-
-@dataclass
-class Found:
-    masks: np.ndarray
-    confidence: np.ndarray
-
-
-class Halves:
-    """Takes each half of a picture for an instance."""
-
-    def detect(self, pictures):
-        masks = np.zeros((2, 4, 6), bool)
-        masks[0, :, :3] = masks[1, :, 3:] = True
-        return [Found(masks, np.array([0.9, 0.8])) for _ in pictures]
-
-
-class Brightness:
-    """Embeds a crop as its mean colour."""
-
-    side_px = 8
-
-    def images(self, crops):
-        mean = crops.reshape(len(crops), -1, 3).mean(axis=1) + 1.0
-        return mean / np.linalg.norm(mean, axis=1, keepdims=True)
-
-
-def test_a_tour_that_is_seen_gives_the_map_that_is_made_of_its_record(tmp_path):
-    directory = tour(tmp_path / "tour")
-    networks = Halves(), Brightness()
-    mapper = SeenMaps(*networks, min_mask_px=10, crop_padding=0.1, radius_m=0.6)
-    found = mapper(recorded(directory, FOV_DEG, REACHABLE))
-    expected = mapped(detections(list(recorded_views(directory, FOV_DEG)), *networks, 10, 0.1), 0.6)
-    assert len(found) == len(expected) > 1
-    for one, other in zip(found, expected, strict=True):
-        assert (one.track == other.track).all() and (one.feature == other.feature).all() and (one.views == other.views).all()
-    blind = Visit((Observation(None, None, CameraPose(0, 0, 0, 0, 0), FOV_DEG),), REACHABLE)
-    with pytest.raises(ValueError, match="no image"):
-        mapper(blind)

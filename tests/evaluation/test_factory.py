@@ -7,9 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Agent, Visit
-from ovman.agents.reference.decision import Answer
-from ovman.evaluation.observation_store import Senses
+from ovman.agents.interface import Action, Agent, Answer, Visit
+from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.supervision import AgentError, Supervised, failures, function
 from ovman.models.settings import Arm, Kind
@@ -17,20 +16,18 @@ from ovman.models.settings.arms import ArmJob
 from ovman.task import Query, Relation
 from ovman.workflow.parameter import stage_settings
 from tests.arms import BY_NAME, CONFIG
+from tests.episodes import released
 
 MODULE = """
-def whole(query, recorded):
-    return recorded.rng.random()
+def whole(query, context):
+    return context.rng.random()
 
-def broken(query, recorded):
+def broken(query, context):
     return 1 / 0
 
 number = 3
 """
-TRIAL = {
-    "candidate": {"id": "FloorPlan1/moved/0000", "category": "Chair", "relation": "moved"},
-    "measured": {"visits": {"first": "a", "second": "b"}, "reachable_box": {"x": [0.0, 1.0], "z": [0.0, 2.0]}, "sightings": {}},
-}
+EPISODE = released()[0]
 
 
 @pytest.fixture(autouse=True)
@@ -78,43 +75,43 @@ def static(function_name: str, **fields) -> Arm:
 
 def predicted(arm: Arm, tmp_path):
     view = stage_settings(CONFIG, "predictions", "two_visits")
-    return predict(arm, TRIAL, view, Senses(arm, view, tmp_path, {}))
+    return predict(arm, EPISODE, view, ObservationStore(arm, view, 90.0, tmp_path))
 
 
 def test_a_static_function_that_raises_or_answers_nonsense_is_one_line_with_the_episode(tmp_path):
     with pytest.raises(AgentError) as caught:
         predicted(static("broken"), tmp_path)
-    line = "moved/0000: it raised ZeroDivisionError in deep.py, line 6: division by zero; mend the agent"
+    line = f"{EPISODE.id}: it raised ZeroDivisionError in deep.py, line 6: division by zero; mend the agent"
     assert line in said(caught)
-    with pytest.raises(AgentError, match="FloorPlan1/moved/0000: it returned 0.*return .Answer"):
+    with pytest.raises(AgentError, match=f"{EPISODE.id}: it returned 0.*return .Answer"):
         predicted(static("whole"), tmp_path)
 
 
 @pytest.mark.parametrize(
     ("body", "line"),
     [
-        ("recorded.map('first')", r"arms.mine is given no maps; write needs: \[maps\] in its entry"),
-        ("recorded.sight()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
-        ("recorded.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
-        ("recorded.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
-        ("recorded.constants.maps.cluster_radius_m", "does not own the constant 'maps.cluster_radius_m'"),
-        ("recorded.noun('chair')", r"arms.mine is given no networks"),
+        ("context.map('first')", r"arms.mine is given no maps; write needs: \[maps\] in its entry"),
+        ("context.networks()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
+        ("context.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
+        ("context.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
+        ("context.settings.maps.cluster_radius_m", "does not own the constant 'maps.cluster_radius_m'"),
+        ("context.noun('chair')", r"arms.mine is given no networks"),
     ],
 )
 def test_what_an_entry_does_not_ask_for_is_refused_with_what_to_write(body, line, tmp_path):
-    (tmp_path / "elsewhere_d.py").write_text(f"def ask(query, recorded):\n    return {body}\n")
+    (tmp_path / "elsewhere_d.py").write_text(f"def ask(query, context):\n    return {body}\n")
     with pytest.raises(AgentError, match=line):
         predicted(ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_d:ask"), tmp_path)
 
 
 def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tmp_path):
     arm = ArmJob(name="mine", kind=Kind.STATIC, agent="elsewhere_e:ask")
-    text = "from ovman.agents.reference.decision import Answer\n\n\ndef ask(query, recorded):\n"
-    text += "    assert len(recorded.tour('first').observations) == 0\n    return Answer(*recorded.rng.random(2)), None\n"
+    text = "from ovman.agents.interface import Answer\n\n\ndef ask(query, context):\n"
+    text += "    assert len(context.tour('first').observations) == 0\n    return Answer(*context.rng.random(2)), None\n"
     (tmp_path / "elsewhere_e.py").write_text(text)
     view = stage_settings(CONFIG, "predictions", "two_visits")
-    senses = Senses(arm, view, tmp_path, {})
-    one, again, other = (predict(arm, TRIAL, view, senses, run) for run in (0, 0, 1))
+    store = ObservationStore(arm, view, 90.0, tmp_path)
+    one, again, other = (predict(arm, EPISODE, view, store, run=run) for run in (0, 0, 1))
     assert one == again != other and isinstance(one[0], Answer)
 
 

@@ -1,0 +1,89 @@
+"""A released episode is brought about, toured, asked, run and judged from its record, with no other file at hand."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.predictions import predict
+from ovman.evaluation.rollouts import run_episode, session_for
+from ovman.evaluation.scores import score
+from ovman.evaluation.tours import record_tour
+from ovman.models.episode import Episode
+from ovman.models.prediction import Prediction
+from ovman.models.relation import Relation
+from ovman.models.run import Rollout, Score
+from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA, EPISODES, SIGHTINGS
+
+SCENES = ("FloorPlan318", "FloorPlan7")
+MEASURED_PX = CONFIG.measurement.min_mask_px
+"""Smallest mask of the released sightings."""
+
+
+@pytest.fixture
+def alone(tmp_path, monkeypatch) -> Path:
+    """An empty working directory with the file of episodes."""
+    shutil.copy(EPISODES, tmp_path / "episodes.jsonl")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def runs(arm: str, episodes: list[Episode], sightings: dict[str, Sightings]) -> list[Rollout]:
+    settings = stage_settings(CONFIG, "executions", arm)
+    with session_for(episodes[0], settings.arm, settings) as session:
+        return [
+            run_episode(session, episode, settings.arm, 0, settings, sightings=sightings.get(episode.id)) for episode in episodes
+        ]
+
+
+def released(arm: str, scene: str) -> list[Score]:
+    return Score.read(DATA / "runs" / arm / "seed0" / f"{scene}.jsonl")
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_oracle_runs_an_episode_from_its_record_as_it_was_released(alone, scene):
+    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
+    assert any(episode.relation is Relation.MOVING for episode in episodes)
+    made = [score(run, episode) for run, episode in zip(runs("oracle_check", episodes, {}), episodes, strict=True)]
+    assert made == released("oracle_check", scene)
+    assert [path.name for path in alone.iterdir()] == ["episodes.jsonl"]
+
+
+def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alone):
+    scene = SCENES[0]
+    episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
+    with pytest.raises(ValueError, match=f"two_visits_oracle_positions is given positions: it needs the sightings of {scene}"):
+        runs("two_visits_oracle_positions", episodes, {})
+    shutil.copy(SIGHTINGS, alone / "sightings.jsonl")
+    seen = {record.episode: record for record in Sightings.read(Path("sightings.jsonl"))}
+    made = runs("two_visits_oracle_positions", episodes, seen)
+    assert [score(run, episode) for run, episode in zip(made, episodes, strict=True)] == released(
+        "two_visits_oracle_positions", scene
+    )
+
+
+@pytest.mark.parametrize("relation", [Relation.MOVING, Relation.REMOVED])
+def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
+    episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
+    settings = stage_settings(CONFIG, "executions", "oracle_check")
+    with session_for(episode, settings.arm, settings) as session:
+        first, second = (record_tour(session, episode, which, alone, MEASURED_PX) for which in ("first", "second"))
+    seen = Sightings(
+        episode=episode.id,
+        sightings=VisitPair[tuple[Sighting, ...]](
+            first=first.sightings(episode.category), second=second.sightings(episode.category)
+        ),
+    )
+    assert seen == next(record for record in Sightings.read(SIGHTINGS) if record.episode == episode.id)
+    assert (None if second.mover is None else second.mover.start) == episode.mover
+    for arm in ("positions_single_visit", "positions_two_visits"):
+        given = stage_settings(CONFIG, "predictions", arm)
+        outcome, _ = predict(given.arm, episode, given, ObservationStore(given.arm, given, 90.0, alone), seen)
+        (answered,) = [p for p in Prediction.read(DATA / "predictions" / f"{arm}.jsonl") if p.episode == episode.id]
+        assert Prediction.of(episode.id, arm, 0, outcome) == answered

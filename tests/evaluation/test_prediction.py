@@ -1,0 +1,106 @@
+"""The record of a prediction."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.models.prediction import Abstention, AbstentionReason, Answer, Evidence, Prediction, UniformBox, UniformPick
+from ovman.models.record import RecordError, lines
+from tests.episodes import DATA
+
+finite = st.floats(-50, 50, allow_nan=False)
+points = st.tuples(finite, finite)
+outcomes = st.one_of(
+    st.builds(Answer, finite, finite),
+    st.builds(Abstention, st.sampled_from(AbstentionReason)),
+    st.builds(UniformPick, st.lists(points, max_size=4).map(tuple)),
+    st.builds(lambda a, b: UniformBox(min(a[0], b[0]), min(a[1], b[1]), max(a[0], b[0]), max(a[1], b[1])), points, points),
+)
+
+
+indices = st.lists(st.integers(0, 99), max_size=4).map(tuple)
+evidence = st.none() | st.builds(
+    Evidence, st.none() | indices, indices, st.lists(st.tuples(st.integers(0, 99), st.integers(0, 99)), max_size=4).map(tuple)
+)
+
+
+@settings(max_examples=80, derandomize=True)
+@given(outcomes, st.integers(0, 9), evidence)
+def test_a_record_says_all_that_was_predicted(outcome, seed, evidence):
+    prediction = Prediction.of("FloorPlan201/moved/0003", "positions_two_visits", seed, outcome, evidence)
+    assert (prediction.outcome, prediction.evidence) == (outcome, evidence)
+    record = json.loads(json.dumps(prediction.model_dump(mode="json", by_alias=True)))
+    assert Prediction.from_json(record) == prediction
+    assert record["schema"] == "ovman-prediction/1"
+
+
+def test_released_predictions_are_read_and_written_to_the_same_bytes():
+    files = sorted((DATA / "predictions").iterdir())
+    assert len(files) == 10
+    for file in files:
+        predictions = Prediction.read(file)
+        assert lines(predictions).encode() == file.read_bytes(), file.name
+        again = [Prediction.of(p.episode, p.arm, p.seed, p.outcome, p.evidence) for p in predictions]
+        assert again == predictions, file.name
+
+
+def test_files_keep_the_order(tmp_path):
+    predictions = [
+        Prediction.of("FloorPlan201/moved/0003", "a", 0, Answer(1.0, 2.0)),
+        Prediction.of("FloorPlan201/moved/0001", "a", 0, Abstention(AbstentionReason.NO_MOTION)),
+    ]
+    path = tmp_path / "a.jsonl"
+    path.write_text(lines(predictions))
+    assert Prediction.read(path) == predictions
+    assert path.read_text().splitlines()[1] == (
+        '{"schema":"ovman-prediction/1","episode":"FloorPlan201/moved/0001","arm":"a","seed":0,"abstain":"no_motion"}'
+    )
+
+
+def test_what_is_written_is_rounded_to_a_tenth_of_a_millimetre(tmp_path):
+    (tmp_path / "a.jsonl").write_text(Prediction.of("e", "a", 0, Answer(0.1 + 0.2, -1.23456)).to_line())
+    assert Prediction.read(tmp_path / "a.jsonl")[0].outcome == Answer(0.3, -1.2346)
+
+
+GOOD = {"schema": "ovman-prediction/1", "episode": "e", "arm": "a", "seed": 0, "x": 1.0, "z": 2.0}
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (
+            {"schema": "ovman-prediction/2"},
+            "schema: expected 'ovman-prediction/1', found 'ovman-prediction/2'; make",
+        ),
+        ({"abstain": "no_motion"}, "exactly one of"),
+        ({"x": None, "z": None}, "exactly one of"),
+        ({"x": None, "z": None, "abstain": "tired"}, 'abstain: "tired" is not one of no_candidate, '),
+        ({"episode": None}, "episode: the key is missing; add it"),
+        ({"z": None}, "z: the key is missing"),
+        ({"x": "1"}, "x: expected a number"),
+        ({"evidence": {"grounded": {"first": [1], "second": [0]}}}, "evidence.pairs: the key is missing; add it"),
+        (
+            {"x": None, "z": None, "box": {"x_min": 1.0, "z_min": 0.0, "x_max": 0.0, "z_max": 1.0}},
+            "its largest corner",
+        ),
+    ],
+)
+def test_a_bad_line_is_named_with_its_remedy(tmp_path, change, message):
+    record = {key: value for key, value in {**GOOD, **change}.items() if value is not None}
+    path = tmp_path / "a.jsonl"
+    path.write_text(json.dumps(GOOD) + "\n" + json.dumps(record) + "\n")
+    with pytest.raises(RecordError, match=message) as caught:
+        Prediction.read(path)
+    assert str(caught.value).startswith(f"{path}:2: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_truncated_line_is_named(tmp_path):
+    path = tmp_path / "a.jsonl"
+    path.write_text(json.dumps(GOOD)[:-9] + "\n")
+    with pytest.raises(RecordError, match=r"a\.jsonl:1: "):
+        Prediction.read(path)
