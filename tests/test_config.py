@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from ovman.models.settings import Kind, Settings, arms_of, of_kind
-from ovman.report.tables.constants import KEYS
 from ovman.models.settings.values import listed
+from ovman.report.tables.constants import KEYS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
 from ovman.workflow.settings_files import check_command_line, read
