@@ -18,7 +18,7 @@ from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table
 from ovman_engine.plan import floorplan
 
-FILES = ("episodes/main.jsonl",)
+FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
 TREES = ("scenes", "trials", "certified", "predictions", "runs", "metrics", "tables")
 HIDDEN = "."
 NEAR_M = 1.0
