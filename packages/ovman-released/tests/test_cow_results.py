@@ -10,19 +10,14 @@ from episodes import released
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.evaluation.scores import judge
+from ovman.evaluation.scores import score
 from ovman.models.record import RecordError
 from ovman_released.cow_controller import Verdict
 from ovman_released.cow_results import Walk, collected, imported
 
 EPISODE = released("FloorPlan429/removed/0000")
-JUDGED = {"relation": "removed", "shortest_path_m": 1.0}
 NOWHERE = dict.fromkeys(("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px"))
 COORDINATE = st.floats(-9, 9, allow_nan=False).map(lambda x: round(x, 3))
-
-
-class Task:
-    radius_m, visible_px, sweep_deg = 1.0, 100, (0, 30, 60)
 
 
 def written(path, points, actions):
@@ -70,22 +65,22 @@ def test_its_own_success_is_not_read(tmp_path):
     walk = Walk.read(written(tmp_path / "walk.json", [(0.0, 0.0), (0.0, 3.0), (0.0, 3.0)], ["MoveAhead", "Stop"]))
     terms = {"box_distance_m": None, "visible_px": None, "answer_distance_m": 3.1623, "navigable_distance_m": 3.1623}
     verdict = {"name": "a", "stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
-    run = imported(EPISODE, 2, walk, Verdict.from_json(verdict)).to_json()
-    assert (run["arm"], run["seed"], run["outcome"], run["path_length_m"], run["actions"]) == (
+    run = imported(EPISODE, 2, walk, Verdict.from_json(verdict))
+    assert (run.arm, run.seed, run.outcome, run.path_length_m, run.actions) == (
         "cow_released",
         2,
         "stopped",
         3.0,
         1,
     )
-    assert judge(run, JUDGED, Task(), own_task=True)["success"] is False
+    assert score(run, EPISODE, own_task=True).success is False
 
 
 def test_a_spent_budget_is_a_failure_on_either_task():
     verdict = Verdict.from_json({"name": "a", "stopped": False, **NOWHERE})
-    run = imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict).to_json()
-    judged = judge(run, JUDGED, Task(), own_task=True)
-    assert (judged["outcome"], judged["success"], judged["own_success"], judged["path_length_m"]) == (
+    run = imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict)
+    judged = score(run, EPISODE, own_task=True)
+    assert (judged.outcome, judged.success, judged.own_success, judged.path_length_m) == (
         "budget",
         False,
         False,

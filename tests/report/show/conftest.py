@@ -30,6 +30,7 @@ from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
 from ovman.workflow import config
+from ovman.workflow.parameter import stage_settings
 from tests.arms import REFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -172,13 +173,6 @@ def _sightings(episode: Episode) -> Sightings:
     return Sightings(episode=episode.id, sightings=VisitPair[tuple[Sighting, ...]](first=first, second=second))
 
 
-def _trial(episode: Episode) -> dict[str, Any]:
-    box = {"x": [0.0, 4.0], "z": [0.0, 4.0]}
-    found = _sightings(episode).to_json()
-    measured = {"visits": episode.visits.to_json(), "sightings": found["sightings"], "reachable_box": box}
-    return {"candidate": {"id": episode.id, "category": CATEGORY, "relation": str(episode.relation)}, "measured": measured}
-
-
 def _run(arm: str, seed: int, episode: Episode) -> dict[str, Any]:
     """Seed 0 finds the answer, seed 1 does not, and seed 2 abstains."""
     abstains = seed == 2
@@ -211,7 +205,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     """The results directory; tests read it, and copy it to change it."""
     root = tmp_path_factory.mktemp("show") / "results"
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
-    for folder in ("episodes", "scenes", "trials", "detections", "maps", "predictions"):
+    for folder in ("episodes", "scenes", "detections", "maps", "predictions"):
         (root / folder).mkdir(parents=True)
     episodes, found = [], {}
     for relation in Relation:
@@ -241,8 +235,6 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     (root / "scenes" / f"{SCENE}.json").write_text(scene.to_line())
     (root / "episodes" / "main.jsonl").write_text(lines(episodes))
     (root / "episodes" / "sightings.jsonl").write_text(lines(map(_sightings, episodes)))
-    trials = root / "trials" / f"{SCENE}.jsonl"
-    trials.write_text("".join(line(_trial(episode)) for episode in episodes))
     write_detections(root / "detections" / f"{SCENE}.npz", found)
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
     write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0])})
@@ -250,8 +242,9 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
-        main = root / "episodes" / "main.jsonl"
-        predictions.run(arm, main, [trials], constants, files[-1], root / "visits", perceived)
+        main, sightings = root / "episodes" / "main.jsonl", root / "episodes" / "sightings.jsonl"
+        given = stage_settings(settings, "predictions", arm.name)
+        predictions.run(arm, main, given, files[-1], sightings, root / "visits", perceived)
     runs = []
     for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):
