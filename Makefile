@@ -11,18 +11,19 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables static quick models show release test soak bench lint lock setup clean
+.PHONY: help tables static quick models show release test soak mutants bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
-	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
+	@echo "make static  the tables of the static gate alone, in results/static: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
 	@echo "make release results/ into data/ovman-embedded-v1, with card, checksums and picture"
 	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
+	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
-	@echo "make lint    format, lint and import contracts"
+	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
 	@echo "make lock    requirements.lock from the newest releases that pyproject.toml allows"
 	@echo "make setup   .venv alone;  make clean: remove .venv and caches, keep results"
 
@@ -32,7 +33,7 @@ tables: $(READY)
 	@$(SNAKEMAKE) -- results/tables
 
 static: $(READY)
-	@$(SNAKEMAKE) -- results/static_tables
+	@$(SNAKEMAKE) -- results/static
 
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
@@ -55,6 +56,10 @@ test: $(READY)
 
 soak: $(READY)
 	@.venv/bin/python -m pytest -q -m soak
+	@$(MAKE) --no-print-directory mutants
+
+mutants: $(READY)
+	@.venv/bin/python tests/mutation/survivors.py --processes $(CORES)
 
 bench: $(READY)
 	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
@@ -63,7 +68,9 @@ lint: $(READY)
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
 	@.venv/bin/snakefmt --check Snakefile workflow packages/ovman-released
+	@.venv/bin/mypy
 	@.venv/bin/lint-imports --no-cache
+	@.venv/bin/python -m ovman.workflow.lint
 
 # opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
 lock:
@@ -72,7 +79,7 @@ lock:
 	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ./packages/ovman-engine --editable ".[dev]"; \
 	{ \
 		echo "# Exact versions of everything for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64; made by \`make lock\`:"; \
-		echo "# pip install .[dev] with packages/ovman-engine in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
+		echo "# pip install .[dev] with the engine of this repository in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
 		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman --exclude ovman-engine --exclude ovman-released \
 			| sed 's/^opencv-python==/opencv-python-headless==/' | LC_ALL=C sort -f; \
 	} > "$$directory/lock"; \
@@ -93,5 +100,5 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 clean:
-	rm -rf .venv .hypothesis .import_linter_cache .pytest_cache .ruff_cache *.egg-info
-	find ovman tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +
+	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
+	find ovman packages tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,4 +1,4 @@
-"""What CoW, reimplemented, costs a step, on one core.
+"""Cost of a step of the reimplemented CoW on one core.
 
     python bench/cow.py [--config config.yaml] [--scenes FloorPlan209 ...] [--walks 2] [--budget 250]
 
@@ -40,15 +40,17 @@ NOWHERE = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Timed:
-    """A localiser whose time is kept apart."""
+    """A localiser with a clock of its own."""
 
     def __init__(self, inner: Any) -> None:
         self.inner, self.seconds = inner, 0.0
 
     def look_for(self, category: str) -> None:
+        """As `Localiser`."""
         self.inner.look_for(category)
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
+        """As `Localiser`, timed."""
         began = processor_s(None)
         found = self.inner.relevance(rgb)
         self.seconds += processor_s(None) - began
@@ -89,6 +91,7 @@ def walk(session: Session, eyes: Any, settings: Any, budget: int, rng: np.random
 
 
 def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
     parser.add_argument("--scenes", nargs="+", default=SCENES)

@@ -1,4 +1,4 @@
-"""What mapping costs an episode, on one core.
+"""Cost of mapping per episode on one core.
 
     python bench/perception.py [--config config.yaml] [--scenes FloorPlan201 ...] [--repeats 3]
 
@@ -103,6 +103,7 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
 
 
 def main() -> None:
+    """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
     parser.add_argument("--scenes", nargs="+", default=SCENES)

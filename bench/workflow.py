@@ -1,7 +1,7 @@
-"""What the workflow itself costs: Snakemake and imports against the work, and a changed threshold. `python bench/workflow.py`.
+"""Overhead of the workflow, and the cost of a changed threshold. `python bench/workflow.py`.
 
-Runs the job of `make quick` in a temporary directory, then again with every journal full, so that no simulator starts: what
-that takes is the overhead (and the pure stages, which are counted as overhead here). CPU time of all processes.
+It runs the jobs of `make quick` in a temporary directory, then again with full journals, so that no simulator starts: that run
+is the overhead (pure stages included). CPU time is that of all processes.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ QUICK = ROOT / "overlays" / "quick.yaml"
 
 
 def snakemake(directory: str, files: list[Path], *arguments: str, target: str = "results/tables") -> tuple[float, float, str]:
-    """Seconds of wall clock and of CPU, and what was said."""
+    """Seconds of wall clock and of CPU, and the output of Snakemake."""
     configuration = ["--configfile", *map(str, files)] if files else []
     command = [
         sys.executable,
@@ -46,7 +46,11 @@ def snakemake(directory: str, files: list[Path], *arguments: str, target: str = 
 
 
 def jobs(said: str) -> int:
-    return int(re.search(r"^total +(\d+)", said, re.MULTILINE)[1])
+    """Number of jobs in Snakemake's output. ValueError for an output without a total."""
+    total = re.search(r"^total +(\d+)", said, re.MULTILINE)
+    if total is None:
+        raise ValueError("Snakemake printed no total of jobs")
+    return int(total[1])
 
 
 def resident_mb(directory: str) -> float:
@@ -56,10 +60,12 @@ def resident_mb(directory: str) -> float:
 
 
 def row(name: str, wall: float | None, cpu: float, note: str = "") -> None:
+    """Print a line of the report."""
     print(f"{name:<46}" + (f"{wall:8.1f} s wall" if wall is not None else " " * 15) + f"{cpu:8.1f} s CPU  {note}")
 
 
 def main() -> None:
+    """Measure and print."""
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
     with tempfile.TemporaryDirectory() as directory:
         wall, cpu, said = snakemake(directory, [QUICK])

@@ -4,7 +4,7 @@ All that runs Snakemake or waits for the one lock of the GPU stays in one proces
 waited for by two. That is the longest share, so it comes first.
 
 Examples are drawn in the same way every time, so that a change fails for what it does; `pytest --hypothesis-profile default`
-draws others.
+draws others. Mutation testing takes `mutants`, which does not look for the smallest example of what fails.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from collections.abc import Generator
 from pathlib import PurePosixPath
 
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 settings.register_profile("same", derandomize=True)
+settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
 
 WORKFLOW = "workflow"

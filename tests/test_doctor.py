@@ -129,7 +129,7 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
 def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) -> None:
     settings = yaml.safe_load((ROOT / "config.yaml").read_text())
     settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
-    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings))
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     found = checks.perception(tmp_path / "config.yaml")
     assert found.state is State.ILL and found.says.startswith("perception.detector.weights: there is no file")
     assert "make models" in found.remedy and "\n" not in found.says + found.remedy
@@ -157,7 +157,7 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
     settings["perception"]["encoder"] |= {
         "model": str(tmp_path / "encoder.json"), "weights": str(tmp_path / "encoder.safetensors"), "sha256": "",
     }  # fmt: skip
-    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings))
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     found = checks.perception(tmp_path / "config.yaml")
     assert found.state is State.WELL and "on cpu" in found.says and "ultralytics" in found.says
 

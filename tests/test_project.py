@@ -21,17 +21,27 @@ import ovman
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-engine", "ovman-released")}
+"""Distributions of this repository beside the benchmark itself."""
+PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 
-SOURCES = ("ovman", "tests", "bench", "examples", "workflow", "overlays", "profiles", "docs", ".ci")
+SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")
 TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".json", ".jsonl", ".csv", ".tex", ""})
 
 
-def declared() -> dict[str, Requirement]:
-    project = PROJECT["project"]
-    lines = project["dependencies"] + [line for extra in project["optional-dependencies"].values() for line in extra]
-    return {canonicalize_name(r.name): r for r in map(Requirement, lines)}
+def required(project: str, *extras: str) -> list[Requirement]:
+    """What a distribution of this repository requires, with some of its extras."""
+    declared = PROJECTS[project]["project"]
+    lines = declared["dependencies"] + [line for extra in extras for line in declared["optional-dependencies"][extra]]
+    return [Requirement(line) for line in lines]
+
+
+def declared() -> list[tuple[str, Requirement]]:
+    """Every requirement of every distribution, but for those on each other."""
+    all_of_them = [(p, r) for p in PROJECTS for r in required(p, *PROJECTS[p]["project"].get("optional-dependencies", {}))]
+    return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
 def locked() -> dict[str, str]:
@@ -43,12 +53,16 @@ def locked() -> dict[str, str]:
 def files() -> list[Path]:
     """The text files of the project: those at its root and in its folders, not what is made by running it."""
     inside = [path for folder in SOURCES for path in (ROOT / folder).rglob("*")]
-    return [p for p in [*ROOT.iterdir(), *inside] if p.is_file() and p.suffix in TEXT and "cache" not in str(p.relative_to(ROOT))]
+    return [
+        p
+        for p in [*ROOT.iterdir(), *inside]
+        if p.is_file() and p.name != ".git" and p.suffix in TEXT and "cache" not in str(p.relative_to(ROOT))
+    ]
 
 
-@pytest.mark.parametrize("name", sorted(declared()))
-def test_locked_version_is_in_the_declared_range(name: str) -> None:
-    assert declared()[name].specifier.contains(locked()[name], prereleases=True)
+@pytest.mark.parametrize(("project", "requirement"), declared(), ids=lambda one: str(one))
+def test_locked_version_is_in_the_declared_range(project: str, requirement: Requirement) -> None:
+    assert requirement.specifier.contains(locked()[canonicalize_name(requirement.name)], prereleases=True)
 
 
 def test_lock_names_exact_versions_and_no_place_to_fetch_them_from() -> None:
@@ -66,24 +80,28 @@ def third_party(path: Path) -> set[str]:
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             names.add(node.module.partition(".")[0])
     beside = {p.stem for p in path.parent.iterdir()} | {path.parent.name}
-    return names - sys.stdlib_module_names - beside - {"ovman", "tests"}
+    shared = {"conformance", "boxes", "measure", "episodes", "test_house"}  # of tests and benches, on their path
+    return names - sys.stdlib_module_names - beside - shared - {"ovman", "ovman_engine", "ovman_released", "tests"}
 
 
 @pytest.mark.parametrize(
-    ("folder", "extras"),
+    ("folder", "requires"),
     [
-        ("ovman/engine", []),
-        ("ovman", ["benchmark"]),
-        ("workflow", ["benchmark"]),
-        ("examples", ["dev"]),
-        ("bench", ["benchmark", "dev"]),
-        ("tests", ["benchmark", "dev"]),
+        ("ovman", ["ovman"]),
+        ("workflow", ["ovman"]),
+        ("bench", ["ovman", "ovman-engine"]),
+        ("tests", ["ovman", "ovman-engine"]),
+        ("packages/ovman-engine", ["ovman-engine"]),
+        ("packages/ovman-released/ovman_released", ["ovman-released", "ovman"]),
+        ("packages/ovman-released/tests", ["ovman-released", "ovman"]),
     ],
 )
-def test_what_is_imported_is_declared(folder: str, extras: list[str]) -> None:
-    optional = PROJECT["project"]["optional-dependencies"]
-    lines = PROJECT["project"]["dependencies"] + [line for extra in extras for line in optional[extra]]
-    allowed = {canonicalize_name(Requirement(line).name) for line in lines}
+def test_what_is_imported_is_declared(folder: str, requires: list[str]) -> None:
+    package = folder in ("ovman", "workflow", "packages/ovman-released/ovman_released")
+    found = [
+        r for p in requires for r in required(p, *([] if package else PROJECTS[p]["project"].get("optional-dependencies", {})))
+    ]
+    allowed = {canonicalize_name(requirement.name) for requirement in found}
     distributions = packages_distributions()
     undeclared = {
         (str(path.relative_to(ROOT)), module)

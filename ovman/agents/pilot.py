@@ -1,4 +1,4 @@
-"""From a goal point to primitives: the navigation that every agent of this package shares."""
+"""From a goal point to primitives: the navigation of all agents of this package."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 class Pilot:
-    """Drives to goal points on the grid of reachable positions; `rng` orders paths of equal length."""
+    """Drives to goal points on the grid of reachable positions. rng: chooses among paths of equal length."""
 
     def __init__(self, primitives: Primitives, rng: np.random.Generator) -> None:
         self._primitives = primitives
@@ -20,7 +20,7 @@ class Pilot:
         self._navigator: Navigator | None = None
 
     def set_out(self, reachable: np.ndarray, relation: Relation) -> None:
-        """A new episode on the positions `reachable` (K, 2) in metres; blocked edges are tried again in MOVING episodes only."""
+        """Begin an episode on the positions `reachable` (K, 2), metres. Blocked edges are retried in MOVING episodes only."""
         self._take(reachable)
         self._navigator = Navigator(self._grid, self._primitives, relation is Relation.MOVING, self._directions)
 
@@ -29,7 +29,7 @@ class Pilot:
         self._component: frozenset[Cell] | None = None
 
     def act(self, observation: Observation, goal: tuple[float, float]) -> Action:
-        """One primitive towards the navigable cell nearest to `goal`; STOP there, facing it; ABSTAIN where no way leads there."""
+        """One primitive towards the navigable cell nearest to `goal`; STOP there, facing it; ABSTAIN if it is unreachable."""
         assert self._navigator is not None, "set_out comes first"
         pose = observation.pose
         if observation.reachable is not None:

@@ -1,4 +1,4 @@
-"""The checks of `ovman doctor`. Each looks at one thing, never raises, and says what to do where it is not well."""
+"""The checks of `ovman doctor`. A check looks at one thing, never raises, and names the remedy."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from ovman.perception.libraries import cache
 from ovman.sim import unity
 
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
-"""How long a backend may take to its first frames: the engine compiles its kernels once, Unity's build its shaders."""
+"""Time limit for the first frames of a backend. The engine compiles kernels at first use, Unity's build shaders."""
 NETWORKS_LIMIT_S = 180.0
-"""How long the networks may take to their first picture; PyTorch alone is imported for half a minute from a cold disk."""
+"""Time limit for the first picture through the networks. Importing PyTorch from a cold disk takes half a minute."""
 NETWORK_LIBRARIES = ("torch", "ultralytics", "open_clip", "safetensors")
 ROOT = Path(__file__).resolve().parents[2]
-"""Of the repository, if the package is used from it."""
+"""The repository, if the package is used from it."""
 SHORT_S = 30.0
-"""How long a small program may take."""
+"""Time limit for a small program."""
 
 
 class State(Enum):
-    """WELL; ABSENT: not there, and only some things need it; ILL: something that was asked for does not work."""
+    """WELL: works. ABSENT: missing, and needed only by some features. ILL: does not work."""
 
     WELL = "ok"
     ABSENT = "--"
@@ -41,7 +41,7 @@ class State(Enum):
 
 @dataclass(frozen=True)
 class Finding:
-    """What a check found, in one line, and the remedy where there is something to mend."""
+    """The result of a check in one line, with the remedy if there is a problem."""
 
     subject: str
     state: State
@@ -50,7 +50,7 @@ class Finding:
 
 
 def python() -> Finding:
-    """The interpreter and the packages that everything needs."""
+    """The Python interpreter and the platform."""
     version = platform.python_version()
     if sys.platform != "linux":
         remedy = "the client's pipes work on Linux: use WSL2 or a container"
@@ -59,7 +59,7 @@ def python() -> Finding:
 
 
 def client() -> Finding:
-    """The ai2thor package and the traps that it sets before any simulator starts."""
+    """The ai2thor package, and conditions under which it fails before a simulator starts."""
     try:
         version = importlib.metadata.version("ai2thor")
     except importlib.metadata.PackageNotFoundError:
@@ -78,14 +78,14 @@ def client() -> Finding:
 
 
 def engine_process() -> Finding:
-    """Whether the process that the client would start can import the engine: if not, the client waits for ever."""
+    """Whether the process that the client starts can import the engine. If not, the client would wait forever."""
     from ovman_engine import executable
 
     environment = {k: v for k, v in os.environ.items() if not k.startswith("AI2THOR_")}
     try:
         done = subprocess.run(shlex.split(executable()), env=environment, capture_output=True, text=True, timeout=SHORT_S)
     except (OSError, subprocess.TimeoutExpired) as error:
-        return Finding("engine process", State.ILL, _line(error), "is this Python still where it was? make the environment anew")
+        return Finding("engine process", State.ILL, _line(error), "the interpreter may have moved; make the environment again")
     if done.returncode != 2 or "ovman-engine" not in done.stderr:
         return Finding(
             "engine process", State.ILL, _last(done.stderr),
@@ -118,11 +118,11 @@ def frame(backend: str, subject: str, remedy: str) -> Finding:
 
 def engine_frame() -> Finding:
     """A frame of the embedded engine."""
-    return frame("embedded", "engine frame", "the engine's own words are at the end of ~/.ai2thor/log/unity.log")
+    return frame("embedded", "engine frame", "see the end of the engine's log, ~/.ai2thor/log/unity.log")
 
 
 def workflow() -> Finding:
-    """What the benchmark needs beside the engine."""
+    """The packages of the benchmark beside the engine."""
     missing = [
         name
         for name in ("snakemake", "pydantic", "yaml", "matplotlib", "pandas", "statsmodels", "jinja2")
@@ -135,7 +135,7 @@ def workflow() -> Finding:
 
 
 def gpu() -> Finding:
-    """NVIDIA GPUs. Nothing needs one by default."""
+    """NVIDIA GPUs. The default configuration needs none."""
     if shutil.which("nvidia-smi") is None:
         return Finding("gpu", State.ABSENT, "none; only Unity and the paper's weights want one")
     try:
@@ -178,7 +178,7 @@ def perception(config: Path | None = None) -> Finding:
 
 
 def weights() -> Finding:
-    """The paper's networks, where they are kept once they have been downloaded."""
+    """The downloaded networks of the paper."""
     hub = Path(os.environ.get("HF_HOME") or cache().with_name("huggingface")) / "hub"
     wanted = {
         "yolov8m-seg": any(cache().glob("*/yolov8m-seg.pt")),
@@ -191,19 +191,19 @@ def weights() -> Finding:
 
 
 def vulkan() -> Finding:
-    """Vulkan, which Unity's CloudRendering build draws with, and the GPUs that it finds."""
+    """Vulkan, which Unity's CloudRendering build needs, and its GPUs."""
     try:
         found = unity.devices()
     except unity.Missing as missing:
         return Finding("vulkan", State.ILL, missing.what, missing.remedy)
     if found is None:
         remedy = "sudo apt install vulkan-tools names them; Unity does without"
-        return Finding("vulkan", State.ABSENT, "the library is there; vulkaninfo, which would name its devices, is not", remedy)
+        return Finding("vulkan", State.ABSENT, "the library is installed; vulkaninfo, which names the devices, is not", remedy)
     return Finding("vulkan", State.WELL, "; ".join(device.name for device in found if device.is_gpu))
 
 
 def unity_build() -> Finding:
-    """AI2-THOR's build: where it is and how large, or that it is to be downloaded, which is tried."""
+    """AI2-THOR's build: place and size. A missing build is downloaded."""
     where = Path(unity.build().base_dir)
     if not unity.is_present():
         try:
@@ -217,13 +217,13 @@ def unity_build() -> Finding:
 def unity_frame() -> Finding:
     """A frame of the Unity build."""
     log = "~/.config/unity3d/Allen Institute for Artificial Intelligence/AI2-THOR/Player.log"
-    return frame("thor", "unity frame", f"mend what stands above; Unity's own words are at the end of {log}")
+    return frame("thor", "unity frame", f"see the checks above and the end of Unity's log, {log}")
 
 
 HERE: tuple[Callable[[], Finding], ...] = (python, client, engine_process, engine_frame, workflow, perception, weights, gpu)
-"""What is always looked at."""
+"""Checks that always run."""
 UNITY: tuple[Callable[[], Finding], ...] = (vulkan, unity_build, unity_frame)
-"""What is looked at if Unity is asked for."""
+"""Checks of Unity's build."""
 
 
 NEEDS = {
@@ -231,11 +231,11 @@ NEEDS = {
     unity_build: frozenset({"ai2thor", "vulkan"}),
     unity_frame: frozenset({"ai2thor", "vulkan", "unity build"}),
 }
-"""What must not be ill for a check to be worth its time."""
+"""Checks that must not be ILL before another one runs."""
 
 
 def findings(thor: bool = False) -> Iterator[Finding]:
-    """One after the other, as they are found. No frame is waited for where its process cannot start."""
+    """The results, one after the other. A check whose requirements are ILL is not run."""
     ill: set[str] = set()
     for check in (*HERE, *(UNITY if thor else ())):
         needs = NEEDS.get(check, frozenset())
@@ -249,7 +249,7 @@ def findings(thor: bool = False) -> Iterator[Finding]:
 
 
 def report(found: Sequence[Finding]) -> str:
-    """Findings as lines: state, subject, what was found, and below it what to do."""
+    """The results as lines: state, subject and finding, and the remedy below."""
     lines = []
     for f in found:
         lines.append(f"{f.state.value}  {f.subject:<16}{f.says}")
@@ -264,7 +264,7 @@ def _line(error: Exception) -> str:
 
 def _last(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return lines[-1] if lines else "it ended without a word"
+    return lines[-1] if lines else "it ended without output"
 
 
 def _memory_gb() -> float:

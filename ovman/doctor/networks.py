@@ -1,6 +1,6 @@
 """One picture through both networks of the settings, in a process of its own: `python -m ovman.doctor.networks config.yaml`.
 
-Importing PyTorch takes seconds and memory, and a library that does not fit the processor ends the process that imports it.
+Importing PyTorch takes seconds and memory, and a library that the processor does not support kills the importing process.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
 NOUN = "chair"
 SLACK = 1e-3
-"""How far from 1 an embedding's length may be."""
+"""Tolerance of the length of a unit embedding."""
 T = TypeVar("T")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Prints as JSON what both networks of a configuration file took: start_s, detector_ms, encoder_ms, device, libraries.
+    """Print the timing of both networks of a configuration file as JSON: start_s, detector_ms, encoder_ms, device, libraries.
 
-    Exit status 2 and one line on standard error where weights cannot be had.
+    Exit status 2 and one line on standard error if weights are not available.
     """
     (file,) = sys.argv[1:] if arguments is None else arguments
     from ovman.perception.networks import detector_of, encoder_of
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (seen,), detector_ms = _second(lambda: detector.detect([picture]))
     features, encoder_ms = _second(lambda: np.concatenate([encoder.images(crop), encoder.texts([NOUN])]))
     if seen.masks.shape[1:] != picture.shape[:2] or not np.allclose(np.linalg.norm(features, axis=1), 1, atol=SLACK):
-        raise RuntimeError("the networks' answers are no masks and no embeddings")
+        raise RuntimeError("the output of the networks is not masks and unit embeddings")
     found = {
         "start_s": start_s,
         "detector_ms": detector_ms,
@@ -59,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _second(work: Callable[[], T]) -> tuple[T, float]:
-    """What the work gives and its milliseconds when it is done for the second time: the first time, libraries get ready."""
+    """Result and milliseconds of the second of two calls; the first one initialises libraries."""
     work()
     began = time.perf_counter()
     result: Any = work()

@@ -1,6 +1,6 @@
 """One frame through the real Controller, in a process of its own: `python -m ovman.doctor.probe embedded`.
 
-The client waits without a limit for a simulator that dies early. So whoever asks for the frame sets one, from outside.
+The client waits forever for a simulator that dies early, so the caller of this program must set a time limit.
 """
 
 from __future__ import annotations
@@ -13,11 +13,14 @@ from pathlib import Path
 
 SCENE = "FloorPlan201"
 REPEATS = 8
-"""Frames of which the quickest counts."""
+"""Frames; the fastest one counts."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Prints as JSON what a frame of a backend ("embedded", "thor") took: start_s, frame_ms, resident_mb, size_px, objects."""
+    """Print a frame's timing and size for a backend ("embedded", "thor") as JSON.
+
+    Keys: start_s, frame_ms, resident_mb, size_px, objects.
+    """
     (backend,) = sys.argv[1:] if arguments is None else arguments
     from ovman.sim import controller
     from ovman.sim.embodiment import Embodiment

@@ -1,4 +1,4 @@
-"""What `ovman record` and `ovman replay` do and say."""
+"""The commands `ovman record` and `ovman replay`."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ EMBEDDED, THOR = "embedded", "thor"
 
 
 def record(scene: str, output: Path, thor: bool, config: Path) -> str:
-    """Records the work on a scene; what was recorded, in a line. ValueError, in one line, for what cannot be recorded."""
+    """Record the work on a scene and return a summary in one line. ValueError, in one line, if that is impossible."""
     floor_plan(scene)
     settings = load(config)
     benchmark = settings.benchmark.model_copy(update={"backend": THOR if thor else EMBEDDED})
@@ -25,9 +25,9 @@ def record(scene: str, output: Path, thor: bool, config: Path) -> str:
 
 
 def replay(path: Path, thor: bool) -> tuple[bool, list[str]]:
-    """Replays a recording both ways: whether all is as recorded, or may be otherwise, and what to say of it, in lines.
+    """Replay a recording both ways: whether all differences are allowed ones, and a summary in lines.
 
-    ValueError, in one line, where the file is no recording or OVMAN's code now asks for something else.
+    ValueError, in one line, if the file is no recording or OVMAN's code now calls the simulator differently.
     """
     tape = read(path)
     of, now = tape.header.backend, THOR if thor else EMBEDDED

@@ -1,4 +1,4 @@
-"""A piece of OVMAN's real work on one scene, small enough to be recorded and sent: `ovman record` and `ovman replay`.
+"""A small piece of OVMAN's real work on one scene, for `ovman record` and `ovman replay`.
 
 The stages' own functions do it: the survey of the scene, then a displaced, a removed and a moving instance as trials (both tours,
 the measurements around the answer, the look-down sweep), and the oracle's episode on each.
@@ -33,13 +33,13 @@ from ovman.workflow import seeds
 from ovman.workflow.parameter import StageSettings
 
 STAGES = ("scenes", "candidates", "trials", "certified")
-"""Whose constants the work is done with."""
+"""The stages whose constants the work uses."""
 WORK = (Relation.MOVED, Relation.REMOVED, Relation.MOVING)
 NAME_LIMIT_S = 30.0
 
 
 def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start) -> Iterator[Result]:
-    """What each piece of the work comes to. `start` gives the Controller; visits are written to a directory that goes away."""
+    """The results of the work. `start` returns the Controller; visits are written to a temporary directory."""
     with tempfile.TemporaryDirectory() as visits, Session(scene, views["scenes"], start=start) as session:
         found = survey(session, views["scenes"].tour.waypoints, views["scenes"].primitives.step_m)
         yield Result("survey", found.to_json())
@@ -58,7 +58,7 @@ def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start
 
 
 def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape:
-    """Does the work on the backend of `views` and writes all of it to `output`; what was written, read again."""
+    """Do the work on the backend of `views`, record it in `output`, and read the recording back."""
     header = Header(
         views["scenes"].benchmark.backend,
         scene,
@@ -74,9 +74,9 @@ def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape
 
 
 def rehearsed(tape: Tape) -> list[str]:
-    """The work done again on the recorded answers: names of the results that come out otherwise than recorded.
+    """Repeat the work on the recorded answers: names of the results that differ from the recorded ones.
 
-    TapeError where the work asks the simulator for something else than it did when it was recorded.
+    TapeError if the work calls the simulator differently than when it was recorded.
     """
     playback = Playback(tape)
     views = {stage: StageSettings.parse(text) for stage, text in tape.header.constants.items()}
@@ -88,7 +88,7 @@ def rehearsed(tape: Tape) -> list[str]:
 
 
 def compared(tape: Tape, backend: str) -> list[Summary]:
-    """What `backend` answers otherwise than recorded; nothing may differ where it is the recording's own."""
+    """The answers of `backend` that differ from the recorded ones; none may differ for the recording's own backend."""
     rules: Sequence[Any] = () if tape.header.backend == backend else RULES
     return summaries(list(replayed(tape, backend)), rules)
 

@@ -65,8 +65,8 @@ def check_split(results: Results, path: Path) -> Iterator[str]:
         yield f"{path}: has fewer episodes than benchmark.split asks for ({', '.join(short)}); {remedy}"
 
 
-NO_OUTPUTS = frozenset({"checksums", "journal", "visits", "pages"})
-"""Folders of results/ that hold no outputs of rules."""
+NO_OUTPUTS = frozenset({"checksums", "journal", "visits", "pages", "report.html"})
+"""What in results/ is no output of a rule."""
 PER_SCENE = {"scenes": ".json", "trials": ".jsonl", "detections": ".npz", "maps": ".npz", "walks": ".npz"}
 """Folders of results/ with a file for every scene, and how their names end."""
 CHECKS: Mapping[str, Check] = {

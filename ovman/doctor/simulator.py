@@ -1,4 +1,4 @@
-"""Stage `simulator`: the Unity build is looked for, and asked for one frame, once and before any scene needs it."""
+"""Stage `simulator`: checks the Unity build with one frame, once and before any scene needs it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ovman.sim.unity import Missing
 
 
 def run(output: Path) -> None:
-    """Writes what was found to `output`. unity.Missing, whose one line has the remedy, at the first thing that is not well."""
+    """Write the results of the checks to `output`. Raises unity.Missing, one line with the remedy, for the first problem."""
     found = []
     for check in UNITY:
         one = check()

@@ -1,4 +1,4 @@
-"""Nouns and sentences of the benchmark. Stands alone."""
+"""Nouns and sentences of the benchmark."""
 
 from ovman.language.noun import noun
 from ovman.language.sentence import sentence

@@ -130,7 +130,7 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
 def sentences(relation: str, noun: str) -> tuple[str, ...]:
     """Every sentence of the vocabulary for a query, the canonical one first; relation and noun as ``sentence`` takes them.
 
-    Raises ValueError for a relation that there is not, or an empty noun.
+    Raises ValueError for an unknown relation or an empty noun.
     """
     return (sentence(relation, noun), *(form.of(noun) for form in FORMS[relation]))
 

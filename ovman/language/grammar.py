@@ -42,7 +42,7 @@ _Beginning = tuple[frozenset[str], bool]
 class Grammar:
     """Named fragments and patterns that refer to them.
 
-    Raises ValueError for a pattern whose brackets do not match, KeyError for a fragment that there is not. A fragment must not
+    Raises ValueError for a pattern whose brackets do not match, KeyError for an unknown fragment. A fragment must not
     contain itself.
     """
 
@@ -53,7 +53,7 @@ class Grammar:
         for node in (*self._fragments.values(), *self._patterns):
             for name in _names(node):
                 if name not in self._fragments:
-                    raise KeyError(f"there is no fragment <{name}>")
+                    raise KeyError(f"unknown fragment <{name}>; name one of {', '.join(self._fragments)}")
         beginnings: dict[str, _Beginning] = {}
         for index, pattern in enumerate(self._patterns):
             for word in self._beginnings(pattern, beginnings)[0]:

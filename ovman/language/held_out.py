@@ -1,4 +1,4 @@
-"""Held-out surface forms: what the parser is evaluated with. The parser knows nothing of them."""
+"""Held-out surface forms for the evaluation of the parser, which was written without them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HELD_OUT = Path(__file__).with_name("held_out.yaml")
 
 @dataclass(frozen=True, slots=True)
 class HeldOut:
-    """origin: who wrote the forms and what they knew of the parser, as a clause. forms: by the name of the relation."""
+    """origin: author of the forms and their knowledge of the parser, as a clause. forms: by the name of the relation."""
 
     origin: str
     forms: Mapping[str, tuple[Form, ...]]

@@ -1,10 +1,10 @@
-"""What a person calls an object of a category."""
+"""The noun of a category."""
 
 from __future__ import annotations
 
 import re
 
-# Where splitting the category's name at its capitals gives what nobody says.
+# Categories whose name, split at its capitals, is not idiomatic.
 _SPOKEN = {
     "ArmChair": "armchair",
     "BasketBall": "basketball",

@@ -1,4 +1,4 @@
-"""The parser: a sentence in, the noun phrase and the change relation out, or the name of what is wrong with it. Never a default.
+"""The parser: from a sentence to its noun phrase and change relation, or to the reason of a failure. It has no defaults.
 
 Whether a sentence asks for the thing or for its place is read off its structure: "the chair that is not where it was" is a thing,
 "where the chair was" a place. Which thing, or which place, the cues say (``ovman.language.cues``).

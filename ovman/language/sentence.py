@@ -22,10 +22,10 @@ def sentence(relation: str, noun: str) -> str:
     """The canonical surface form of a query: ("former", "vase") -> "go to where the vase used to be".
 
     relation: a change relation by its name; noun: a noun phrase as ``ovman.language.noun.noun`` gives it. No two pairs share a
-    sentence. Raises ValueError for a relation that there is not, or an empty noun.
+    sentence. Raises ValueError for an unknown relation or an empty noun.
     """
     if relation not in _FORMS:
-        raise ValueError(f"{relation!r} is not a change relation; there are {', '.join(_FORMS)}")
+        raise ValueError(f"{relation!r} is not a change relation; the relations are {', '.join(_FORMS)}")
     if not noun.strip():
         raise ValueError("the noun of a sentence is empty")
     return _FORMS[relation][is_plural(noun)].format(noun=noun)

@@ -1,4 +1,4 @@
-"""The words of the benchmark: what people call the things of a home."""
+"""The vocabulary of the benchmark: nouns and synonyms of the categories."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {
     "Window": ("window pane", "glass window"),
     "WineBottle": ("bottle of wine", "wine"),
 }
-"""Other nouns for a category; what several categories share is right for each."""
+"""Synonyms of a category; a noun that several categories share is right for each."""
 
 
 def nouns(category: str) -> tuple[str, ...]:

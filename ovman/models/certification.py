@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from ovman.models.record import Count, Record, Text
 from ovman.models.run import Measured, Travelled
@@ -18,6 +18,13 @@ class _Judged(Record):
 
 class CertificationRun(Travelled, _Judged):
     """One judged run of the oracle: run 0 is the feasibility run, the others certify. seed: of equal paths and of the mover."""
+
+    @model_validator(mode="after")
+    def _stopped(self) -> Self:
+        for name in ("answer_distance_m", "navigable_distance_m"):
+            if self.success and getattr(self, name) is None:
+                raise ValueError(f"{name} is None; a run that succeeds has stopped")
+        return self
 
 
 class _Numbered(Record):

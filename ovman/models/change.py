@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -36,6 +37,16 @@ class Lane(Record):
         return float(np.clip(share, 0.0, 1.0)) * self.length_m
 
 
+_NEEDED: Mapping[str, tuple[str, ...]] = {"displace": ("placement", "height_m"), "motion": ("lane", "height_m")}
+"""Fields without which the simulator cannot bring a change of that kind about."""
+
+
+def _require(record: Record, instance: str, kind: str, names: tuple[str, ...]) -> None:
+    for name in names:
+        if getattr(record, name) is None:
+            raise ValueError(f"{kind} of {instance} has no {name}")
+
+
 class Alteration(Record):
     """One instance that is not as in the untouched scene.
 
@@ -52,10 +63,7 @@ class Alteration(Record):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        needed = {"displace": ("placement", "height_m"), "motion": ("lane", "height_m"), "disable": ()}[self.kind]
-        for name in needed:
-            if getattr(self, name) is None:
-                raise ValueError(f"{self.kind} of {self.instance} has no {name}")
+        _require(self, self.instance, self.kind, _NEEDED.get(self.kind, ()))
         return self
 
     @model_serializer(mode="wrap")
@@ -104,6 +112,11 @@ class Change(Record):
     placement: Point | None
     height_m: float | None
     lane: Lane | None
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        _require(self, self.instance, self.kind, (*_NEEDED.get(self.kind, ()), *(("path",) if self.kind == "motion" else ())))
+        return self
 
     @property
     def in_first_visit(self) -> bool:

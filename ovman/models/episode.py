@@ -99,6 +99,8 @@ class Episode(Record):
             raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
         if (self.mover is not None) != (self.relation is Relation.MOVING):
             raise ValueError("mover: MOVING has one and no other relation does")
+        if self.mover is not None and self.mover.instance != self.target:
+            raise ValueError(f"mover is {self.mover.instance!r}; the target {self.target!r} moves")
         visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
         if self.target not in world or world[self.target].category != self.category:
             raise ValueError(f"target {self.target!r} is no {self.category} of {visit}, which {self.relation} answers from")

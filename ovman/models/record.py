@@ -190,6 +190,8 @@ def _said(error: ErrorDetails) -> tuple[str, str]:
             return f"expected {options[0]!r}, found {value!r}", "make the file again with this version of ovman"
         near = difflib.get_close_matches(str(value), options, n=1) or [" or ".join(options)]
         return f"{_shown(value)} is not one of {', '.join(options)}", f"write {near[0]}"
+    if kind == "too_short":
+        return f"expected at least {context['min_length']} element(s), found {context['actual_length']}", "write [...]"
     if kind == "greater_than_equal":
         return f"expected at least {context['ge']:g}, found {_shown(value)}", "write a number within the bound"
     if kind in _EXPECTED:

@@ -34,7 +34,7 @@ class Found:
 
 
 def intersection_over_union(masks: np.ndarray, ids: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """IoU (N, count) of masks (N, H, W) bool with the instances 0 ... count - 1 of ids (H, W), where -1 is none of them, and the
+    """IoU (N, count) of masks (N, H, W) bool with the instances 0 ... count - 1 of ids (H, W), where -1 is no instance, and the
     instances' sizes (count,) in pixels."""
     sizes = np.bincount(ids[ids >= 0].ravel(), minlength=count)[:count]
     if not len(masks):

@@ -30,7 +30,7 @@ def write_detections(path: Path, visits: Mapping[str, Detected]) -> None:
 
 
 def read_detections(path: Path) -> dict[str, Detected]:
-    """The detections of visits by their names. ArrayFileError for a file that is none of detections."""
+    """The detections of visits by their names. ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, DETECTIONS, skip=".bits")
 
     def masks(number: int) -> PackedMasks:
@@ -64,7 +64,7 @@ def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
 
 
 def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
-    """The maps of visits by their names: (p, f, T) of every cluster. ArrayFileError for a file that is none of maps."""
+    """The maps of visits by their names: (p, f, T) of every cluster. ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, MAPS)
     ends = np.cumsum(arrays["points"])
     starts = (ends - arrays["points"]).tolist()
@@ -86,6 +86,6 @@ def write_nouns(path: Path, nouns: Mapping[str, np.ndarray]) -> None:
 
 
 def read_nouns(path: Path) -> dict[str, np.ndarray]:
-    """The unit embedding (K,) of every noun phrase. ArrayFileError for a file that is none of nouns."""
+    """The unit embedding (K,) of every noun phrase. ArrayFileError for a damaged file or one of another kind."""
     arrays = read_arrays(path, NOUNS)
     return dict(zip(arrays["nouns"].tolist(), arrays["feature"], strict=True))

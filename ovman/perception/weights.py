@@ -135,9 +135,7 @@ def _allow(name: str, trust_pickles: bool, key: str) -> None:
 
 def _present(path: Path, name: str, key: str) -> Path:
     if not path.is_file():
-        raise WeightsError(
-            f"{key}.weights: there is no file {name} in the repository; `make models` makes the default's, or name another"
-        )
+        raise WeightsError(f"{key}.weights: the file {name} is missing; `make models` makes the default's, or name another")
     return path
 
 
@@ -156,7 +154,7 @@ def _asset(name: str, key: str) -> Path:
     kept = cache() / ASSETS_RELEASE / name
     if not kept.is_file():
         kept.parent.mkdir(parents=True, exist_ok=True)
-        reason = "there is no such asset"
+        reason = "the release has no such asset"
         try:
             with contextlib.redirect_stdout(io.StringIO()):
                 attempt_download_asset(kept, release=ASSETS_RELEASE, progress=False)

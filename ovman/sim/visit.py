@@ -7,8 +7,6 @@ A visit is written to a temporary directory and renamed, so that what exists is 
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +14,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
 from ovman.models.record import DEGREE_DECIMALS
@@ -91,8 +90,9 @@ def record(
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
     all files.
     """
-    partial = directory.with_name(directory.name + ".partial")
-    shutil.rmtree(partial, ignore_errors=True)
+    clear_partials(directory)
+    partial = partial_path(directory)
+    remove(partial)
     partial.mkdir(parents=True)
     gone = {a.instance for a in alterations if a.kind == "disable"}
 
@@ -132,8 +132,7 @@ def record(
     )
     (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
     seal(partial, key)
-    shutil.rmtree(directory, ignore_errors=True)
-    os.replace(partial, directory)
+    put(partial, directory)
     return visit
 
 

@@ -1,2 +1,4 @@
-"""How the small networks of the default configuration were made: pictures of the floor plans that the benchmark does not use, and
-two trainings. `make models` does it again."""
+"""Training of the small networks of the default configuration on pictures of floor plans that the benchmark does not use.
+
+`make models` repeats it.
+"""

@@ -1,20 +1,22 @@
-"""Crops seen otherwise: mirrored, shifted, zoomed, turned a little, brighter or darker, blurred, partly hidden."""
+"""Augmentation of crops: mirroring, shift, zoom, small rotation, brightness, blur, occlusion."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import torch
 import torch.nn.functional as F
 
 MIRRORED, BLURRED, HIDDEN = 0.5, 0.25, 0.3
-"""Shares of the crops."""
+"""Shares of mirrored, blurred and partly occluded crops."""
 ZOOM, SHIFT, TURN_RAD = (0.75, 1.15), 0.12, 0.06
 GAIN, OFFSET, NOISE = (0.7, 1.3), 0.08, 0.03
 PATCH = (0.05, 0.22)
-"""Half sides of what hides a part, as a share of the crop's side."""
+"""Half sides of an occluder as a share of the crop's side."""
 
 
 def augmented(crops: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
-    """Of crops (B, 3, S, S) in 0 to 1."""
+    """Augmented crops (B, 3, S, S) in [0, 1]; the same for a generator in the same state."""
     count, _, side, _ = crops.shape
 
     def uniform(low: float, high: float, *shape: int) -> torch.Tensor:
@@ -40,7 +42,7 @@ def augmented(crops: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
     return out.clamp(0, 1)
 
 
-def _hidden(crops: torch.Tensor, uniform) -> torch.Tensor:  # type: ignore[no-untyped-def]
+def _hidden(crops: torch.Tensor, uniform: Callable[..., torch.Tensor]) -> torch.Tensor:
     count, _, side, _ = crops.shape
     middle_x, middle_y = uniform(0, side, 2, count, 1, 1, 1)
     half_x, half_y = uniform(PATCH[0] * side, PATCH[1] * side, 2, count, 1, 1, 1)

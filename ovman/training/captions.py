@@ -1,4 +1,4 @@
-"""What a person might call an object that is seen: templates around nouns, synonyms and attributes."""
+"""Captions of crops: templates around nouns, synonyms and attributes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ HUES = (
     (0.95, "pink"),
     (1.01, "red"),
 )
-"""Upper ends of the hues that a colour word covers."""
+"""Upper ends of the hues of a colour word."""
 COLOURS = ("black", "white", "gray", "brown", "red", "orange", "yellow", "green", "blue", "purple", "pink")
 MATERIALS = {
     "Metal": "metal",
@@ -42,7 +42,7 @@ MATERIALS = {
 """Adjectives for AI2-THOR's salient materials."""
 SIZES = ("small", "large")
 SMALL, LARGE = 0.8, 1.25
-"""Share of the usual size of its category below or above which a thing is called so."""
+"""Size as a share of the median of the category below or above which an object is called small or large."""
 WORDS = (*COLOURS, *MATERIALS.values(), *SIZES)
 
 
@@ -60,7 +60,7 @@ def colour_word(rgb: np.ndarray) -> str:
 
 
 def attributes(types: np.ndarray, materials: np.ndarray, colours: np.ndarray, sizes_m: np.ndarray) -> np.ndarray:
-    """Which of WORDS are right for N crops, (N, len(WORDS)) bool. The arguments are those of `ovman.training.crops.Crops`."""
+    """Whether each of WORDS applies to each of N crops, (N, len(WORDS)) bool. Arguments: as in `ovman.training.crops.Crops`."""
     place = {word: k for k, word in enumerate(WORDS)}
     right = np.zeros((len(types), len(WORDS)), bool)
     for row, colour in zip(right, colours, strict=True):
@@ -79,7 +79,7 @@ def attributes(types: np.ndarray, materials: np.ndarray, colours: np.ndarray, si
 
 
 def vocabulary(categories: Sequence[str]) -> tuple[list[str], np.ndarray]:
-    """All M nouns of K categories, sorted, and which noun is right for which category (M, K) bool."""
+    """All M nouns of K categories, sorted, and whether a noun applies to a category (M, K) bool."""
     right: dict[str, set[int]] = {}
     for number, category in enumerate(categories):
         for noun in nouns(category):

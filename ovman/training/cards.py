@@ -1,7 +1,7 @@
-"""The cards of the networks: what they were made from, how they learned and what they are worth, all of it read from files.
+"""The model cards of the networks: data, learning curves and results, all read from files.
 
 `python -m ovman.training.cards models results/metrics/perception.csv config.yaml` writes models/README.md, a card and a learning
-curve for each network. The results on the benchmark's scenes are those of the metrics, which nothing was chosen by.
+curve for each network. No choice was made by the results on the benchmark's scenes.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ovman.workflow.config import load
 
 TEMPLATES = Path(__file__).parent / "templates"
 CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}
-"""Files of learning curves of each network, in the order of its trainings."""
+"""Files of the learning curves of each network, in the order of its trainings."""
 SHOWN = {
     "detector": {"recall": "recall", "precision": "precision"},
     "encoder": {
@@ -38,18 +38,18 @@ SHOWN = {
         "detected.synonyms_top1": "detected synonyms top-1",
     },
 }
-"""Rates of a curve's lines, and what they are called on a page."""
+"""Rates of a curve's lines and their titles."""
 LINES = 12
-"""Lines of a curve that its table shows at most."""
+"""Most lines of a curve in its table."""
 NO_PARAMETERS = ("running_mean", "running_var", "num_batches_tracked", "attn_mask")
-"""Tensors of a file of weights that no training step changes."""
+"""Tensors of a file of weights that are not trained."""
 
 Point = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Weights:
-    """A file of weights. parameters: numbers in it that were learned; kinds: of its tensors, e.g. "F16"."""
+    """A file of weights. parameters: number of trained values; kinds: of its tensors, e.g. "F16"."""
 
     parameters: int
     kinds: tuple[str, ...]
@@ -57,7 +57,7 @@ class Weights:
 
 
 def weights(path: Path) -> Weights:
-    """What a .safetensors file holds. FileNotFoundError if there is none."""
+    """The content of a .safetensors file. FileNotFoundError for a missing file."""
     from safetensors import safe_open
 
     parameters, kinds = 0, set()
@@ -71,7 +71,7 @@ def weights(path: Path) -> Weights:
 
 
 def curve(paths: Sequence[Path]) -> list[Point]:
-    """The lines of one training after the other, flat ("true.top1"), with steps and minutes counted on.
+    """The lines of consecutive trainings, flat ("true.top1"), with cumulative steps and minutes.
 
     Raises ValueError in one line for a file without lines.
     """
@@ -79,7 +79,7 @@ def curve(paths: Sequence[Path]) -> list[Point]:
     for number, path in enumerate(paths, start=1):
         lines = [json.loads(text) for text in path.read_text(encoding="utf-8").splitlines()]
         if not lines:
-            raise ValueError(f"{path}: a learning curve without a line; let the training come to its first look")
+            raise ValueError(f"{path}: the learning curve is empty; run the training to its first evaluation")
         before = {key: points[-1][key] if points else 0 for key in ("step", "minutes")}
         points += [_flat(line) | {key: line[key] + start for key, start in before.items()} | {"part": number} for line in lines]
     return points
@@ -93,7 +93,7 @@ def _flat(line: Mapping[str, Any], beginning: str = "") -> Point:
 
 
 def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
-    """Step, minutes, losses and rates of at most LINES of the points, the first and the last among them."""
+    """A table of at most LINES points, with the first and the last: step, minutes, losses and rates."""
     count = min(LINES, len(points))
     chosen = [points[round(k * (len(points) - 1) / max(count - 1, 1))] for k in range(count)]
     losses = sorted({name for point in points for name in point if name.split(".")[0] == "loss"})
@@ -108,7 +108,7 @@ def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
 
 
 def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> None:
-    """The rates over the steps (PNG)."""
+    """Draw the rates over the steps (PNG)."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -133,9 +133,9 @@ def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> Non
 def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     """The cards by the names of their files.
 
-    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: what it was made with.
+    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: of the trainings.
 
-    Raises FileNotFoundError or ValueError in one line for a file that is not there or not whole.
+    Raises FileNotFoundError or ValueError in one line for a missing or incomplete file.
     """
     import jinja2
 
@@ -182,7 +182,7 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
 
 
 def _bar_table(rows: Sequence[Score], names: Mapping[str, str]) -> str:
-    """What was measured on the benchmark's scenes against the bars."""
+    """The results on the benchmark's scenes beside the bars."""
     found = bars(rows)
     body = [[title, _number(found[n].reached, 3), f"≥ {found[n].least:.3f}", found[n].verdict] for n, title in names.items()]
     return pipe_table(["measure", "measured", "bar", "verdict"], body, [False, True, True, False]).rstrip()
@@ -194,7 +194,7 @@ def _group_table(rows: Sequence[Score], title: str, columns: Mapping[str, str]) 
         return str(value) if isinstance(value, int) else _number(value, 3)
 
     body = [[row.value, *(cell(row, key) for key in columns)] for row in rows]
-    return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "There are none."
+    return pipe_table([title, *columns.values()], body, [False, *[True] * len(columns)]).rstrip() if body else "None."
 
 
 def _number(value: float | None, decimals: int) -> str:

@@ -1,11 +1,10 @@
-"""What the encoder learns from: the crops of recorded pictures, around true masks and around those that the detector finds."""
+"""Training data of the encoder: crops of recorded pictures around true and around detected masks."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -14,18 +13,22 @@ from ovman.models.settings import Settings
 from ovman.perception.crop import crop
 from ovman.perception.detector import Detector, network_of
 from ovman.perception.overlap import LEAST_IOU
+from ovman.perception.protocols import Segmenter
 from ovman.training.picture_files import read, recorded
 from ovman.training.pictures import Picture
 from ovman.training.seen import seen
 
 MIN_MASK_PX = 150
-"""Smallest true mask that is learned from; the agent encodes larger ones alone."""
+"""Smallest true mask in the training data; the agent encodes larger ones only."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Crops:
-    """N crops. images: (N, S, S, 3) uint8; types, materials ("Wood|Metal"): (N,) by AI2-THOR's names; colours: (N, 3) mean of the
-    mask's pixels, 0 to 255; sizes_m: (N, 3) of the instances' boxes; pixels: (N,) of the masks; scenes: (N,)."""
+    """N crops.
+
+    images: (N, S, S, 3) uint8; types, materials ("Wood|Metal"): (N,) by AI2-THOR's names; colours: (N, 3) mean of the mask's
+    pixels, 0 to 255; sizes_m: (N, 3) of the instances' boxes; pixels: (N,) of the masks; scenes: (N,).
+    """
 
     images: np.ndarray
     types: np.ndarray
@@ -37,28 +40,28 @@ class Crops:
 
     @staticmethod
     def joined(parts: Sequence[Crops]) -> Crops:
-        """One after the other."""
+        """The concatenation of several."""
         return Crops(*(np.concatenate([getattr(part, name) for part in parts]) for name in Crops.__slots__))
 
     @staticmethod
     def read(path: Path) -> Crops:
-        """From a file of `write`."""
+        """The crops of a file of `write`."""
         with np.load(path) as arrays:
             return Crops(*(arrays[name] for name in Crops.__slots__))
 
     def write(self, path: Path) -> None:
-        """As an .npz file."""
+        """Write an .npz file."""
         with path.open("wb") as file:
             np.savez(file, **{name: getattr(self, name) for name in Crops.__slots__})
 
 
 def true_crops(folder: Path, padding: float, side_px: int) -> Crops:
-    """Around the true masks of a recorded scene."""
+    """Crops around the true masks of a recorded scene."""
     return _crops(folder.name, _true(folder), padding, side_px)
 
 
-def detected_crops(folder: Path, detector: Any, min_mask_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
-    """Around the masks that a detector finds in one in `every` pictures, as far as they show an instance."""
+def detected_crops(folder: Path, detector: Segmenter, min_mask_px: int, padding: float, side_px: int, every: int = 1) -> Crops:
+    """Crops around detected masks that show an instance, in one of `every` pictures."""
     return _crops(folder.name, _detected(folder, detector, min_mask_px, every), padding, side_px)
 
 
@@ -90,7 +93,7 @@ def _true(folder: Path) -> Iterator[tuple[Picture, np.ndarray, int]]:
             yield picture, picture.ids == number, number
 
 
-def _detected(folder: Path, detector: Any, min_mask_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
+def _detected(folder: Path, detector: Segmenter, min_mask_px: int, every: int) -> Iterator[tuple[Picture, np.ndarray, int]]:
     for picture, masks, overlaps, _ in seen(detector, recorded([folder], every), min_mask_px):
         for mask, row in zip(masks, overlaps, strict=True):
             if row.max(initial=0.0) >= LEAST_IOU:

@@ -18,7 +18,7 @@ from ovman.training.seen import seen
 
 WARM_UP_EPOCHS, FURTHER_WARM_UP_EPOCHS = 0.25, 0.05
 FINAL_RATE = 0.01
-"""Learning rate at the end as a share of the peak."""
+"""Final learning rate as a share of the peak."""
 AUGMENTATION = {
     "hsv_h": 0.03,
     "hsv_s": 0.5,
@@ -30,7 +30,7 @@ AUGMENTATION = {
     "mosaic": 0.5,
     "erasing": 0.0,
 }
-"""By ultralytics' names."""
+"""Augmentation by ultralytics' names."""
 
 
 def judged(detector: Detector, folders: Sequence[Path], min_mask_px: int, every: int = 1) -> Found:
@@ -50,9 +50,9 @@ def run(
     weights: Path,
     curve: Path,
 ) -> None:
-    """Trains on the recorded scenes `taught`, further from the weights `start` if they are given, and then without mosaics.
+    """Train on the recorded scenes `taught`; from the weights `start`, if given, and then without mosaics.
 
-    `held_out` are looked at, never learned from. Writes weights (.safetensors, half precision) and the curve (JSON lines).
+    `held_out` are for evaluation only. Writes weights (.safetensors, half precision) and the curve (JSON lines).
     """
     import torch
     import ultralytics
@@ -114,7 +114,7 @@ def run(
 
 
 class _Watch:
-    """The learning rate of every step, and looks at the held-out scenes between them."""
+    """Sets the learning rate of every step and evaluates on the held-out scenes."""
 
     def __init__(self, held_out: Sequence[Path], constants: Settings, rate: float, weights: Path, curve: Path) -> None:
         self._held_out, self._constants, self._weights, self._curve = held_out, constants, weights, curve
@@ -123,14 +123,14 @@ class _Watch:
         curve.write_text("")
 
     def rate(self, trainer: Any) -> None:
-        """A cosine over all steps: the trainer's own schedule would stand still for an epoch, of which there are few."""
+        """A cosine schedule over steps. The trainer's own schedule changes per epoch, and a training has few epochs."""
         whole = trainer.epochs * len(trainer.train_loader)
         cosine = 0.5 * (1 + math.cos(math.pi * min(self._step / whole, 1.0)))
         for group in trainer.optimizer.param_groups:
             group["lr"] = self._rate * (FINAL_RATE + (1 - FINAL_RATE) * cosine)
 
     def look(self, trainer: Any, last: bool = False) -> None:
-        """Writes the weights and how good they are, every so many steps: a training that is broken off leaves something."""
+        """Every `look_every` steps write weights and rates, so that an interrupted training leaves a result."""
         from safetensors.torch import save_file
 
         self._step += not last

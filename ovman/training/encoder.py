@@ -1,7 +1,7 @@
-"""Stage `encoder`: trains the small image and text towers on crops with captions, from random weights or from what there is.
+"""Stage `encoder`: trains the small image and text towers on crops with captions, from random or from given weights.
 
-Every noun that is right for a crop is a target, and every crop that a noun is right for; a part of the batch also learns which
-attribute ("a blue chair") is right.
+A contrastive loss in both directions takes every right noun of a crop, and every right crop of a noun, as a target. For a part of
+the batch a second loss does so for captions with an attribute ("a blue chair").
 """
 
 from __future__ import annotations
@@ -31,33 +31,33 @@ MODEL: Mapping[str, Any] = {
     "vision_cfg": {"image_size": 64, "layers": [2, 2, 2, 2], "width": 24, "patch_size": None},
     "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 2, "layers": 3},
 }
-"""open_clip's words: an image tower for crops of 64 px and a small text tower, 7.2 M parameters."""
+"""open_clip's configuration: an image tower for crops of 64 px and a small text tower, 7.2 M parameters."""
 WARM_STEPS, BETAS, CLIPPED, MEMORY = 200, (0.9, 0.98), 1.0, 0.998
-"""MEMORY: of the moving average of the weights, which is what is kept."""
+"""MEMORY: decay of the moving average of the weights; the average is saved."""
 SCALES, SCALED_AFTER = (14.0, 100.0), 0.6
-"""Of similarities to logits: raised over this share of the steps to where CLIP's own stands, so that a band of similarity, as
-delta_g is one, is as wide for these towers as for those of the paper."""
+"""Logit scale, raised over this share of the steps to CLIP's own, so that a similarity margin such as delta_g is as wide for
+these towers as for those of the paper."""
 REVERSE, ATTRIBUTE, ATTRIBUTED = 0.3, 0.3, 96
-"""Weights of the two lesser losses, and on how many crops of a batch the second is computed."""
+"""Weights of the two minor losses, and the number of crops of a batch in the second."""
 SMALL_PX, SMALL_SHARE = 600, 0.3
-"""Crops of masks below SMALL_PX are drawn less often, down to this share."""
+"""Crops of masks below SMALL_PX are sampled less often, down to this share."""
 CHUNK = 512
 TOWERS = Architecture("encoder.json", MODEL, OPENAI_DATASET_MEAN, OPENAI_DATASET_STD)
-"""As `ovman.perception.encoder` has them once they are in a file."""
+"""The architecture as `ovman.perception.encoder` reads it from a file."""
 
 
 @dataclass(frozen=True, slots=True)
 class RetrievalRates:
-    """Retrieval among the categories that a scene has: how often the right one is first, or among the first five."""
+    """Retrieval among the categories of a scene: share of crops whose category is first, or among the first five."""
 
     top_1: float
     top_5: float
     synonyms_top_1: float
-    """The same with another noun of the right category in place of its own."""
+    """top_1 with a synonym of the right category in place of its own noun."""
 
 
 class Lessons:
-    """Crops, what is right for each, and the tokens of all captions."""
+    """Crops, their right nouns and attributes, and the tokens of all captions."""
 
     def __init__(self, crops: Crops, categories: Sequence[str]) -> None:
         from open_clip.tokenizer import SimpleTokenizer
@@ -83,7 +83,7 @@ def build() -> Any:
 
 
 def prepared(images: torch.Tensor) -> torch.Tensor:
-    """Images (B, 3, S, S) in 0 to 1 as the image tower wants them."""
+    """Normalised images (B, 3, S, S) for the image tower; the input is in [0, 1]."""
     mean, deviation = (torch.tensor(v, device=images.device).view(1, 3, 1, 1) for v in (TOWERS.mean, TOWERS.deviation))
     return ((images - mean) / deviation).contiguous(memory_format=torch.channels_last)
 
@@ -96,9 +96,9 @@ def run(
     weights: Path,
     curve: Path,
 ) -> None:
-    """Trains on the crops of the files `taught`, from the weights `start` if they are given.
+    """Train on the crops of the files `taught`, from the weights `start` if given.
 
-    held_out: files of crops by what they show, e.g. "true" and "detected"; looked at, never learned from. Writes weights
+    held_out: files of crops by kind of mask, "true" and "detected", for evaluation only. Writes weights
     (.safetensors, half precision) and the curve (JSON lines).
     """
     from safetensors.torch import load_file, save_file
@@ -198,7 +198,7 @@ def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Ge
 
 @torch.no_grad()
 def ranks(model: Any, scenes: Sequence[Crops]) -> RetrievalRates:
-    """Retrieval of the right category among all that a scene's crops have, over the crops of all scenes.
+    """Retrieval of the right category among all categories of a scene's crops, over the crops of all scenes.
 
     A synonym that several categories share is right for each of them.
     """

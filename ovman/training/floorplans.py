@@ -1,4 +1,4 @@
-"""The floor plans to learn from: none of them is the benchmark's."""
+"""The floor plans of the training data, none of which the benchmark uses."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from ovman.models.settings.benchmark import FLOOR_PLANS
 
 HELD_OUT_EVERY = 9
-"""One in so many of the floor plans is kept for the curves; kitchens, living rooms, bedrooms and bathrooms alike."""
+"""Every so many-th floor plan is held out, of all kinds of rooms alike."""
 
 
 @dataclass(frozen=True, slots=True)
 class FloorPlans:
-    """taught: the networks learn from these; held_out: the curves and every choice are made on these."""
+    """taught: for training; held_out: for the curves and for every choice."""
 
     taught: tuple[str, ...]
     held_out: tuple[str, ...]
@@ -24,5 +24,5 @@ def floor_plans(benchmark: Collection[str], every: Sequence[str] = FLOOR_PLANS) 
     rest = [scene for scene in every if scene not in benchmark]
     held_out = tuple(rest[4::HELD_OUT_EVERY])
     if not held_out:
-        raise ValueError("the benchmark uses all floor plans: there is nothing to learn from")
+        raise ValueError("the benchmark uses all floor plans and leaves none for training; name fewer in benchmark.scenes")
     return FloorPlans(tuple(scene for scene in rest if scene not in held_out), held_out)

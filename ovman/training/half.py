@@ -1,4 +1,4 @@
-"""ultralytics' trainer with its network in bfloat16 on a CPU too, channels last; half the time where the CPU computes in it."""
+"""ultralytics' trainer with the network in bfloat16 and channels last, also on a CPU; half the time on a CPU with bfloat16."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from ultralytics.nn.tasks import SegmentationModel
 
 
 class HalfNetwork(SegmentationModel):
-    """A network whose layers compute in bfloat16 while it is trained; its weights and its losses stay in single precision."""
+    """A network that computes in bfloat16 during training; weights and losses stay in single precision."""
 
     def predict(self, x: torch.Tensor, *arguments: Any, **options: Any) -> Any:
+        """The output for pictures (N, 3, S, S), in single precision."""
         base: Any = super()  # ultralytics has no types
         if not self.training:
             return base.predict(x, *arguments, **options)
@@ -26,13 +27,14 @@ _NETWORK: Any = HalfNetwork
 
 
 class HalfTrainer(SegmentationTrainer):
-    """Trains a HalfNetwork, from the weights `start` if they are given (tensors by name)."""
+    """Trains a HalfNetwork, from the weights `start` if given (tensors by name)."""
 
     def __init__(self, overrides: dict[str, Any], start: Mapping[str, torch.Tensor] | None = None) -> None:
         self._start = start
         super().__init__(overrides=overrides)
 
     def get_model(self, cfg: Any = None, weights: Any = None, verbose: bool = True) -> HalfNetwork:
+        """The network of the configuration, with the weights `start`."""
         network: Any = _NETWORK(cfg, nc=self.data["nc"], ch=self.data["channels"], verbose=verbose)
         network.names = self.data["names"]
         if self._start is not None:
@@ -41,7 +43,7 @@ class HalfTrainer(SegmentationTrainer):
         return made
 
     def validate(self) -> tuple[dict[str, float], float]:
-        """The held-out scenes are looked at between steps, by this project's own measure."""
+        """Nothing: this project evaluates on the held-out scenes between steps."""
         return {}, 0.0
 
     def final_eval(self) -> None:

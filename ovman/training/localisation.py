@@ -1,9 +1,9 @@
-"""How well CoW's localiser tells what is of a category, threshold by threshold: cow.similarity of config.yaml is chosen by it.
+"""F1 of CoW's localiser by threshold; cow.similarity of config.yaml is chosen by it.
 
     python -m ovman.training.localisation [--config config.yaml] [--views 100]
 
-Views of the LoCoBot from random places of the held-out floor plans, which neither the benchmark has nor the networks have learnt
-from. Every movable category of a floor plan is looked for in each of its views.
+The views are the LoCoBot's from random places of the held-out floor plans, which neither the benchmark nor the trainings use.
+Every movable category of a floor plan is searched in each of its views.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import argparse
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -28,15 +27,15 @@ from ovman.workflow import seeds
 from ovman.workflow.config import load
 
 STEP = 0.0025
-"""Between two thresholds."""
+"""Difference of two thresholds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Looked:
-    """A category looked for in one view.
+    """The search for a category in one view.
 
-    right, wrong: the greatest similarity of a box whose centre is on the category, and of one whose centre is on something else;
-    -1 where there is none. shown: whether the category is there to be seen.
+    right, wrong: the greatest similarity of a box whose centre is on the category, and of one whose centre is on something else,
+    or -1. shown: whether the category is in view.
     """
 
     right: float
@@ -46,7 +45,7 @@ class Looked:
 
 @dataclass(frozen=True, slots=True)
 class ThresholdScore:
-    """Views in which something was found rightly, found wrongly, and not found, at a threshold."""
+    """Numbers of searches with a right, a wrong and a missed detection at a threshold."""
 
     threshold: float
     right: int
@@ -79,26 +78,26 @@ def views(session: Session, count: int, rng: np.random.Generator) -> Iterator[tu
 
 
 def looked_for(
-    picture: Picture, texts: dict[str, np.ndarray], eyes: OpenVocabularyLocaliser, smallest_px: float
+    picture: Picture, texts: dict[str, np.ndarray], eyes: OpenVocabularyLocaliser, min_mask_px: float
 ) -> Iterator[Looked]:
-    """Every category of `texts` (embeddings of prompts) in a picture; an instance of `smallest_px` pixels is there to be seen."""
+    """The search for every category of `texts` (embeddings of prompts); an instance of `min_mask_px` pixels counts as in view."""
     boxes, features = eyes.instances(picture.rgb)
     middle = [picture.ids[int((top + bottom) / 2), int((left + right) / 2)] for top, left, bottom, right in boxes]
     at = [picture.objects[i].type if i >= 0 else "" for i in middle]
     sizes = np.bincount(picture.ids[picture.ids >= 0], minlength=len(picture.objects))
-    there = {shown.type for shown, size in zip(picture.objects, sizes, strict=True) if size >= smallest_px}
+    there = {shown.type for shown, size in zip(picture.objects, sizes, strict=True) if size >= min_mask_px}
     for category, text in texts.items():
         similarity, on = features @ text, np.array([name == category for name in at], bool)
         yield Looked(similarity[on].max(initial=-1.0), similarity[~on].max(initial=-1.0), category in there)
 
 
 def main() -> None:
-    """Prints the scores of the thresholds about the best one."""
+    """Print the scores of the thresholds around the best one."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
     parser.add_argument("--views", type=int, default=100, help="of each floor plan")
     options = parser.parse_args()
-    settings: Any = load(options.config)
+    settings = load(options.config)
     body = Embodiment.named("locobot", settings)
     encoder = encoder_of(settings.perception)
     eyes = localiser(settings, detector_of(settings.perception), encoder)

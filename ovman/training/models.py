@@ -1,4 +1,4 @@
-"""Stage `models`: what the trainings made, gathered under the names that config.yaml and the model cards know."""
+"""Stage `models`: gathers the results of the trainings under the names of config.yaml and of the model cards."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
 def run(
     files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: StageSettings, output: Path
 ) -> None:
-    """Writes the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the four curves and
-    training.json, which says what they were made from.
+    """Write the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the four curves and
+    training.json with data, settings and libraries.
 
     files: "detector", "encoder" (weights), "detector_first_curve", "detector_curve",
     "encoder_true_curve", "encoder_curve".

@@ -1,4 +1,4 @@
-"""Instance masks as the polygons that the detector's trainer reads."""
+"""Instance masks as polygons for the detector's trainer."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 
 MIN_MASK_PX = 80
-"""Smallest instance that the detector is taught."""
+"""Smallest instance in the detector's training data."""
 SPECK_PX = 20
-"""Smaller pieces of an instance are left out of its outline."""
+"""Smaller pieces of an instance are dropped from its outline."""
 
 
 def outline(mask: np.ndarray) -> np.ndarray | None:

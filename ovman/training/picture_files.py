@@ -1,4 +1,4 @@
-"""RecordedPicture pictures of many scenes, read again."""
+"""Reading of recorded training pictures."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ from ovman.training.pictures import Picture, ShownObject
 
 @dataclass(frozen=True, slots=True)
 class RecordedPicture:
-    """One picture on disk: where its image is, and its place in the scene's list of objects."""
+    """One picture on disk: its folder and its number in the scene."""
 
     folder: Path
     number: int
 
     @property
     def image(self) -> Path:
+        """The file of its RGB image."""
         return self.folder / "images" / f"{self.number:04d}.png"
 
 
 def recorded(folders: Sequence[Path], every: int = 1) -> list[RecordedPicture]:
-    """All pictures of the folders that `record` wrote, one in `every` of each."""
+    """One of `every` pictures of each folder of `ovman.training.recording`."""
     return [
         RecordedPicture(folder, number)
         for folder in folders
@@ -35,7 +36,7 @@ def recorded(folders: Sequence[Path], every: int = 1) -> list[RecordedPicture]:
 
 
 def read(pictures: Sequence[RecordedPicture]) -> Iterator[Picture]:
-    """The pictures themselves, in their order."""
+    """The pictures, in their order. OSError for a picture that cannot be read."""
     objects: dict[Path, list[str]] = {}
     for one in pictures:
         if one.folder not in objects:

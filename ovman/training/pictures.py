@@ -1,4 +1,4 @@
-"""Pictures to learn from: a scene seen from many places and heights, its finishes, lights and clutter drawn anew now and then."""
+"""Training pictures: a scene from random poses and heights, with randomised finishes, lights and clutter."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import Any
 import numpy as np
 
 VIEWS_A_DRAW = 8
-"""Views of a scene between two draws of its finishes, lights and clutter."""
+"""Views of a scene between two randomisations."""
 HORIZONS_DEG, HORIZON_SHARES = (0.0, 15.0, 30.0, 60.0, -15.0), (0.6, 0.1, 0.2, 0.05, 0.05)
-"""The camera's pitch: the tours look straight ahead, the look-down sweep 30 and 60 degrees down."""
+"""The camera's pitch and its probabilities. Tours look straight ahead, the look-down sweep 30 and 60 degrees down."""
 HEIGHTS_M, RAISED = (-0.7, 0.3), 0.4
-"""Range by which the camera is raised in this share of the views."""
+"""Range of the camera's extra height, in this share of the views."""
 CLUTTER = 0.5
-"""Share of the draws in which what can be picked up is put elsewhere."""
+"""Share of the randomisations that move pickupable objects."""
 EMPTY = 0.25
-"""Share of the views on hardly anything that are kept."""
+"""Share of the views with fewer than two objects that are kept."""
 TAKEN = 0.15
-"""Share of the movable objects that are away after a draw."""
+"""Share of the movable objects that a randomisation removes."""
 DRAWN_ANEW = 0.7
-"""Share of the draws in which finishes and lights are other than the scene's own."""
+"""Share of the randomisations that change finishes and lights."""
 UNSEEN = frozenset(["Floor"])
-"""Types that are no instance to find."""
+"""Types that are no instances."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +38,7 @@ class ShownObject:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """One view. rgb: (H, W, 3) uint8; ids: (H, W) int16, indices into objects, -1 where there is none."""
+    """One view. rgb: (H, W, 3) uint8; ids: (H, W) int16, indices into objects, or -1."""
 
     rgb: np.ndarray
     ids: np.ndarray

@@ -1,4 +1,4 @@
-"""Stage `pictures`: a scene's pictures as files that the trainings read.
+"""Stage `pictures`: records a scene's training pictures as files.
 
 `{scene}/images/0000.png`, `{scene}/labels/0000.txt` (outlines, as ultralytics reads them), `{scene}/ids/0000.png` (16 bit; 0 is
 nothing, k the k-th object of this picture) and `{scene}/objects.jsonl` (one line a picture).
@@ -38,7 +38,7 @@ def run(scene: str, constants: Settings, output: Path) -> None:
 
 
 def write(folder: Path, views: Iterable[Picture]) -> int:
-    """Writes pictures as they come; how many there were. OSError where the disk is full."""
+    """Write pictures as they come and return their number. OSError if the disk is full."""
     for kind in ("images", "labels", "ids"):
         (folder / kind).mkdir(parents=True, exist_ok=True)
     count = 0

@@ -1,24 +1,24 @@
-"""RecordedPicture pictures as a detector sees them, beside what is there."""
+"""Detections in recorded pictures, with their IoU with the true instances."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
 from ovman.perception.overlap import intersection_over_union
+from ovman.perception.protocols import Segmenter
 from ovman.training.picture_files import RecordedPicture, read
 from ovman.training.pictures import Picture
 
 TOGETHER = 16
-"""Pictures that are shown to the detector at a time."""
+"""Batch size of the detector."""
 
 
 def seen(
-    detector: Any, chosen: Sequence[RecordedPicture], min_mask_px: int
+    detector: Segmenter, chosen: Sequence[RecordedPicture], min_mask_px: int
 ) -> Iterator[tuple[Picture, np.ndarray, np.ndarray, np.ndarray]]:
-    """Of each picture in turn: itself, the detected masks (N, H, W) of at least `min_mask_px`, their IoU (N, K) with its objects,
+    """For each picture: the picture, the detected masks (N, H, W) of at least `min_mask_px`, their IoU (N, K) with its objects,
     and these objects' sizes (K,) in pixels.
     """
     for start in range(0, len(chosen), TOGETHER):

@@ -28,7 +28,7 @@ class Plugin:
 
     name: of the plug-in and of its section of the settings. settings: model of that section. stages: for each of its stages the
     constants that the stage owns, "section.name" or "section.*", as in `ovman.workflow.stages`. rules: a .smk file that the
-    Snakefile includes; it may use what workflow/rules/settings.smk defines. scripts: folder with a script for each stage.
+    Snakefile includes; it may use what workflow/rules/common.smk defines. scripts: folder with a script for each stage.
 
     Arms that say `made_by: name` get their predictions or rollouts from these rules. The rules also write the record
     results/notes/{name}.json (`ovman.models.note`).

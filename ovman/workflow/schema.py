@@ -21,13 +21,20 @@ def schema_text() -> str:
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["title"] = "Settings of OVMAN"
     schema["patternProperties"] = {"^x-": {}}
-    # The key of its entry names an arm, and an overlay leaves an arm out with null.
-    arm = schema["$defs"]["Arm"]
-    arm["required"] = [name for name in arm["required"] if name != "name"]
-    arm["properties"].pop("name")
-    arms = schema["properties"]["arms"]
-    arms["additionalProperties"] = {"anyOf": [arms["additionalProperties"], {"type": "null"}]}
+    for section in (schema, *schema["$defs"].values()):
+        for of in section.get("properties", {}).values():
+            _named_by_their_keys(of, schema["$defs"])
     return json.dumps(_in_words_of_json(schema), indent=2, sort_keys=True) + "\n"
+
+
+def _named_by_their_keys(of: dict[str, Any], models: dict[str, Any]) -> None:
+    """Entries of a mapping take their name from their key; an overlay leaves an entry out with null."""
+    entry = of.get("additionalProperties")
+    if isinstance(entry, dict) and "$ref" in entry:
+        model = models[entry["$ref"].rpartition("/")[2]]
+        if model["properties"].pop("name", None) is not None:
+            model["required"] = [name for name in model["required"] if name != "name"]
+            of["additionalProperties"] = {"anyOf": [entry, {"type": "null"}]}
 
 
 WORDS = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum", "multiple_of": "multipleOf"}

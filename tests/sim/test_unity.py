@@ -156,7 +156,7 @@ KNOWING = {
     "task/episode.py",  # what may stand in a released episode
     "doctor/checks.py",  # looks at both
     "doctor/recording.py",  # records on the one or the other, as told
-    "report/findings/page.py",  # says which figures these are
+    "report/paper_comparison/page.py",  # says which figures these are
 }
 """Whose text may name a backend."""
 

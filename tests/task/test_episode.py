@@ -1,38 +1,37 @@
-"""Records: rounding, bytes, and errors that say where and what to do."""
+"""Records: rounding, bytes, and errors that say where and what to do; and what an episode record holds."""
 
 from __future__ import annotations
 
 import copy
 import itertools
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.models.change import Alteration, Lane, MoverStart
+from ovman.models.episode import Episode, episode_lines
+from ovman.models.measurement import Measurement
+from ovman.models.query import Query
+from ovman.models.record import RecordError, line, records, rounded
+from ovman.models.rejection import Rejection, RejectionStage
+from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Success
-from ovman.task import (
-    Episode,
-    Measurement,
-    Query,
-    RecordError,
-    Rejection,
-    RejectionStage,
-    Relation,
-    episode_lines,
-    line,
-    read_episodes,
-    records,
-    referents,
-    rounded,
-    success,
-)
+from ovman.models.sighting import Sightings, VisitPair
+from ovman.task import referents, success
+from ovman.workflow.config import load
 
+ROOT = Path(__file__).parents[2]
+EPISODES = ROOT / "data" / "ovman-embedded-v1" / "episodes"
+CONFIG = load(ROOT / "config.yaml")
 PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
 CONSTANTS = Settings.owned({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
 SUCCESS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
+PROTOCOL = {name: getattr(CONFIG, name).model_dump(mode="json") for name in ("camera", "primitives", "mover", "success")}
 
 RUN = {
     "run": 0,
@@ -47,7 +46,7 @@ RUN = {
     "actions": 31,
 }
 MOVED = {
-    "schema": "ovman-episode/1",
+    "schema": "ovman-episode/2",
     "id": "FloorPlan201/moved/0003",
     "split": "main",
     "backend": "embedded",
@@ -65,12 +64,19 @@ MOVED = {
             "before": {"x": 0.0, "y": 0.4, "z": 0.0},
             "after": {"x": 2.0, "y": 0.4, "z": 0.0},
             "path": None,
+            "placement": {"x": 2.0, "z": 0.0},
+            "height_m": 0.05,
+            "lane": None,
         }
     ],
+    "tour": {"waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}], "headings": 4},
+    "visits": {"first": "untouched", "second": "displace-Chair-1a2b"},
+    "mover": None,
     "spawn": {"x": -1.0, "z": 0.25, "yaw_deg": 270.0},
     "answer": {"x": 2.0, "z": 0.0},
     "nearest_navigable": {"x": 1.75, "z": 0.25},
     "shortest_path_m": 2.75,
+    "reachable_box": {"x": [-2.0, 2.0], "z": [-1.0, 1.5]},
     "instances_in_category": 2,
     "world_1": [
         {"id": "Chair|1", "category": "Chair", "x": 0.0, "z": 0.0},
@@ -80,25 +86,35 @@ MOVED = {
         {"id": "Chair|1", "category": "Chair", "x": 2.0, "z": 0.0},
         {"id": "Chair|2", "category": "Chair", "x": -2.0, "z": 0.0},
     ],
-    "visits": {"first": "untouched", "second": "displace-Chair-1a2b"},
     "drift_m": {"Chair|1": 0.0131},
     "certification": [RUN, RUN | {"run": 1, "seed": 18}],
+    "protocol": PROTOCOL,
+    "provenance": {"seed": 20260401, "trial": "0123456789abcdef01234567"},
 }
 
 
 def moving():
     record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/moving/0000", "relation": "moving"}
     path = [{"x": 0.0, "z": 0.0}, {"x": 0.1, "z": 0.0}, {"x": 2.0, "z": 0.0}]
-    record["changes"][0] |= {"kind": "motion", "path": path}
+    lane = {"x_0": 0.0, "z_0": 0.0, "x_1": 2.5, "z_1": 0.0}
+    record["changes"][0] |= {"kind": "motion", "path": path, "placement": None, "lane": lane}
+    record["mover"] = {"instance": "Chair|1", "along_m": 2.0, "direction": -1}
     record["drift_m"] = {}
     return record
 
 
 def removed():
     record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/removed/12", "relation": "removed"}
-    record["changes"][0] |= {"kind": "disable", "after": None}
+    record["changes"][0] |= {"kind": "disable", "after": None, "placement": None, "height_m": None}
     record["world_2"] = record["world_2"][1:]
     record["certification"] = [RUN | {"box_distance_m": None, "visible_px": None, "stop": None}]
+    return record
+
+
+def appeared():
+    record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/appeared/0002", "relation": "appeared"}
+    record["changes"][0] |= {"kind": "enable", "before": None, "placement": None, "height_m": None}
+    record["world_1"] = record["world_1"][1:]
     return record
 
 
@@ -107,7 +123,7 @@ def stable():
     return record | {"target": "Chair|2", "distractor": "Chair|1"}
 
 
-RECORDS = {"moved": MOVED, "moving": moving(), "removed": removed(), "stable": stable()}
+RECORDS = {"moved": MOVED, "moving": moving(), "removed": removed(), "appeared": appeared(), "stable": stable()}
 
 
 # --- rounding -------------------------------------------------------------------------------------
@@ -164,9 +180,16 @@ def test_a_record_comes_back_byte_for_byte_in_the_order_of_the_schema(name, tmp_
     text = line(RECORDS[name])
     path = tmp_path / "main.jsonl"
     path.write_text(text)
-    (episode,) = read_episodes(path)
-    assert episode_lines([episode]) == text
+    (episode,) = Episode.load(path)
+    assert episode_lines([episode]) == text == episode.to_line()
     assert Episode.from_json(episode.to_json()) == episode
+
+
+def test_the_released_episodes_come_back_byte_for_byte():
+    assert episode_lines(Episode.load(EPISODES / "main.jsonl")) == (EPISODES / "main.jsonl").read_text(encoding="utf-8")
+    released = Sightings.read(EPISODES / "sightings.jsonl")
+    assert "".join(record.to_line() for record in released) == (EPISODES / "sightings.jsonl").read_text(encoding="utf-8")
+    assert [record.episode for record in released] == [episode.id for episode in Episode.load(EPISODES / "main.jsonl")]
 
 
 def test_an_episode_can_be_judged_from_its_record():
@@ -179,13 +202,48 @@ def test_an_episode_can_be_judged_from_its_record():
             assert success(run.measurement, episode.relation, SUCCESS) == run.success
 
 
+def test_an_episode_says_how_its_visits_are_brought_about():
+    displaced = Alteration(kind="displace", instance="Chair|1", placement=(2.0, 0.0), height_m=0.05)
+    in_motion = Alteration(kind="motion", instance="Chair|1", height_m=0.05, lane=Lane(x_0=0.0, z_0=0.0, x_1=2.5, z_1=0.0))
+    gone = Alteration(kind="disable", instance="Chair|1")
+    expected = {
+        "moved": ((), (displaced,)),
+        "stable": ((), (displaced,)),
+        "moving": ((), (in_motion,)),
+        "removed": ((), (gone,)),
+        "appeared": ((gone,), ()),
+    }
+    for name, record in RECORDS.items():
+        episode = Episode.from_json(record)
+        assert (episode.alterations("first"), episode.alterations("second")) == expected[name], name
+        assert episode.gone == ({"Chair|1"} if name == "removed" else set())
+    assert Episode.from_json(RECORDS["moving"]).mover == MoverStart(instance="Chair|1", along_m=2.0, direction=-1)
+
+
+def test_an_episode_has_the_constants_of_its_protocol_and_no_others():
+    constants = Episode.from_json(MOVED).settings
+    for name in ("camera", "primitives", "mover", "success"):
+        assert dict(getattr(constants, name)) == dict(getattr(CONFIG, name))
+    assert (constants.benchmark.seed, constants.benchmark.backend, constants.tour.headings) == (20260401, "embedded", 4)
+    for read in (lambda: constants.association.gate_m, lambda: constants.benchmark.scenes, lambda: constants.tour.waypoints):
+        with pytest.raises(AttributeError, match="episode FloorPlan201/moved/0003"):
+            read()
+
+
+def test_the_visits_are_first_and_second():
+    visits = Episode.from_json(MOVED).visits
+    assert (visits["first"], visits["second"]) == ("untouched", "displace-Chair-1a2b") == (visits.first, visits.second)
+    with pytest.raises(KeyError, match="the visits are first and second"):
+        VisitPair[str](first="a", second="b")["third"]
+
+
 def test_the_path_of_a_mover_is_its_track_unless_one_was_recorded():
     record = moving()
     mover = Episode.from_json(record).states[1]["Chair|1"]
     assert mover.track == ((0.0, 0.0), (0.1, 0.0), (2.0, 0.0)) and mover.position == (2.0, 0.0)
     record["world_2"][0]["track"] = [{"x": 0.5, "z": 0.0}, {"x": 2.0, "z": 0.0}]
     assert Episode.from_json(record).states[1]["Chair|1"].track == ((0.5, 0.0), (2.0, 0.0))
-    assert line(Episode.from_json(record).to_json()) == line(record)
+    assert Episode.from_json(record).to_line() == line(record)
 
 
 def test_pitches_are_numbers_in_the_program_and_text_in_the_file():
@@ -198,27 +256,41 @@ def test_keys_of_later_versions_are_passed_over():
     assert Episode.from_json(MOVED | {"colour": "red"}) == Episode.from_json(MOVED)
 
 
+def test_an_episode_cannot_be_changed():
+    episode = Episode.from_json(MOVED)
+    with pytest.raises(ValueError, match="frozen"):
+        episode.target = "Chair|2"
+
+
 def without(record, key):
     return {name: value for name, value in record.items() if name != key}
 
 
+def change(**values):
+    return {"changes": [MOVED["changes"][0] | values]}
+
+
 CONTRADICTIONS = [
-    (MOVED | {"schema": "ovman-episode/2"}, "schema: expected 'ovman-episode/1'"),
+    (MOVED | {"schema": "ovman-episode/1"}, "schema: expected 'ovman-episode/2', found 'ovman-episode/1'"),
+    (without(MOVED, "schema"), "schema: the key is missing"),
     (without(MOVED, "spawn"), "spawn: the key is missing"),
     (without(MOVED, "sentence") | {"sentense": "x"}, "sentence: the key is missing; rename 'sentense'"),
     (MOVED | {"relation": "mooved"}, 'relation: "mooved" is not one of'),
     (MOVED | {"spawn": {"x": "left", "z": 0.0, "yaw_deg": 0.0}}, 'spawn.x: expected a number, found "left"'),
     (MOVED | {"spawn": {"x": True, "z": 0.0, "yaw_deg": 0.0}}, "spawn.x: expected a number, found true"),
     (MOVED | {"spawn": [0.0, 1.0]}, "spawn: expected an object, found [0.0, 1.0]"),
-    (MOVED | {"shortest_path_m": -1.0}, "shortest_path_m: expected a length"),
+    (MOVED | {"shortest_path_m": -1.0}, "shortest_path_m: expected at least 0, found -1.0"),
     (MOVED | {"shortest_path_m": float("inf")}, "shortest_path_m: expected a number"),
     (MOVED | {"changes": {}}, "changes: expected a list"),
     (MOVED | {"changes": [MOVED["changes"][0] | {"kind": "shove"}]}, 'changes[0].kind: "shove" is not one of'),
     (MOVED | {"instances_in_category": 2.0}, "instances_in_category: expected an integer"),
     (MOVED | {"instances_in_category": 1}, "instances_in_category is 1"),
     (MOVED | {"certification": [RUN, RUN | {"success": 1}]}, "certification[1].success: expected true or false"),
-    (MOVED | {"certification": [RUN | {"visible_px": {"down": 3}}]}, "certification[0].visible_px.down: the pitch 'down'"),
-    (MOVED | {"certification": [RUN | {"answer_distance_m": None}]}, "certification[0].answer_distance_m: expected a number"),
+    (
+        MOVED | {"certification": [RUN | {"visible_px": {"down": 3}}]},
+        'certification[0].visible_px.down: expected an integer, found "down"',
+    ),
+    (MOVED | {"certification": [RUN | {"answer_distance_m": None}]}, "certification[0]: answer_distance_m is None"),
     (MOVED | {"noun": ""}, "noun: expected text"),
     (MOVED | {"id": "FloorPlan202/moved/0003"}, "id is 'FloorPlan202/moved/0003'"),
     (MOVED | {"id": "FloorPlan201/former/0003"}, "id is 'FloorPlan201/former/0003'"),
@@ -228,6 +300,19 @@ CONTRADICTIONS = [
     (MOVED | {"category": "Vase"}, "target 'Chair|1' is no Vase of world_2"),
     (removed() | {"world_1": []}, "is no Chair of world_1"),
     (MOVED | {"changes": []}, "changes do not hold 'Chair|1'"),
+    (MOVED | change(placement=None), "changes[0]: displace of Chair|1 has no placement"),
+    (moving() | change(kind="motion"), "changes[0]: motion of Chair|1 has no lane"),
+    (moving() | {"changes": [moving()["changes"][0] | {"path": None}]}, "changes[0]: motion of Chair|1 has no path"),
+    (moving() | {"mover": None}, "mover: MOVING has one"),
+    (MOVED | {"mover": moving()["mover"]}, "mover: MOVING has one"),
+    (moving() | {"mover": moving()["mover"] | {"instance": "Chair|2"}}, "mover is 'Chair|2'"),
+    (moving() | {"mover": moving()["mover"] | {"direction": 0}}, "mover.direction: 0 is not one of"),
+    (MOVED | {"tour": {"waypoints": [], "headings": 4}}, "tour.waypoints: expected at least 1 element(s), found 0"),
+    (MOVED | {"tour": {"waypoints": [{"x": 1.0}], "headings": 4}}, "tour.waypoints[0]: z: the key is missing"),
+    (MOVED | {"visits": {"first": "untouched"}}, "visits.second: the key is missing"),
+    (MOVED | {"protocol": without(PROTOCOL, "success")}, "protocol.success: the key is missing"),
+    (MOVED | {"provenance": {"seed": 1.5, "trial": "a"}}, "provenance.seed: expected an integer"),
+    (MOVED | {"drift_m": {"Chair|1": -0.1}}, "drift_m.Chair|1: expected at least 0"),
     (MOVED | {"world_1": MOVED["world_1"] * 2}, "instance Chair|1 is in the world state twice"),
 ]
 
@@ -242,7 +327,7 @@ def test_a_bad_record_is_one_line_with_place_key_and_remedy(record, complaint):
 
 
 def test_a_record_that_is_no_object_is_told_so():
-    with pytest.raises(RecordError, match=r"episode: expected an object, found \[1, 2\]"):
+    with pytest.raises(RecordError, match=r"record: expected an object, found \[1, 2\]"):
         Episode.from_json([1, 2])
 
 
@@ -250,12 +335,12 @@ def test_errors_name_file_and_line(tmp_path):
     path = tmp_path / "main.jsonl"
     path.write_text(line(MOVED) + "\n" + line(MOVED)[:40] + "\n")
     with pytest.raises(RecordError, match=r"main.jsonl:3: not JSON"):
-        read_episodes(path)
+        Episode.load(path)
     path.write_text(line(MOVED) + line(MOVED))
     with pytest.raises(RecordError, match=r"main.jsonl:2: id: FloorPlan201/moved/0003 is in the file already"):
-        read_episodes(path)
+        Episode.load(path)
     path.write_text("")
-    assert list(records(path)) == [] == read_episodes(path)
+    assert list(records(path)) == [] == Episode.load(path)
 
 
 # --- reasons of rejection -------------------------------------------------------------------------

@@ -73,7 +73,7 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
     detector, encoder, readme = (texts[name] for name in ("detector.md", "encoder.md", "README.md"))
     assert "12 parameters (F16)" in detector and "15000 and 700 steps" in detector and "21,360 pictures of 2" in detector
     assert "| recall | 0.765 | ≥ 0.750 | met" in detector and "12 of the detected masks" in detector
-    assert "masks of below 600 px: recall 0.400" in detector
+    assert "masks of below 600 px: 0.400" in detector
     assert "7,000 parameters" in encoder and "123,456 crops around true masks and 2,345 crops" in encoder
     assert "1000 steps on the crops of true masks, 300 further ones" in encoder
     assert "crops of detected masks top-1 0.431" in encoder
@@ -116,5 +116,5 @@ def test_cards_and_pictures_are_written_twice_the_same(models, perception):
 
 def test_a_curve_without_a_line_is_refused(models, perception):
     (models / "encoder_curve.jsonl").write_text("")
-    with pytest.raises(ValueError, match=r"encoder_curve\.jsonl: a learning curve without a line"):
+    with pytest.raises(ValueError, match=r"encoder_curve\.jsonl: the learning curve is empty"):
         cards.cards(models, perception, CONFIG)

@@ -26,9 +26,10 @@ SNAKEMAKE = (sys.executable, "-m", "snakemake")
 
 @dataclass(frozen=True)
 class World:
-    """A directory in which the workflow runs on the tiny world."""
+    """A directory in which the workflow runs on the tiny world. checkout: the copy of this repository whose code runs."""
 
     directory: Path
+    checkout: Path = ROOT
 
     def command(self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET) -> list[str]:
         """The command line of Snakemake; `overlay` are settings on top of those of the tiny world."""
@@ -37,7 +38,7 @@ class World:
             path = self.directory / "overlay.yaml"
             path.write_text(yaml.safe_dump(dict(overlay)))
             files.append(str(path))
-        base = [*SNAKEMAKE, "--snakefile", str(ROOT / "Snakefile"), "--directory", str(self.directory)]
+        base = [*SNAKEMAKE, "--snakefile", str(self.checkout / "Snakefile"), "--directory", str(self.directory)]
         return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", target]
 
     def snakemake(
@@ -46,6 +47,10 @@ class World:
         """Run it to its end; standard error is in stdout."""
         command = self.command(*arguments, overlay=overlay, target=target)
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
+        if self.checkout != ROOT:  # a forked process would have this checkout's modules
+            environment["PYTHONPATH"] = str(self.checkout)
+            merged = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+            return subprocess.run(command, cwd=self.checkout, env=environment, **merged)
         with tempfile.TemporaryDirectory() as directory:
             said = Path(directory, "said")
             status = forked.run(command[len(SNAKEMAKE) :], ROOT, environment, said)

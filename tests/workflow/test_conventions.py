@@ -15,9 +15,10 @@ from snakemake.persistence import file as persistence
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.workflow import Workflow
 
+from ovman.cli import main
 from ovman.workflow import schema, snakemake_internals
 from ovman.workflow.lint import EXPLAINED, findings
-from tests.workflow.conftest import ROOT
+from tests.workflow.conftest import ROOT, TINY
 
 TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
 SCHEMA = json.loads(schema.FILE.read_text())
@@ -66,3 +67,17 @@ def test_lints_are_found_but_for_those_that_are_explained():
     text = f"Lints for rule a (line 1, x.smk):\n    * {explained}:\n      Why.\n    * No log directive defined:\n      Why.\n"
     assert findings(text) == ["rule a (line 1, x.smk): No log directive defined"]
     assert findings("Congratulations, your workflow is in a good condition!\n") == []
+
+
+def test_the_report_has_every_table_and_its_caption(world, tmp_path):
+    said = world.snakemake("--report", str(tmp_path / "report.html"))
+    assert said.returncode == 0, said.stdout
+    page = (tmp_path / "report.html").read_text()
+    tables = [path.stem for path in (world.directory / "results" / "tables").glob("*.csv")]
+    assert tables and [name for name in tables if f"{name}.csv" not in page] == []
+    assert "A table of the results for the settings of this run" in page
+
+
+def test_finished_results_are_whole(world, capsys):
+    base = ["--config", str(ROOT / "config.yaml"), "--configfile", str(TINY)]
+    assert main(["check", str(world.directory / "results"), *base]) == 0, capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Point clouds, boxed and asked what lies near them. World frame, y up, metres."""
+"""Point clouds with boxes and neighbour queries. World frame, y up, metres."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FLOOR = [0, 2]
 
 
 class Cloud:
-    """Points, at least one, that are never changed. columns: (3, N) float64, coordinate by coordinate."""
+    """At least one point, immutable. columns: (3, N) float64, coordinate by coordinate."""
 
     def __init__(self, columns: np.ndarray) -> None:
         self.columns = columns
@@ -23,7 +23,7 @@ class Cloud:
 
     @staticmethod
     def of(points: np.ndarray) -> Cloud:
-        """The cloud of points (N, 3). ValueError for another shape and for no point."""
+        """The cloud of points (N, 3). ValueError for another shape or no point."""
         points = np.asarray(points)
         if points.ndim != 2 or points.shape[1] != 3 or not len(points):
             raise ValueError(f"a cloud has points (N, 3), N at least 1, not {points.shape}")
@@ -45,13 +45,13 @@ class Cloud:
         return grid.near(self.columns, heads, following, 2 * radius_m, asked, radius_m)
 
     def inside(self, box: np.ndarray, margin_m: float) -> float:
-        """The fraction of the points in a box (6,) that is larger by a margin on every side."""
+        """The fraction of the points inside a box (6,) that is enlarged by a margin on every side."""
         low, high = (box[:3] - margin_m)[:, None], (box[3:] + margin_m)[:, None]
         return np.count_nonzero(((self.columns >= low) & (self.columns <= high)).all(axis=0)) / len(self)
 
 
 def box_iou(boxes: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(M, N) volume of the intersection over that of the union of boxes (M, 6) with boxes (N, 6); 0 where neither has any."""
+    """(M, N) volume of the intersection over that of the union of boxes (M, 6) with boxes (N, 6); 0 if both volumes are 0."""
     sides = np.minimum(boxes[:, None, 3:], others[None, :, 3:]) - np.maximum(boxes[:, None, :3], others[None, :, :3])
     shared = np.prod(np.clip(sides, 0.0, None), axis=2)
     union = _volume(boxes)[:, None] + _volume(others)[None, :] - shared

@@ -1,4 +1,4 @@
-"""DBSCAN of small point clouds, of which only the largest cluster is wanted."""
+"""The largest cluster of DBSCAN, for small point clouds."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from numba import njit
 
 _NONE = -1
 _SLACK = 1.0 + 1e-9
-"""Cells are larger than the radius by this, so that no rounding puts neighbours two cells apart."""
+"""Factor by which cells are larger than the radius, so that rounding never puts neighbours two cells apart."""
 
 
 def largest_cluster(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
-    """Which of `points` (N, 3) are in the largest cluster of DBSCAN, ascending indices; none where all are noise.
+    """Ascending indices of `points` (N, 3) in the largest cluster of DBSCAN; empty if all points are noise.
 
-    A point with at least `least` points within radius_m, itself among them, is a core point. A point that is none belongs to the
-    first cluster, in the order of the points, that reaches it; of equally large clusters the first is taken.
+    A point with at least `least` points within radius_m, itself included, is a core point. Another point belongs to the first
+    cluster, in the order of the points, that reaches it. Of equally large clusters the first is taken.
     """
     if len(points) < least:
         return np.zeros(0, np.int64)
@@ -51,7 +51,7 @@ def _labels(points: np.ndarray, cells: np.ndarray, radius_m: float, least: int) 
         starts[cells[i, 0] * high + cells[i, 1] + 1] += 1
     for cell in range(wide * high):
         starts[cell + 1] += starts[cell]
-    # Of each cell, its points: those without a cluster first, up to the cell's end.
+    # The points of each cell: first those without a cluster, up to the cell's end.
     ends = starts[:-1].copy()
     inside, place = np.empty(count, np.int64), np.empty(count, np.int64)
     for i in range(count):
@@ -99,7 +99,7 @@ def _labels(points: np.ndarray, cells: np.ndarray, radius_m: float, least: int) 
 
 @njit(cache=True, inline="always")
 def _take(inside: np.ndarray, place: np.ndarray, ends: np.ndarray, cell: int, i: int) -> None:
-    """Takes a point out of those of its cell that have no cluster."""
+    """Remove a point from the points of its cell without a cluster."""
     ends[cell] -= 1
     last = inside[ends[cell]]
     inside[place[i]], place[last] = last, place[i]

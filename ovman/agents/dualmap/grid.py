@@ -1,6 +1,6 @@
-"""Points in space by the cell they lie in: what is near them, and one point a cell. Compiled: the loops see millions of points.
+"""Points hashed by the cell of space they lie in: neighbours within a radius, and thinning. Compiled with numba.
 
-All take and give coordinates as columns (3, N) float64, metres.
+All coordinates are columns (3, N) float64, metres.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ NOTHING = -1
 
 @njit(cache=True)
 def chained(columns: np.ndarray, cell_m: float) -> tuple[np.ndarray, np.ndarray]:
-    """Chains of points whose cells have one hash: (heads (H,), following (N,)) indices of points, H a power of two."""
+    """Hash chains of points by cell: (heads (H,), following (N,)), indices of points; H is a power of two."""
     count = columns.shape[1]
     size = 16
     while size < 2 * count:
@@ -35,9 +35,9 @@ def chained(columns: np.ndarray, cell_m: float) -> tuple[np.ndarray, np.ndarray]
 def near(
     columns: np.ndarray, heads: np.ndarray, following: np.ndarray, cell_m: float, asked: np.ndarray, radius_m: float
 ) -> np.ndarray:
-    """(M,) bool: which of the points `asked` (3, M) lie within radius_m of one of `columns`, chained by cells of cell_m.
+    """(M,) bool: whether each point of `asked` (3, M) lies within radius_m of one of `columns`, chained by cells of cell_m.
 
-    The cells are twice as wide as the radius, so that in each direction one neighbour can hold what is near.
+    The cells are twice as wide as the radius, so that along each axis one neighbouring cell is enough.
     """
     found = np.zeros(asked.shape[1], np.bool_)
     least = radius_m * radius_m
@@ -65,9 +65,9 @@ def near(
 
 @njit(cache=True)
 def thinned(columns: np.ndarray, voxel_m: float) -> np.ndarray:
-    """One point a voxel, the mean of those in it, in the order in which the voxels' first points come: columns (3, M).
+    """The mean point of each voxel (3, M), in the order of the voxels' first points.
 
-    The grid is centred on the least corner.
+    The grid of voxels is centred on the least corner of the points.
     """
     count = columns.shape[1]
     low = np.array([columns[axis].min() for axis in range(3)])

@@ -7,7 +7,6 @@ first. What a walk showed for the first time is kept as soon as the walk ends, s
 from __future__ import annotations
 
 import hashlib
-import os
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
@@ -21,6 +20,7 @@ import numpy as np
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, without_ceiling
+from ovman.atomic import replacing
 from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
 from ovman.models.visit import Visit
@@ -175,9 +175,8 @@ def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part
     """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
     contents, views, new = memory.walked(frames(session, one, turn_deg))
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
-    unfinished = part.with_suffix(".partial")
-    write_arrays(unfinished, PART, arrays | packed(list(new.values())), compressed=True)
-    os.replace(unfinished, part)
+    with replacing(part) as partial:
+        write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
     kept = _read(part, memory)
     assert kept is not None
     return kept

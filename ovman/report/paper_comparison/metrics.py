@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -80,7 +81,7 @@ class Metrics:
         files = {}
         for path in paths:
             try:
-                files[path.stem] = pd.read_csv(path, dtype=str, keep_default_na=False, encoding="utf-8")
+                files[path.stem] = pd.read_csv(path, dtype=object, keep_default_na=False, encoding="utf-8")
             except pd.errors.EmptyDataError:
                 raise ValueError(f"{path}: no header; make it again: snakemake {path}") from None
         return cls(files, arms)
@@ -119,8 +120,11 @@ class Metrics:
         where = {key: self._arm(text) if isinstance(text, str) else text for key, text in reading.where.items()}
         if "relation" in rows.columns:
             where.setdefault("relation", ALL)
+        chosen = np.ones(len(rows), bool)
         for column, text in where.items():
-            rows = rows[_column(reading.file, rows, column).isin([text] if isinstance(text, str) else text)]
+            values = _column(reading.file, rows, column).to_numpy()
+            chosen &= np.any([values == one for one in ([text] if isinstance(text, str) else text)], axis=0)
+        rows = rows[chosen]
         words = ", ".join(text if isinstance(text, str) else " and ".join(text) for text in where.values())
         if reading.nth_seed is not None:
             seeds = sorted(set(_column(reading.file, rows, "seed")), key=int)
@@ -190,17 +194,23 @@ def _values(reading: Reading, rows: pd.DataFrame, words: str) -> pd.Series[float
 
 def _numbers(reading: Reading, expression: str, rows: pd.DataFrame, words: str) -> pd.DataFrame:
     """The columns that an expression names, as finite numbers. Missing for an empty cell, ValueError for another text."""
-    columns = {}
-    for name in re.findall(r"[a-z]\w*", expression):
-        text = _column(reading.file, rows, name)
-        source = f"{reading.file}.csv ({words}): {name}"
-        if (text == "").any():
-            raise Missing(f"{source} is empty")
-        numbers = pd.to_numeric(text, errors="coerce").astype("float64")
-        if (wrong := text[~np.isfinite(numbers)]).size:
-            raise ValueError(f"{source} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
-        columns[name] = numbers
-    return pd.DataFrame(columns)
+    columns = {
+        name: [_number(text, f"{reading.file}.csv ({words}): {name}") for text in _column(reading.file, rows, name)]
+        for name in re.findall(r"[a-z]\w*", expression)
+    }
+    return pd.DataFrame(columns, index=rows.index, dtype="float64")
+
+
+def _number(text: str, source: str) -> float:
+    if not text:
+        raise Missing(f"{source} is empty")
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"{source} is {text!r}, which is no finite number; make the metrics again")
+    return value
 
 
 def _column(file: str, rows: pd.DataFrame, name: str) -> pd.Series[str]:

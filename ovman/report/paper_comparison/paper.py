@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Annotated
 
@@ -49,6 +50,11 @@ class _File(BaseModel):
     later: dict[str, str]
 
 
+@cache
+def _parsed(text: str) -> _File:
+    return _File.model_validate(yaml.safe_load(text))
+
+
 class Paper(Mapping[str, Figure]):
     """Every figure by its key: "static.two.all" of a table, "parser_accuracy" of the text.
 
@@ -65,7 +71,7 @@ class Paper(Mapping[str, Figure]):
     def read(cls, path: Path = PAPER) -> Paper:
         """Raises ValueError in one line that names the file and the key."""
         try:
-            content = _File.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")))
+            content = _parsed(path.read_text(encoding="utf-8"))
         except yaml.YAMLError as error:
             raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
         except ValidationError as error:

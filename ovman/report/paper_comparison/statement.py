@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Self
 
 import yaml
 from jinja2 import StrictUndefined, TemplateSyntaxError, meta
+from jinja2.environment import TemplateExpression
 from jinja2.sandbox import SandboxedEnvironment
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
@@ -38,9 +40,14 @@ class Form(StrEnum):
     METRES = "metres"
 
 
+@cache
+def _compiled(text: str) -> TemplateExpression:
+    return _EXPRESSIONS.compile_expression(text, undefined_to_none=False)
+
+
 def _expression(text: str) -> str:
     try:
-        _EXPRESSIONS.compile_expression(text)
+        _compiled(text)
     except TemplateSyntaxError as error:
         raise ValueError(f"{text!r} is no expression: {error.message}") from None
     return text
@@ -108,12 +115,17 @@ class Group(BaseModel):
 def read(path: Path = STATEMENTS) -> tuple[Group, ...]:
     """The statements, in the order of the page. Raises ValueError in one line that names the file and the key."""
     try:
-        return TypeAdapter(tuple[Group, ...]).validate_python(yaml.safe_load(path.read_text(encoding="utf-8")))
+        return _parsed(path.read_text(encoding="utf-8"))
     except yaml.YAMLError as error:
         raise ValueError(f"{path}: {' '.join(str(error).split())}") from None
     except ValidationError as error:
         first = error.errors()[0]
         raise ValueError(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+
+
+@cache
+def _parsed(text: str) -> tuple[Group, ...]:
+    return TypeAdapter(tuple[Group, ...]).validate_python(yaml.safe_load(text))
 
 
 def every(groups: Iterable[Group]) -> tuple[Statement, ...]:
@@ -144,7 +156,7 @@ def judged(statement: Statement, metrics: Metrics) -> Judgement:
     if missing is not None:
         return Judgement(statement, Verdict.UNKNOWN, cells, missing)
     deciding = {name: cells[name].value for name, quantity in statement.figures.items() if quantity.decides}
-    holds = _EXPRESSIONS.compile_expression(statement.holds, undefined_to_none=False)(**deciding)
+    holds = _compiled(statement.holds)(**deciding)
     return Judgement(statement, Verdict.HOLDS if holds else Verdict.FAILS, cells)
 
 
@@ -155,7 +167,7 @@ def _figure(quantity: Quantity, cells: Mapping[str, Cell], metrics: Metrics) -> 
     text = quantity.of or ""
     if absent := [name for name in _names(text) if name not in values]:
         raise Missing(f"{absent[0]} is not known")
-    return Cell(float(_EXPRESSIONS.compile_expression(text, undefined_to_none=False)(**values) or 0.0), text)
+    return Cell(float(_compiled(text)(**values) or 0.0), text)
 
 
 def _names(text: str) -> list[str]:

@@ -16,10 +16,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ovman.evaluation.rollout import begin, measure_at_stop
-from ovman.models.episode import Episode
+from ovman.models.episode import Episode, root_seed
 from ovman.models.record import Text
 from ovman.models.run import InstanceTerms, Terms
-from ovman.models.settings import Settings
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
@@ -55,9 +54,9 @@ class Verdict(Terms):
 class EpisodeController:
     """A Controller for the released runner.
 
-    launch: starts the simulator with the parameters that are given here; episodes: by their names in the runner; constants: those
-    of stage `released_cow`; judged: is called once for each episode, when the runner lets go of it.
-    Raises SimulatorError where the simulator refuses an episode.
+    launch: starts the simulator with the parameters that are given here; episodes: by their names in the runner; seed: the
+    runner's; judged: is called once for each episode, when the runner lets go of it. Raises SimulatorError where the simulator
+    refuses an episode.
     """
 
     def __init__(
@@ -65,15 +64,15 @@ class EpisodeController:
         launch: Launch,
         episodes: Mapping[str, Episode],
         seed: int,
-        constants: Settings,
         judged: Callable[[Verdict], None],
         **parameters: Any,
     ) -> None:
-        self._episodes, self._seed, self._constants, self._judged = episodes, seed, constants, judged
+        self._episodes, self._seed, self._judged = episodes, seed, judged
+        self._root = root_seed(list(episodes.values()))
         self.initialization_parameters: dict[str, Any] = {k: v for k, v in parameters.items() if k not in NO_WORD_OF}
         given = self.initialization_parameters | {"renderInstanceSegmentation": True}
-        first = next(iter(episodes.values())).scene
-        self._inner = launch(**{"scene": first} | given)
+        first = next(iter(episodes.values()))
+        self._inner = launch(**{"scene": first.scene} | given)
         body = Embodiment(
             int(given["width"]),
             int(given["height"]),
@@ -82,7 +81,7 @@ class EpisodeController:
             float(given["rotateStepDegrees"]),
             mode=str(given.get("agentMode", "default")),
         )
-        self._session = Session(first, constants, body, start=lambda backend, scene, embodiment: self._inner)
+        self._session = Session(first.scene, first.settings, body, start=lambda backend, scene, embodiment: self._inner)
         self._session.reset()
         self._event = self._inner.last_event
         self._running: Episode | None = None
@@ -108,8 +107,8 @@ class EpisodeController:
             raise ValueError(f"{name}: the released runner resets {scene}, and the episode is in {episode.scene}")
         session = self._session
         session.scene = episode.scene
-        rng = seeds.generator(self._constants.benchmark.seed, "mover", ARM, episode.id, self._seed)
-        self._world = begin(session, episode, self._constants, rng, every_object=True)
+        rng = seeds.generator(self._root, "mover", ARM, episode.id, self._seed)
+        self._world = begin(session, episode, episode.settings, rng, every_object=True)
         self._running, self._stopped = episode, False
         self._event = session.step("Pass", image=True)
         return self._event
@@ -156,7 +155,7 @@ class EpisodeController:
         episode, self._running = self._running, None
         name = runner_name(episode)
         if self._stopped and self._world is not None:
-            terms, instances = measure_at_stop(self._session, episode, self._world, self._constants, any_instance=True)
+            terms, instances = measure_at_stop(self._session, episode, self._world, episode.settings, any_instance=True)
             at_stop = {field: getattr(terms, field) for field in Terms.model_fields}
             self._judged(Verdict(name=name, stopped=True, instances=instances or None, **at_stop))
         else:

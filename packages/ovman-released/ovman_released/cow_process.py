@@ -92,8 +92,9 @@ def run(job: Job) -> None:
             verdicts.flush()
 
         episodes = {runner_name(episode): episode for episode in job.episodes}
-        launch = partial(launched, original, constants.benchmark.backend)
-        cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, constants, judged))
+        (backend,) = {episode.backend for episode in job.episodes}
+        launch = partial(launched, original, backend)
+        cow_shims.start_with(runner, partial(EpisodeController, launch, episodes, job.seed, judged))
         _call(job, constants, factory, runner)
 
 

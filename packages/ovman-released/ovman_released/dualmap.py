@@ -10,7 +10,7 @@ import json
 import shutil
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 from pathlib import Path
@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
-from ovman.agents.dualmap.walks import Assigned, frames
+from ovman.agents.dualmap.walks import Assigned, embodiment, frames
 from ovman.perception.records import write_nouns
 from ovman.sim import walk
-from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
@@ -158,7 +157,15 @@ def identity(of: Mapping[str, Assigned], nouns: Sequence[str], constants: StageS
     values = json.loads(constants.canonical)["constants"]
     overrides = dualmap_runner.overrides(policy_of(constants), Path("settings"), "scene", Path("output"))
     asked = digest({k: v for k, v in values.items() if k not in NOT_OF_A_RUN}, list(nouns), list(code), overrides)
-    return {name: [asked, one.recorded.scene, *one.identity] for name, one in of.items()}
+    return {name: [asked, *_walk_of(one)] for name, one in of.items()}
+
+
+def _walk_of(one: Assigned) -> list[Any]:
+    """What the walk of a visit depends on beside the size of its frames, JSON-serialisable."""
+    episode, record = one.episode, one.recorded.to_json()
+    protocol = [dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")]
+    visited = [record[key] for key in ("scene", "alterations", "mover", "views")]
+    return [episode.backend, episode.provenance.seed, episode.id, protocol, *visited]
 
 
 def run(
@@ -176,19 +183,19 @@ def run(
     """Writes the maps of a scene's visits `of` (name -> what to walk) and of the `pairs` of them, and to `text` the nouns.
 
     floor_y: height of the scene's floor, metres; code: digests of CODE; kept: directory of finished runs. Raises RunError in one
-    line where a run fails or a map stays empty, WalkError, SimulatorError.
+    line where a run fails or a map stays empty, WalkError, SimulatorError, ValueError for a scene without episodes.
     """
     chosen = released_dualmap(constants)
     maintained = Maintained(chosen.maintained)
     installation = Installation(Path(chosen.root).absolute(), Path(chosen.python))
-    policy = policy_of(constants)
-    body = replace(Embodiment.of(constants), width_px=chosen.side_px, height_px=chosen.side_px, instances=False)
-    with Session(scene, constants, body) as session:
+    policy, turn_deg = policy_of(constants), constants.dualmap.walk.turn_deg
+    if not of:
+        raise ValueError(f"{scene}: no episode is in this scene; take it out of benchmark.scenes")
+    benchmark = next(iter(of.values())).episode.settings
+    with Session(scene, benchmark, embodiment(benchmark, chosen.side_px)) as session:
 
         def walked(name: str, directory: Path) -> None:
-            lens = session.with_restarts(
-                lambda: write_visit(directory, frames(session, of[name], constants.dualmap.walk.turn_deg), floor_y)
-            )
+            lens = session.with_restarts(lambda: write_visit(directory, frames(session, of[name], turn_deg), floor_y))
             print(f"{scene}: {name}: {lens.frames} frames of {lens.width} x {lens.height} px", flush=True)
 
         runs = Runs(installation, policy, maintained, scene, nouns, identity(of, nouns, constants, code), walked, kept)

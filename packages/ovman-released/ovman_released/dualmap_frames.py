@@ -13,7 +13,6 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-import os
 import shutil
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
@@ -23,6 +22,7 @@ from typing import Protocol
 import numpy as np
 import yaml
 
+from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.perception.backprojection import Camera
 from ovman.sim.visit import write_png
 
@@ -98,8 +98,9 @@ def write_visit(directory: Path, views: Iterable[Seen], floor_y: float) -> Lens:
 
     floor_y: height of the floor in Unity's world, metres. FramesError for no view, or for views that differ in size or lens.
     """
-    partial = directory.with_name(f".{directory.name}.{os.getpid()}.partial")
-    shutil.rmtree(partial, ignore_errors=True)
+    clear_partials(directory)
+    partial = partial_path(directory)
+    remove(partial)
     for kind in ("rgb", "depth"):
         (partial / kind).mkdir(parents=True)
     content, lines, lenses = hashlib.sha256(), [], set()
@@ -120,8 +121,7 @@ def write_visit(directory: Path, views: Iterable[Seen], floor_y: float) -> Lens:
     lens = Lens(width, height, focal, len(lines), content.hexdigest())
     (partial / "pose.txt").write_text(_timed(lines))
     (partial / "lens.json").write_text(json.dumps(asdict(lens)) + "\n")
-    shutil.rmtree(directory, ignore_errors=True)
-    os.replace(partial, directory)
+    put(partial, directory)
     return lens
 
 

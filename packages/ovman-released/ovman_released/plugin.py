@@ -17,8 +17,6 @@ from ovman.workflow.stages import STAGES
 COW, DUALMAP = "released_cow", "released_dualmap"
 _WORKFLOW = Path(__file__).parent / "workflow"
 _SCRIPTS = _WORKFLOW / "scripts"
-_CAMERA = ("benchmark.seed", "benchmark.backend", "camera.*")
-_MOVER = ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
 
 
 class Clone(Section):
@@ -53,7 +51,7 @@ PLUGINS = (
     Plugin(
         COW,
         ReleasedCow,
-        {COW: (*_CAMERA, *_MOVER, "primitives.*", "success.sweep_deg", f"{COW}.*")},
+        {COW: (f"{COW}.*",)},
         _WORKFLOW / "rules" / "released_cow.smk",
         _SCRIPTS,
     ),
@@ -62,15 +60,7 @@ PLUGINS = (
         ReleasedDualmap,
         {
             "released_dualmap_setup": tuple(f"{DUALMAP}.{name}" for name in ("root", "commit", "python", "device")),
-            DUALMAP: (
-                *_CAMERA,
-                *_MOVER,
-                "primitives.step_m",
-                "primitives.turn_deg",
-                "dualmap.runs",
-                "dualmap.walk.turn_deg",
-                f"{DUALMAP}.*",
-            ),
+            DUALMAP: ("dualmap.runs", "dualmap.walk.turn_deg", f"{DUALMAP}.*"),
             "released_dualmap_predictions": STAGES["predictions"],
         },
         _WORKFLOW / "rules" / "released_dualmap.smk",

@@ -145,8 +145,7 @@ def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
 def test_the_runner_is_told_of_all_objects_of_the_changed_world():
     body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
     launch = partial(launched, Controller, "embedded")
-    given = constants(ROOT, "0" * 40, sys.executable)
-    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, given, lambda *_: None, **body)
+    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, lambda *_: None, **body)
     try:
         untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
         stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)

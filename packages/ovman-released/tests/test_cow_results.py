@@ -66,26 +66,14 @@ def test_its_own_success_is_not_read(tmp_path):
     terms = {"box_distance_m": None, "visible_px": None, "answer_distance_m": 3.1623, "navigable_distance_m": 3.1623}
     verdict = {"name": "a", "stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
     run = imported(EPISODE, 2, walk, Verdict.from_json(verdict))
-    assert (run.arm, run.seed, run.outcome, run.path_length_m, run.actions) == (
-        "cow_released",
-        2,
-        "stopped",
-        3.0,
-        1,
-    )
+    assert (run.arm, run.seed, run.outcome, run.path_length_m, run.actions) == ("cow_released", 2, "stopped", 3.0, 1)
     assert score(run, EPISODE, own_task=True).success is False
 
 
 def test_a_spent_budget_is_a_failure_on_either_task():
     verdict = Verdict.from_json({"name": "a", "stopped": False, **NOWHERE})
-    run = imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict)
-    judged = score(run, EPISODE, own_task=True)
-    assert (judged.outcome, judged.success, judged.own_success, judged.path_length_m) == (
-        "budget",
-        False,
-        False,
-        0.25,
-    )
+    judged = score(imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict), EPISODE, own_task=True)
+    assert (judged.outcome, judged.success, judged.own_success, judged.path_length_m) == ("budget", False, False, 0.25)
 
 
 @pytest.mark.parametrize("verdict", [{"stopped": False}, {"stopped": True, "stop": {"x": 0.5, "z": 0.0, "yaw_deg": 0.0}}])

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boxes import Box, spin, view
+from episodes import released
 from settings_of import merged, tree
 
 from ovman.agents.dualmap.mapped import Sort, read, write
@@ -101,7 +102,7 @@ def test_an_empty_map_is_no_kept_run(tmp_path):
 
 def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
     class One:
-        candidate = "FloorPlan1/moved/0001"
+        episode = released("FloorPlan429/removed/0000")
         recorded = Visit(scene="FloorPlan1", visit="a", alterations=(), placed={}, present={}, mover=None, views=())
 
     def known(changes, code=("a",), nouns=("sofa",)):

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cache
 from itertools import product
 
-from ovman.report.paper_comparison.metrics import Metrics
+import pandas as pd
+
+from ovman.report.paper_comparison.comparison import RELATIONS
+from ovman.report.paper_comparison.metrics import ALL, Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Figure, Paper
-from ovman.report.paper_comparison.sources import ALL, RELATIONS
+from tests.arms import CONFIG
 
 Files = dict[str, list[dict[str, str]]]
 SEEDS = ("0", "1", "2")
@@ -18,6 +22,9 @@ STATIC = (
     *DUALMAP,
 )
 EMBODIED = ("cow", "single_visit_embodied", "two_visits_embodied", "two_visits_oracle_positions", "oracle_check")
+ARMS_BY_ROW = arms_by_row(CONFIG.comparisons, CONFIG.paper)
+ROW_OF = {arm: row for row, arm in ARMS_BY_ROW.items() if row != "agent"}
+"""The row of the paper by arm: "static.two"."""
 VERDICTS = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance")
 
 
@@ -29,11 +36,26 @@ def number(figure: Figure) -> float:
 
 
 def metrics_of(files: Mapping[str, list[dict[str, str]]]) -> Metrics:
-    return Metrics(files)
+    """Metrics of rows by the names of the files; a cell that a row lacks is empty."""
+    return Metrics({name.removesuffix(".csv"): _frame(rows) for name, rows in files.items()}, ARMS_BY_ROW)
 
 
-def papers_files(paper: Paper) -> Files:
+def _frame(rows: list[dict[str, str]]) -> pd.DataFrame:
+    """The frame of a list of rows, made once a list."""
+    if id(rows) not in _FRAMES:
+        columns = list(dict.fromkeys(column for row in rows for column in row))
+        body = [[row.get(column, "") for column in columns] for row in rows]
+        _FRAMES[id(rows)] = rows, pd.DataFrame(body, columns=columns, dtype=object)
+    return _FRAMES[id(rows)][1]
+
+
+_FRAMES: dict[int, tuple[list[dict[str, str]], pd.DataFrame]] = {}
+
+
+@cache
+def papers_files() -> Files:
     """Rows by the name of the file. What the paper does not print is filled in so that it contradicts nothing printed."""
+    paper = Paper.read()
 
     def get(key: str, otherwise: float | None = None) -> float:
         if key in paper:
@@ -43,8 +65,8 @@ def papers_files(paper: Paper) -> Files:
 
     n = {relation: get(f"taxonomy.episodes.{relation}") for relation in EVERY}
 
-    def rate(table: str, arm: str, relation: str) -> dict[str, str]:
-        value = get(f"{table}.{arm}.{relation}")
+    def rate(arm: str, relation: str) -> dict[str, str]:
+        value = get(f"{ROW_OF[arm]}.{relation}")
         return _row(
             arm=arm,
             relation=relation,
@@ -53,7 +75,7 @@ def papers_files(paper: Paper) -> Files:
             rate=value,
             low=max(0, value - 0.05),
             high=min(1, value + 0.05),
-            spl="" if arm == "cow" else get(f"{table}.{arm}.spl", 0.9),
+            spl="" if arm == "cow" else get(f"{ROW_OF[arm]}.spl", 0.9),
         )
 
     def compared(arm: str, baseline: str, seed: str, relation: str, kind: str) -> dict[str, str]:
@@ -90,7 +112,7 @@ def papers_files(paper: Paper) -> Files:
 
     def paired(arm: str, baseline: str, run: str, against: str, relation: str) -> dict[str, str]:
         """The worst pairing is the first; the others make up for it so that the mean is the difference of the means."""
-        mean = get(f"static.{arm}.{relation}") - get(f"static.{baseline}.{relation}")
+        mean = get(f"{ROW_OF[arm]}.{relation}") - get(f"{ROW_OF[baseline]}.{relation}")
         handed = (arm, baseline) == ("grounding_dualmap_two_visits", "grounding_dualmap_maintained")
         worst = get(f"dualmap_worst_pairing{'' if relation == ALL else '_former'}") if handed else mean
         first, pairings = (run, against) == ("0", "0"), 9 if handed else 3
@@ -122,18 +144,25 @@ def papers_files(paper: Paper) -> Files:
     rungs = {
         "own": {},
         "grounding handed over": {
+            "arm": "grounding_two_visits",
             "gain": get("rung_grounding"),
             "gained": get("handover_wins"),
             "lost": get("handover_losses"),
             "p": get("handover_p"),
         },
-        "positions handed over": {"gain": get("rung_mapping"), "gained": 115, "lost": 2, "p": 1e-20},
+        "positions handed over": {
+            "arm": "positions_two_visits",
+            "gain": get("rung_mapping"),
+            "gained": 115,
+            "lost": 2,
+            "p": 1e-20,
+        },
         "answer given": {"gain": get("rung_selection"), "gained": 1, "lost": 0, "p": 1},
     }
     groups = (("2", "two"), ("3", "three"), ("4+", "more"))
     return {
-        "static_rates.csv": [rate("static", arm, relation) for arm in STATIC for relation in EVERY],
-        "embodied_rates.csv": [rate("embodied", arm, relation) for arm in EMBODIED for relation in EVERY],
+        "static_rates.csv": [rate(arm, relation) for arm in STATIC for relation in EVERY],
+        "embodied_rates.csv": [rate(arm, relation) for arm in EMBODIED for relation in EVERY],
         "significance.csv": [
             *(compared("two_visits", "single_visit", "0", relation, "static") for relation in EVERY),
             *(
@@ -159,7 +188,7 @@ def papers_files(paper: Paper) -> Files:
         ],
         "navigation.csv": [
             navigated(arm, prefix, index)
-            for arm, prefix in (("single_visit_embodied", "single_visit"), ("two_visits_embodied", "two_visits"))
+            for arm, prefix in (("single_visit_embodied", "one"), ("two_visits_embodied", "two"))
             for index in range(3)
         ],
         "taxonomy.csv": [

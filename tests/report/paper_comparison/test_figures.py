@@ -7,13 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.report.paper_comparison.metrics import Metrics, Missing
+from ovman.report.paper_comparison.metrics import Metrics, Missing, Reading, Take
 from ovman.report.paper_comparison.paper import Figure, Paper
 from ovman.report.paper_comparison.statement import Form
 from ovman.report.paper_comparison.writing import p_value, papers, written
+from tests.report.paper_comparison.papers import metrics_of
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
-RATES = Metrics({"rates.csv": [{"arm": "a", "relation": "all", "rate": "0.5"}, {"arm": "b", "relation": "all", "rate": ""}]})
+RATES = metrics_of({"rates": [{"arm": "a", "relation": "all", "rate": "0.5"}, {"arm": "b", "relation": "all", "rate": ""}]})
 
 
 def read_back(text: str) -> float:
@@ -45,40 +46,90 @@ def test_figures_of_the_paper_are_written_like_ours():
 
 
 def test_a_cell_knows_where_it_is_from():
-    cell = RATES.cell("rates.csv", "rate", arm="a", relation="all")
+    cell = RATES.read(Reading(file="rates", where={"arm": "a"}))
     assert (cell.value, cell.source) == (0.5, "rates.csv (a, all): rate")
 
 
 @pytest.mark.parametrize(
     ("file", "where", "said"),
     [
-        ("none.csv", {"arm": "a"}, "there is no none.csv"),
-        ("rates.csv", {"arm": "c"}, "rates.csv has no row of c"),
-        ("rates.csv", {"arm": "b"}, "rates.csv (b): rate is empty"),
+        ("none", {"arm": "a"}, "there is no none.csv"),
+        ("rates", {"arm": "c"}, "rates.csv has no row of c, all"),
+        ("rates", {"arm": "b"}, "rates.csv (b, all): rate is empty"),
+        ("rates", {"arm": "static.nowhere"}, "section paper of config.yaml names no arm for static.nowhere"),
     ],
 )
 def test_what_is_missing_is_one_line(file, where, said):
     with pytest.raises(Missing, match=re.escape(said)):
-        RATES.cell(file, "rate", **where)
+        RATES.read(Reading(file=file, where=where))
+    assert RATES.find(Reading(file=file, where=where)) is None
 
 
 @pytest.mark.parametrize("text", ["nan", "inf", "-inf", "many"])
 def test_what_is_no_finite_number_is_refused(text):
     with pytest.raises(ValueError, match=f"rates.csv .a.: rate is '{text}'"):
-        Metrics({"rates.csv": [{"arm": "a", "rate": text}]}).cell("rates.csv", "rate", arm="a")
+        metrics_of({"rates": [{"arm": "a", "rate": text}]}).read(Reading(file="rates", where={"arm": "a"}))
 
 
-def test_a_column_that_is_not_there_and_a_row_that_is_there_twice_are_refused():
+def test_an_absent_column_and_a_row_that_occurs_twice_are_refused():
     with pytest.raises(ValueError, match="rates.csv: no column successes, there are arm, relation, rate"):
-        RATES.cell("rates.csv", "successes", arm="a")
+        RATES.read(Reading(file="rates", where={"arm": "a"}, column="successes"))
     with pytest.raises(ValueError, match="rates.csv: 2 rows of all, there must be one"):
-        RATES.cell("rates.csv", "rate", relation="all")
+        RATES.read(Reading(file="rates"))
 
 
 def test_a_file_without_a_header_is_refused(tmp_path):
     (tmp_path / "rates.csv").write_text("")
     with pytest.raises(ValueError, match=r"rates.csv: no header; make it again"):
-        Metrics.read([tmp_path / "rates.csv"])
+        Metrics.load([tmp_path / "rates.csv"], {})
+
+
+SEEDS = metrics_of(
+    {
+        "seeds": [
+            {"arm": "a", "seed": seed, "won": won, "n": "4", "scene": scene}
+            for seed, won, scene in (("10", "1", "s"), ("2", "3", "s"), ("0", "2", "t"), ("0", "4", "u"))
+        ]
+    }
+)
+
+
+@pytest.mark.parametrize(
+    ("how", "value", "source"),
+    [
+        ({"take": "mean"}, 2.5, "a, mean of 4): won"),
+        ({"take": "min"}, 1.0, "a, lowest of 4, seed 10): won"),
+        ({"take": "max", "column": "won / n"}, 1.0, "a, highest of 4, seed 0): won / n"),
+        ({"nth_seed": 1}, 3.0, "a, seed 2): won"),
+        ({"nth_seed": 2}, 1.0, "a, seed 10): won"),
+        ({"take": "min", "query": "won > 2"}, 3.0, "a, 2 of 4 rows with won > 2, lowest of 2, seed 2): won"),
+        ({"take": "min", "query": "won > 9", "default": 7.0}, 7.0, "a, 0 of 4 rows with won > 9): won"),
+        ({"take": "distinct", "column": "scene, n"}, 3.0, "a, distinct): scene, n"),
+        ({"take": "fewest"}, 2.0, "a, s, mean over runs): won"),
+        ({"take": "second"}, 2.0, "a, t, mean over runs): won"),
+        ({"take": "most"}, 4.0, "a, u, mean over runs): won"),
+    ],
+)
+def test_what_is_made_of_several_rows(how, value, source):
+    cell = SEEDS.read(Reading(file="seeds", where={"arm": "a"}, **{"column": "won", **how}))
+    assert (cell.value, cell.source) == (value, f"seeds.csv ({source}")
+
+
+def test_a_difference_names_both_of_its_numbers():
+    one = Reading(file="seeds", where={"arm": "a"}, column="won", take=Take.MIN)
+    cell = SEEDS.read(Reading(file="seeds", where={"arm": "a"}, column="won", take=Take.MAX, minus=one))
+    assert cell.value == 3.0 and cell.source.count("seeds.csv (a, ") == 2 and " − " in cell.source
+
+
+def test_too_few_rows_or_seeds_or_scenes_are_missing():
+    few = metrics_of({"seeds": [{"arm": "a", "seed": "0", "won": "1", "scene": "s"}]})
+    for how, said in (
+        ({"take": "min", "least_rows": 2}, "seeds.csv has one row of a, which cannot differ from others"),
+        ({"nth_seed": 1}, "seeds.csv has 1 of the 2 seeds of a that are needed"),
+        ({"take": "most"}, "seeds.csv has 1 scenes, which is too few to tell one from the others"),
+    ):
+        with pytest.raises(Missing, match=re.escape(said)):
+            few.read(Reading(file="seeds", where={"arm": "a"}, column="won", **how))
 
 
 FIGURES = {

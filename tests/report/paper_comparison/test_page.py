@@ -7,21 +7,20 @@ from types import SimpleNamespace
 import pytest
 
 from ovman.report.paper_comparison import charts, page
+from ovman.report.paper_comparison import statement as statements
 from ovman.report.paper_comparison.explanations import Explanation, beside, read
 from ovman.report.paper_comparison.metrics import Metrics
-from ovman.report.paper_comparison.page import TEMPLATE, rendered
-from ovman.report.paper_comparison.paper import PAPER as PAPER_FILE
+from ovman.report.paper_comparison.page import Sources, rendered
 from ovman.report.paper_comparison.paper import Paper
-from ovman.report.paper_comparison.statement import Verdict, judged
-from ovman.report.paper_comparison.statements import STATEMENTS
-from ovman.workflow.config import load
-from ovman.workflow.parameter import StageSettings, canonical
-from tests.report.findings.papers import Files, metrics_of, papers_files
+from ovman.report.paper_comparison.statement import Verdict, every, judged
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.report.paper_comparison.papers import ARMS_BY_ROW, Files, metrics_of, papers_files
 
 ROOT = Path(__file__).parents[3]
 DOCS, RELEASED = ROOT / "docs", ROOT / "data" / "ovman-embedded-v1"
 PAPER = Paper.read()
-TEXT = TEMPLATE.read_text(encoding="utf-8")
+STATEMENTS = every(statements.read())
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -33,11 +32,14 @@ def constants(backend: str = "embedded", weights: str = "models/one.safetensors"
             encoder=SimpleNamespace(model="models/encoder.json", weights=weights),
         ),
         evaluation=SimpleNamespace(confidence=0.95),
+        arms=CONFIG.arms,
+        comparisons=CONFIG.comparisons,
+        paper=CONFIG.paper,
     )
 
 
 def of(files: Files, explanations: dict[str, Explanation] | None = None, **kwargs: str) -> str:
-    return rendered(metrics_of(files), PAPER, explanations or {}, TEXT, constants(**kwargs))
+    return rendered(metrics_of(files), Sources(), constants(**kwargs), explanations or {})
 
 
 def tables(text: str) -> list[list[str]]:
@@ -56,13 +58,13 @@ def in_scene(files: Files, rate: str) -> Files:
 
 @pytest.fixture(scope="module")
 def whole() -> str:
-    return of(papers_files(PAPER))
+    return of(papers_files())
 
 
 def test_a_page_of_the_papers_own_figures(whole):
     total = len(STATEMENTS)
     assert f"**Of {total} statements of the paper {total} hold here, 0 do not, 0 cannot be told**" in " ".join(whole.split())
-    assert re.search(r"^\| two visits, own perception, static +\| \*\*0.416\*\* \| 0.416 \|$", whole, re.MULTILINE)
+    assert re.search(r"^\| two visits, own perception, static +\| +\*\*0.416\*\* \| +0.416 \|$", whole, re.MULTILINE)
     assert whole.count("✓\u00a0holds") == total and "✗" not in whole and "?\u00a0" not in whole
     assert "[!WARNING]" not in whole and whole.endswith("\n") and not whole.endswith("\n\n")
     assert not re.search(r"\bnan\b|\binf\b|\bNone\b|Undefined|\{\{|\{%", whole)
@@ -89,14 +91,14 @@ def test_ours_and_the_papers_stand_below_each_other(whole):
 
 
 def test_the_same_metrics_give_the_same_page_and_others_another(whole):
-    assert of(papers_files(PAPER)) == whole
-    assert of(in_scene(papers_files(PAPER), "0.123")) != whole
+    assert of(papers_files()) == whole
+    assert of(in_scene(papers_files(), "0.123")) != whole
 
 
 def test_what_fails_is_named_at_the_top_and_marked_below():
-    text = of(in_scene(papers_files(PAPER), "0.2"))
+    text = of(in_scene(papers_files(), "0.2"))
     top, below = text.split("## How to read it")
-    failing = [s for s in STATEMENTS if judged(s, metrics_of(in_scene(papers_files(PAPER), "0.2"))).verdict is Verdict.FAILS]
+    failing = [s for s in STATEMENTS if judged(s, metrics_of(in_scene(papers_files(), "0.2"))).verdict is Verdict.FAILS]
     assert failing and all(statement.claim in top for statement in failing)
     assert (
         below.count("✗\u00a0does\u00a0not\u00a0hold")
@@ -105,10 +107,10 @@ def test_what_fails_is_named_at_the_top_and_marked_below():
     )
 
 
-@pytest.mark.parametrize("name", sorted(papers_files(PAPER)))
+@pytest.mark.parametrize("name", sorted(papers_files()))
 def test_without_a_file_the_page_says_so_once_a_statement(name):
-    text = of(without(papers_files(PAPER), name))
-    metrics = metrics_of(without(papers_files(PAPER), name))
+    text = of(without(papers_files(), name))
+    metrics = metrics_of(without(papers_files(), name))
     untold = [statement for statement in STATEMENTS if judged(statement, metrics).verdict is Verdict.UNKNOWN]
     assert untold and text.count(f"cannot be told: there is no {name}") == len(untold)
     assert not re.search(r"\bnan\b|None", text)
@@ -121,13 +123,13 @@ def test_no_metrics_at_all_is_a_page_too():
 
 
 def test_files_without_rows_are_a_page_too():
-    empty = of({name: [] for name in (*papers_files(PAPER), "perception.csv")})
+    empty = of({name: [] for name in (*papers_files(), "perception.csv")})
     assert empty.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
     assert "Nothing can be told: perception.csv has no rows." in empty
 
 
 def test_a_small_run_is_called_one():
-    files = papers_files(PAPER)
+    files = papers_files()
     text = of(files | {"static_rates.csv": [row | {"n": "14"} for row in files["static_rates.csv"]]})
     assert "These metrics are over 14 episodes, not over the 219 of the release" in text
 
@@ -143,13 +145,13 @@ def explained(verdict: Verdict) -> dict[str, Explanation]:
 
 
 def test_an_explanation_is_shown_beside_the_verdict_that_it_belongs_to():
-    failing = in_scene(papers_files(PAPER), "0.2")
+    failing = in_scene(papers_files(), "0.2")
     text = of(failing, explained(Verdict.FAILS))
     assert "**1.** The chair is hidden. (Looked at: `FloorPlan1/moved/0000`.) *Written by hand.*" in text
 
 
 def test_an_explanation_of_another_verdict_is_flagged_and_left_out(whole):
-    text = of(papers_files(PAPER), explained(Verdict.FAILS))
+    text = of(papers_files(), explained(Verdict.FAILS))
     assert "The chair is" not in text
     assert "**1.** ⚠ The explanation at hand was written when the verdict was “does not hold”. Now it is “holds”" in text
     assert "⚠" not in whole
@@ -159,7 +161,7 @@ def test_every_pair_of_verdicts_is_either_shown_or_flagged():
     statement = STATEMENTS[0]
     judgements = {
         judgement.verdict: judgement
-        for files in (papers_files(PAPER), in_scene(papers_files(PAPER), "0.2"), {})
+        for files in (papers_files(), in_scene(papers_files(), "0.2"), {})
         for judgement in [judged(statement, metrics_of(files))]
     }
     assert set(judgements) == set(Verdict)
@@ -183,26 +185,26 @@ def test_a_wrong_explanation_is_one_line(tmp_path, text, named):
     path = tmp_path / "explanations.yaml"
     path.write_text(text)
     with pytest.raises(ValueError, match=re.escape(named)) as caught:
-        read(path)
+        read(STATEMENTS, path)
     assert "\n" not in str(caught.value) and str(path) in str(caught.value)
 
 
 def test_the_explanations_at_hand_are_valid():
-    assert all(explanation.text for explanation in read().values())
+    assert all(explanation.text for explanation in read(STATEMENTS).values())
 
 
 def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
     files = []
-    for name, rows in papers_files(PAPER).items():
+    for name, rows in papers_files().items():
         columns = list(dict.fromkeys(column for row in rows for column in row))
         lines = [",".join(columns), *(",".join(row.get(column, "") for column in columns) for row in rows)]
         (tmp_path / name).write_text("\n".join(lines) + "\n")
         files.append(tmp_path / name)
     for turn in ("one", "other"):
         (tmp_path / turn).mkdir()
-        explanations = Path(page.__file__).with_name("explanations.yaml")
-        outputs = [tmp_path / turn / name for name in ("results.md", "budget.png", "memory.png")]
-        page.run(files, PAPER_FILE, explanations, TEMPLATE, constants(), *outputs)
+        outputs = (tmp_path / turn / name for name in ("results.md", "budget.png", "memory.png"))
+        names = ("page", "budget_chart", "memory_chart")
+        page.run(files, Sources(), constants(), **dict(zip(names, outputs, strict=True)))
     for name in ("results.md", "budget.png", "memory.png"):
         assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes()
     assert all((tmp_path / "one" / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
@@ -212,13 +214,13 @@ def test_the_stage_writes_the_page_and_two_pictures_twice_the_same(tmp_path):
 
 @pytest.mark.skipif(not (DOCS / "results.md").exists(), reason="no page has been released")
 def test_the_page_in_docs_is_that_of_the_released_metrics():
-    released = Metrics.read(sorted((RELEASED / "metrics").glob("*.csv")))
-    owned = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "findings"))
-    assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, PAPER, read(), TEXT, owned)
+    released = Metrics.load(sorted((RELEASED / "metrics").glob("*.csv")), ARMS_BY_ROW)
+    owned = stage_settings(CONFIG, "paper_comparison")
+    assert (DOCS / "results.md").read_text(encoding="utf-8") == rendered(released, Sources(), owned)
     assert all((DOCS / page.FIGURES / name).read_bytes().startswith(PNG) for name in ("budget.png", "memory.png"))
 
 
 def test_charts_of_nothing_are_drawn_all_the_same(tmp_path):
     for draw in (charts.budget, charts.memory):
-        draw(Metrics({}), PAPER, tmp_path / "chart.png")
+        draw(metrics_of({}), PAPER, tmp_path / "chart.png")
         assert (tmp_path / "chart.png").read_bytes().startswith(PNG)

@@ -33,7 +33,6 @@ rule released_dualmap:
     input:
         note="results/notes/released_dualmap.json",
         scene="results/scenes/{scene}.json",
-        visits="results/visits/{scene}.json",
         episodes="results/episodes/main.jsonl",
     output:
         maps="results/released_dualmap/maps/{scene}.npz",

@@ -19,7 +19,7 @@ with job(snakemake) as work:
         episodes = [episode for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
         dualmap.run(
             work.scene,
-            walks.assigned(episodes, Path("results", "visits", work.scene)),
+            walks.assigned(episodes, Path("results/visits", work.scene)),
             maps.pairs_of(episodes),
             json.loads(work.input("scene").read_text())["floor_y"],
             sorted(set(all_nouns())),

@@ -1,0 +1,248 @@
+"""The statistics, the rates and the failure taxonomy on their thresholds, against values worked out by hand."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from ovman.analysis.navigation import Navigation
+from ovman.analysis.rates import (
+    Interval,
+    by_arm,
+    by_relation,
+    by_seed,
+    embodied_rate,
+    embodied_rates,
+    expected_range,
+    poisson_binomial_range,
+    static_rate,
+    static_rates,
+)
+from ovman.analysis.significance import Method, family
+from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
+from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
+from ovman.models.settings import Pair
+from tests.analysis.fabricated import ROUND, embodied, static
+
+R, NEAR = 1.0, 2.0
+NEXT = np.nextafter
+
+
+# --- statistics -----------------------------------------------------------------------------------
+
+
+def test_wilsons_interval_of_eight_in_ten():
+    assert wilson_interval(8, 10) == pytest.approx((0.490162, 0.943318), abs=1e-6)
+    assert wilson_interval(8, 10, 0.5) == pytest.approx((0.702491, 0.871401), abs=1e-6)
+    assert wilson_interval(0, 1)[0] == 0.0 and wilson_interval(1, 1)[1] == 1.0
+    assert 0.0 < wilson_interval(1, 1)[0] < wilson_interval(0, 1)[1] < 1.0
+
+
+@pytest.mark.parametrize("successes, trials", [(0, 0), (0, -1), (-0.5, 10), (10.5, 10), (2, 1)])
+def test_a_rate_has_a_trial_and_no_more_successes_than_trials(successes, trials):
+    with pytest.raises(ValueError, match="are no rate"):
+        wilson_interval(successes, trials)
+
+
+@pytest.mark.parametrize("confidence", [0.0, 1.0, -0.1, 1.1])
+def test_a_confidence_lies_between_zero_and_one(confidence):
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        wilson_interval(1, 2, confidence)
+
+
+def test_mcnemars_test_by_hand():
+    """Twice the smaller tail of so many fair coins, at most 1."""
+    assert mcnemar_exact(0, 0) == mcnemar_exact(1, 0) == mcnemar_exact(0, 1) == mcnemar_exact(3, 3) == 1.0
+    assert mcnemar_exact(6, 0) == mcnemar_exact(0, 6) == pytest.approx(2 / 64)
+    assert mcnemar_exact(7, 2) == pytest.approx(2 * (1 + 9 + 36) / 512)
+    for wins, losses in ((-1, 0), (0, -1)):
+        with pytest.raises(ValueError, match="a count is at least 0"):
+            mcnemar_exact(wins, losses)
+
+
+def test_the_poisson_binomial_by_hand():
+    assert poisson_binomial([]).tolist() == [1.0]
+    assert poisson_binomial([0.0, 1.0]).tolist() == [0.0, 1.0, 0.0]
+    assert poisson_binomial([0.25, 0.5]).tolist() == [0.375, 0.5, 0.125]
+    assert [poisson_binomial_tail([0.25, 0.5], k) for k in (-1, 0, 1, 2, 3)] == [1.0, 1.0, 0.625, 0.125, 0.0]
+    for wrong in (NEXT(0.0, -1.0), NEXT(1.0, 2.0), math.nan):
+        with pytest.raises(ValueError, match="is no probability"):
+            poisson_binomial([0.5, float(wrong)])
+
+
+def test_holms_correction_by_hand():
+    assert holm([]) == ()
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx((0.03, 0.06, 0.06, 0.02))
+    assert holm([1.0, 0.0, 0.6]) == (1.0, 0.0, 1.0)
+    for wrong in (NEXT(0.0, -1.0), NEXT(1.0, 2.0)):
+        with pytest.raises(ValueError, match="is no p-value"):
+            holm([0.5, float(wrong)])
+
+
+# --- rates ----------------------------------------------------------------------------------------
+
+
+def central_range(probabilities: list[Fraction], confidence: Fraction) -> tuple[float, float]:
+    """What the docstring says, in fractions: below low and above high lies at most (1 - confidence) / 2, and as much as may."""
+    n = len(probabilities)
+    exact = [Fraction(1)]
+    for p in probabilities:
+        exact = [a * (1 - p) + b * p for a, b in zip([*exact, 0], [0, *exact], strict=True)]
+    outside = (1 - confidence) / 2
+    low = max(k for k in range(n + 1) if sum(exact[:k]) <= outside)
+    high = min(k for k in range(n + 1) if sum(exact[k + 1 :]) <= outside)
+    return low / n, high / n
+
+
+@pytest.mark.parametrize(
+    "probabilities, confidence",
+    [
+        ([0.5, 0.5], 0.5),  # a quarter lies on each side: exactly what may
+        ([0.5, 0.5], 0.25),
+        ([0.5], 0.95),
+        ([0.25, 0.5, 0.75], 0.75),
+        ([0.5] * 4, 0.875),
+        ([0.5] * 4, 0.375),
+        ([0.5] * 4, 0.25),
+        ([1.0, 1.0, 0.0], 0.5),
+        ([0.0], 0.5),
+        ([1.0], 0.5),
+    ],
+)
+def test_the_central_range_leaves_at_most_half_of_the_rest_on_each_side(probabilities, confidence):
+    expected = central_range([Fraction(p) for p in probabilities], Fraction(confidence))
+    assert poisson_binomial_range(probabilities, confidence) == expected
+    assert expected_range([probabilities, probabilities], confidence) == expected
+
+
+def test_one_of_several_runs_is_drawn_at_random():
+    """A run that always fails and one that always succeeds: half of the passes lie at either end."""
+    assert expected_range([[0.0, 0.0], [1.0, 1.0]], 0.5) == (0.0, 1.0)
+    assert expected_range([[0.0, 0.0]] * 3 + [[1.0, 1.0]], 0.25) == (0.0, 0.0)
+    assert expected_range([[0.0, 0.0]] * 3 + [[1.0, 1.0]], 0.5) == (0.0, 0.0)
+    assert expected_range([[0.0, 0.0]] * 3 + [[1.0, 1.0]], 0.75) == (0.0, 1.0)
+
+
+def test_seeds_add_no_episodes():
+    runs = [
+        embodied("arm", k, success, seed, spl=0.5) for seed, hits in ((7, 3), (3, 1)) for k in range(4) for success in [k < hits]
+    ]
+    made = embodied_rate("arm", "all", runs, 0.9)
+    assert (made.n, made.seeds, made.trials, made.successes, made.rate) == (4, 2, 8, 4.0, 0.5)
+    assert (made.least, made.greatest, made.spl) == (0.25, 0.75, 0.25)
+    assert (made.low, made.high) == wilson_interval(2, 4, 0.9)
+    assert (made.interval, made.confidence) == (Interval.WILSON, 0.9)
+    single = embodied_rate("arm", "all", runs[:4], 0.9)
+    assert (single.seeds, single.least, single.greatest) == (1, None, None)
+    assert list(by_seed(runs)) == [3, 7]
+
+
+def test_the_rate_of_a_stochastic_pick_has_the_range_of_one_pass():
+    picks = [static("pick", k, p, "expected") for k, p in enumerate((0.5, 0.5))]
+    made = static_rate("pick", "all", picks, 0.5)
+    assert (made.low, made.high, made.successes, made.rate) == (0.5, 0.5, 1.0, 0.5)
+    assert (made.interval, made.spl, made.least) == (Interval.POISSON_BINOMIAL, None, None)
+    several = [static("pick", k, p, "expected", seed=seed) for seed in (0, 1) for k, p in enumerate((seed, seed))]
+    assert static_rate("pick", "all", several, 0.5).low == 0.0
+    assert static_rate("pick", "all", several, 0.5).high == 1.0
+
+
+def test_rates_come_by_arm_then_by_relation_of_the_task_then_all():
+    numbers = [5, 2, 0, 6, 1]
+    outcomes = [static(arm, k, k % 2) for arm in ("b", "a") for k in numbers]
+    runs = [embodied(arm, k, k % 2 == 0) for arm in ("b", "a") for k in numbers]
+    relations = [relation.value for k, relation in enumerate(ROUND) if k in (0, 1, 2, 5)] + ["all"]
+    for rows in (static_rates(outcomes, 0.95), embodied_rates(runs, 0.95)):
+        assert [(row.arm, row.relation) for row in rows] == [(arm, relation) for arm in "ba" for relation in relations]
+        assert [row.n for row in rows[:5]] == [2, 1, 1, 1, 5]
+        assert {row.confidence for row in rows} == {0.95}
+    assert list(by_arm(outcomes)) == ["b", "a"] and [len(group) for _, group in by_relation(outcomes[:5])] == [2, 1, 1, 1, 5]
+
+
+# --- taxonomy -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "distance_m, other_m, expected",
+    [
+        (1.5, R, Verdict.WRONG_INSTANCE),
+        (1.5, NEXT(R, 2.0), Verdict.NEAR_MISS),
+        (9.0, 0.0, Verdict.WRONG_INSTANCE),
+        (NEAR, None, Verdict.NEAR_MISS),
+        (NEXT(NEAR, 3.0), None, Verdict.ELSEWHERE),
+        (NEAR, 5.0, Verdict.NEAR_MISS),
+    ],
+)
+def test_the_distances_of_the_taxonomy_are_inclusive(distance_m, other_m, expected):
+    assert verdict(static("arm", 0, 0, distance_m=float(distance_m), other_m=other_m), R, NEAR) is expected
+
+
+def test_a_success_and_an_abstention_are_judged_first():
+    assert verdict(static("arm", 0, 1, distance_m=0.5, other_m=0.1), R, NEAR) is Verdict.SUCCESS
+    assert verdict(static("arm", 0, 0, "abstained", other_m=None), R, NEAR) is Verdict.ABSTAIN
+    with pytest.raises(ValueError, match="a probability, no verdict"):
+        verdict(static("arm", 0, 0.5, "expected"), R, NEAR)
+
+
+def lost(executes: str, relation: str, count: int | None, seed: int) -> Navigation:
+    return Navigation("driven", seed, relation, 3, 1, 1 / 3, 0.3, 0.9, executes, 2.0, count, 0, 1.0)
+
+
+def test_what_navigation_lost_follows_the_verdicts_of_the_arm_that_was_executed():
+    outcomes = [static("two_visits", k, k % 2, other_m=None) for k in (0, 1, 6)]
+    outcomes += [static("pick", k, 0.5, "expected") for k in (0, 1, 6)]
+    runs = [lost("two_visits", "all", 1, 17), lost("two_visits", "all", 0, 18), lost("other", "all", 1, 17)]
+    rows = taxonomy(outcomes, [*runs, lost("two_visits", "moved", None, 17)], R, NEAR)
+    first, second = ROUND[0].value, ROUND[1].value
+    assert [(r.verdict, r.relation, r.episodes, r.n) for r in rows if r.verdict == "success"] == [
+        ("success", first, 0, 2),
+        ("success", second, 1, 1),
+        ("success", "all", 1, 3),
+    ]
+    assert {(r.seed, r.embodied) for r in rows if r.verdict != LOST} == {(None, None)}
+    assert [r for r in rows if r.verdict == LOST] == [
+        TaxonomyCount("two_visits", LOST, "all", 1, 3, "driven", 17),
+        TaxonomyCount("two_visits", LOST, "all", 0, 3, "driven", 18),
+    ]
+    assert [r.verdict for r in rows if r.relation == "all"] == [*(which.value for which in Verdict), LOST, LOST]
+
+
+def test_an_arm_with_several_runs_is_counted_run_by_run():
+    outcomes = [static("arm", 0, k == 2, seed=k, other_m=None) for k in (2, 1)]
+    rows = [r for r in taxonomy(outcomes, [], R, NEAR) if r.relation == "all" and r.verdict == "success"]
+    assert [(r.seed, r.episodes, r.n) for r in rows] == [(1, 0, 1), (2, 1, 1)]
+
+
+# --- significance ---------------------------------------------------------------------------------
+
+PAIR = Pair(name="ours against theirs", arm="ours", baseline="theirs")
+
+
+def test_a_pair_is_compared_by_relation_and_over_all():
+    """Seven episodes of one relation, one of another: six wins and a loss; a loss."""
+    hits = {0: (1, 0), 6: (1, 0), 12: (1, 0), 18: (1, 0), 24: (1, 0), 30: (1, 0), 36: (0, 1), 1: (0, 1)}
+    ours = [static("ours", k, a) for k, (a, _) in hits.items()]
+    theirs = [static("theirs", k, b) for k, (_, b) in reversed(hits.items())]
+    one, two, both = family(PAIR, 17, ours, theirs)
+    assert (one.n, one.successes, one.baseline_successes, one.wins, one.losses) == (7, 6, 1.0, 6.0, 1.0)
+    assert (two.n, two.successes, two.baseline_successes, two.wins, two.losses) == (1, 0, 1.0, 0.0, 1.0)
+    assert (both.n, both.successes, both.wins, both.losses, both.seed) == (8, 6, 6.0, 2.0, 17)
+    assert [row.p for row in (one, two, both)] == pytest.approx([2 * 8 / 128, 1.0, 2 * (1 + 8 + 28) / 256])
+    assert (one.p_holm, two.p_holm, both.p_holm) == (pytest.approx(0.25), 1.0, None)
+    assert {row.test for row in (one, two, both)} == {Method.MCNEMAR}
+    assert (one.title, one.arm, one.baseline, one.relation) == (PAIR.name, "ours", "theirs", ROUND[0].value)
+
+
+def test_an_arm_is_tested_against_what_a_stochastic_pick_would_reach():
+    ours = [static("ours", k, 1) for k in (0, 6)]
+    theirs = [static("theirs", k, p, "expected") for k, p in ((0, 0.25), (6, 0.5))]
+    (row, whole) = family(PAIR, 0, ours, theirs)
+    assert (row.test, row.p, row.wins, row.losses) == (Method.POISSON_BINOMIAL, 0.125, 1.25, 0.0)
+    assert (whole.p, whole.baseline_successes) == (0.125, 0.75)
+    with pytest.raises(ValueError, match="is a stochastic pick"):
+        family(PAIR, 0, theirs, ours)
+    with pytest.raises(ValueError, match="not over the same episodes"):
+        family(PAIR, 0, ours, theirs[:1])

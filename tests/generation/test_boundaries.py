@@ -1,0 +1,376 @@
+"""Verdicts and the release on their thresholds. Released trials are changed in one measurement at a time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.generation.audit import audit
+from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
+from ovman.generation.verdict import reasons, verdict
+from ovman.models.certification import Certification, OracleRun
+from ovman.models.record import lines
+from ovman.models.rejection import Rejection, RejectionStage
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
+from ovman.models.sighting import Sighting
+from ovman.models.trial import Bound, Trial
+from ovman.models.world_state import Instance, WorldState
+from tests.arms import CONFIG, ROOT
+
+DATA = ROOT / "data" / "ovman-embedded-v1"
+SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan429")
+ADMISSIBILITY, CANDIDATES, SUCCESS = CONFIG.admissibility, CONFIG.candidates, CONFIG.success
+BELOW, ABOVE = 0.9999, 1.0001
+TRIALS = {trial.candidate.id: trial for scene in SCENES for trial in Trial.read(DATA / "trials" / f"{scene}.jsonl")}
+RUNS = {record.id: record.runs for scene in SCENES for record in Certification.read(DATA / "certified" / f"{scene}.jsonl")}
+RELATIONS = list(Relation)
+DISPLACING = [Relation.MOVED, Relation.FORMER, Relation.STABLE]
+CURRENT = [relation for relation in Relation if relation.current]
+
+
+def admitted(relation: Relation) -> Trial:
+    """An admissible trial of a relation."""
+    return next(t for k, t in TRIALS.items() if k in RUNS and t.candidate.relation is relation)
+
+
+def measured(trial: Trial, **fields: Any) -> Trial:
+    """The trial with other measurements."""
+    return trial.model_copy(update={"measured": trial.measured.model_copy(update=fields)})
+
+
+def judged(trial: Trial, **fields: Any) -> list[Rejection]:
+    return list(reasons(measured(trial, **fields), CONFIG))
+
+
+# --- geometry -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("relation", DISPLACING)
+def test_a_displacement_of_the_minimum_is_enough(relation: Relation) -> None:
+    trial = admitted(relation)
+    (changed,) = [a.instance for a in trial.candidate.second]
+    assert judged(trial, displacement_m={changed: CANDIDATES.delta_min_m}) == []
+    less = judged(trial, displacement_m={changed: BELOW * CANDIDATES.delta_min_m})
+    assert less == [Rejection.DISPLACEMENT_BELOW_MINIMUM]
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_displacement_of_an_instance_that_is_not_displaced_does_not_count(relation: Relation) -> None:
+    """A mover may come back; an object that appears or disappears has no displacement."""
+    trial = admitted(relation)
+    others = {"another": 0.0}
+    if relation in (Relation.MOVING, Relation.APPEARED, Relation.REMOVED):
+        others[trial.candidate.target] = 0.0
+    assert judged(trial, displacement_m=(trial.measured.displacement_m or {}) | others) == []
+    assert judged(trial, displacement_m=None) == []
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_clearance_of_the_spawn_is_inclusive_for_each_point(relation: Relation) -> None:
+    trial = admitted(relation)
+    clearance_m = CANDIDATES.spawn_clearance_m
+    assert judged(trial, spawn_clearance_m={"before": clearance_m, "after": clearance_m}) == []
+    for near in ("before", "after"):
+        clear = {"before": 9.0, "after": 9.0, near: BELOW * clearance_m}
+        assert judged(trial, spawn_clearance_m=clear) == [Rejection.SPAWN_TOO_CLOSE]
+    assert judged(trial, spawn_clearance_m=None) == []
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_one_free_move_is_enough_for_a_spawn(relation: Relation) -> None:
+    trial = admitted(relation)
+    assert judged(trial, spawn_free_moves=0) == [Rejection.SPAWN_IMMOBILE]
+    for enough in (1, 4, None):
+        assert judged(trial, spawn_free_moves=enough) == []
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_validity_radius_is_inclusive(relation: Relation) -> None:
+    trial, radius_m = admitted(relation), ADMISSIBILITY.validity_radius_m
+    assert judged(trial, answer_to_navigable_m=radius_m) == []
+    assert judged(trial, answer_to_navigable_m=ABOVE * radius_m) == [Rejection.ANSWER_UNREACHABLE]
+    with pytest.raises(ValueError, match="run `trials` again"):
+        judged(trial, answer_to_navigable_m=None)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_one_pitch_has_to_see_the_answer_of_a_current_relation(relation: Relation) -> None:
+    trial, enough = admitted(relation), SUCCESS.visible_px
+    hidden = [Rejection.ANSWER_NOT_VISIBLE] if relation.current else []
+    assert judged(trial, visible_px={0: 0, 30: enough, 60: 0}) == []
+    assert judged(trial, visible_px={0: enough - 1, 30: enough - 1, 60: 0}) == hidden
+    assert judged(trial, visible_px=None) == hidden
+
+
+def test_a_target_that_was_not_measured_is_not_visible_whatever_is_asked_for() -> None:
+    one_pixel = CONFIG.model_copy(update={"success": SUCCESS.model_copy(update={"visible_px": 1})})
+    for relation in Relation:
+        unseen = list(reasons(measured(admitted(relation), visible_px=None), one_pixel))
+        assert unseen == ([Rejection.ANSWER_NOT_VISIBLE] if relation.current else [])
+
+
+# --- observation ----------------------------------------------------------------------------------
+
+
+def seen(trial: Trial, visit: str, px: int) -> Trial:
+    """The trial whose changed instances have masks of `px` pixels in a visit, in all views that saw them."""
+    assert trial.measured.sightings is not None
+    changed = {a.instance for a in trial.candidate.first + trial.candidate.second}
+    altered = tuple(s.model_copy(update={"px": px}) if s.instance in changed else s for s in trial.measured.sightings[visit])
+    return measured(trial, sightings=trial.measured.sightings.model_copy(update={visit: altered}))
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_a_mask_of_the_minimum_records_an_instance(relation: Relation) -> None:
+    trial = admitted(relation)
+    for visit in ("first", "second"):
+        assert list(reasons(seen(trial, visit, ADMISSIBILITY.min_mask_px), CONFIG)) == []
+
+
+@pytest.mark.parametrize("visit", ["first", "second"])
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_changed_instance_is_recorded_in_the_tours_that_define_the_relation(relation: Relation, visit: str) -> None:
+    trial = admitted(relation)
+    defining = {Relation.APPEARED: ["second"], Relation.MOVING: ["second"], Relation.REMOVED: ["first"]}
+    against = list(reasons(seen(trial, visit, ADMISSIBILITY.min_mask_px - 1), CONFIG))
+    assert (Rejection.CHANGED_INSTANCE_NOT_RECORDED in against) is (visit in defining.get(relation, ["first", "second"]))
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_the_drift_tolerance_is_inclusive_and_not_tau(relation: Relation) -> None:
+    trial, tolerance_m = admitted(relation), ADMISSIBILITY.drift_tolerance_m
+    assert tolerance_m != ADMISSIBILITY.tau_m
+    assert judged(trial, drift_m={"a": tolerance_m, "b": 0.0}) == []
+    assert judged(trial, drift_m={"a": 0.0, "b": ABOVE * tolerance_m}) == [Rejection.DRIFTED]
+    assert judged(trial, drift_m=None) == []
+
+
+def other(trial: Trial) -> Instance:
+    """An instance of the category that no change moves and no query asks for."""
+    world = trial.measured.world_1
+    assert world is not None
+    changed = {a.instance for a in trial.candidate.first + trial.candidate.second}
+    return next(k for k in world if k.id not in changed | {trial.candidate.target})
+
+
+def pushed(trial: Trial, metres: float) -> WorldState:
+    """The true state of visit 2 with the other instance pushed along x from where it was in visit 1."""
+    assert trial.measured.world_2 is not None
+    bystander = other(trial)
+    return WorldState(
+        tuple(
+            Instance(k.id, k.category, bystander.x + metres, bystander.z) if k.id == bystander.id else k
+            for k in trial.measured.world_2
+        )
+    )
+
+
+@pytest.mark.parametrize("relation", [Relation.MOVED, Relation.FORMER, Relation.APPEARED, Relation.REMOVED, Relation.MOVING])
+def test_the_true_states_are_judged_beside_the_recorded_ones(relation: Relation) -> None:
+    """A bystander that is pushed while nobody looks has moved."""
+    trial = admitted(relation)
+    assert judged(trial, world_2=pushed(trial, 0.9 * ADMISSIBILITY.tau_m)) == []
+    assert judged(trial, world_2=pushed(trial, 1.1 * ADMISSIBILITY.tau_m)) == [Rejection.BYSTANDER_MOVED]
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_a_bystander_that_the_tours_saw_move_has_moved(relation: Relation) -> None:
+    trial = admitted(relation)
+    assert trial.measured.sightings is not None
+    changed = {a.instance for a in trial.candidate.first + trial.candidate.second}
+
+    def far(sighting: Sighting) -> Sighting:
+        away = sighting.instance not in changed | {trial.candidate.target}
+        return sighting.model_copy(update={"x": sighting.x + 1.1 * ADMISSIBILITY.tau_m}) if away else sighting
+
+    second = tuple(map(far, trial.measured.sightings.second))
+    in_both = {s.instance for s in second if s.px >= ADMISSIBILITY.min_mask_px} & {
+        s.instance for s in trial.measured.sightings.first if s.px >= ADMISSIBILITY.min_mask_px
+    }
+    against = judged(trial, sightings=trial.measured.sightings.model_copy(update={"second": second}))
+    assert against == ([Rejection.BYSTANDER_MOVED] if in_both - changed - {trial.candidate.target} else [])
+
+
+@pytest.mark.parametrize("relation", [Relation.MOVED, Relation.FORMER, Relation.APPEARED, Relation.REMOVED, Relation.MOVING])
+def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
+    trial = admitted(relation)
+    candidate = trial.candidate.model_copy(update={"target": other(trial).id})
+    against = list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
+    assert against and set(against) == {Rejection.REFERENT_NOT_TARGET}
+
+
+# --- the verdict as a whole -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ended", [Rejection.PLACEMENT_REFUSED, Rejection.NO_SPAWN, Rejection.SIMULATOR_ERROR])
+def test_a_trial_that_was_refused_has_that_reason_alone(ended: Rejection) -> None:
+    trial = measured(admitted(Relation.MOVED), ended=ended, spawn_free_moves=0, answer_to_navigable_m=None)
+    assert verdict(trial, CONFIG).reasons == (ended,)
+
+
+def test_a_trial_beyond_the_bounds_is_judged_as_far_as_it_was_measured() -> None:
+    trial = admitted(Relation.MOVED)
+    beyond = {"ended": Bound.BEYOND_MEASUREMENT, "sightings": None, "world_1": None, "world_2": None, "drift_m": None}
+    assert judged(trial, **beyond, answer_to_navigable_m=9.0) == [Rejection.ANSWER_UNREACHABLE]
+    assert judged(trial, **beyond) == []
+
+
+def test_all_reasons_are_given_in_the_order_of_algorithm_1_and_the_first_counts() -> None:
+    trial = admitted(Relation.MOVED)
+    (changed,) = [a.instance for a in trial.candidate.second]
+    wrong = measured(
+        seen(trial, "first", 0),
+        displacement_m={changed: 0.0},
+        spawn_clearance_m={"before": 0.0},
+        spawn_free_moves=0,
+        answer_to_navigable_m=99.0,
+        visible_px={0: 0},
+        drift_m={changed: 9.0},
+    )
+    made = verdict(wrong, CONFIG)
+    assert made.rejected is Rejection.DISPLACEMENT_BELOW_MINIMUM is made.reasons[0]
+    assert list(made.reasons) == sorted(made.reasons, key=list(Rejection).index)
+    assert {
+        Rejection.DISPLACEMENT_BELOW_MINIMUM,
+        Rejection.SPAWN_TOO_CLOSE,
+        Rejection.SPAWN_IMMOBILE,
+        Rejection.ANSWER_UNREACHABLE,
+        Rejection.ANSWER_NOT_VISIBLE,
+        Rejection.CHANGED_INSTANCE_NOT_RECORDED,
+        Rejection.DRIFTED,
+    } <= set(made.reasons)
+    assert (made.id, made.relation) == (trial.candidate.id, Relation.MOVED)
+
+
+# --- certification --------------------------------------------------------------------------------
+
+
+def failing(runs: tuple[OracleRun, ...], *indices: int) -> list[OracleRun]:
+    return [r.model_copy(update={"outcome": "budget"}) if i in indices else r for i, r in enumerate(runs)]
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_every_run_has_to_succeed_and_the_first_is_the_feasibility(relation: Relation) -> None:
+    trial = admitted(relation)
+    runs, admissible = RUNS[trial.candidate.id], verdict(trial, CONFIG)
+    assert rejection(admissible, runs, SUCCESS) is None
+    assert rejection(admissible, failing(runs, 0), SUCCESS) is Rejection.FEASIBILITY_FAILED
+    for k in range(1, len(runs)):
+        assert rejection(admissible, failing(runs, k), SUCCESS) is Rejection.CERTIFICATION_FAILED
+    assert rejection(admissible, failing(runs, *range(len(runs))), SUCCESS) is Rejection.FEASIBILITY_FAILED
+
+
+def test_an_inadmissible_trial_is_rejected_for_that_whatever_its_runs() -> None:
+    trial = measured(admitted(Relation.MOVED), spawn_free_moves=0)
+    assert rejection(verdict(trial, CONFIG), (), SUCCESS) is Rejection.SPAWN_IMMOBILE
+    assert rejection(verdict(trial, CONFIG), RUNS[trial.candidate.id], SUCCESS) is Rejection.SPAWN_IMMOBILE
+
+
+# --- the split ------------------------------------------------------------------------------------
+
+POOLS = st.dictionaries(st.sampled_from("ABCDE"), st.integers(0, 6), min_size=1).map(
+    lambda sizes: {scene: [f"{scene}/{k}" for k in range(size)] for scene, size in sizes.items()}
+)
+
+
+@settings(derandomize=True, max_examples=80, deadline=None)
+@given(POOLS, st.integers(0, 25), st.integers(0, 99))
+def test_the_split_takes_turns_among_the_scenes_until_it_has_enough_or_all(pool, wanted, seed):
+    """No scene gives two more than another with ids left; nothing comes twice; the order of scenes and ids is no matter."""
+    chosen = select(pool, wanted, np.random.default_rng(seed))
+    assert len(chosen) == len(set(chosen)) == min(wanted, sum(map(len, pool.values())))
+    count = {scene: sum(k.startswith(scene) for k in chosen) for scene in pool}
+    for scene, ids in pool.items():
+        if count[scene] < len(ids):
+            assert max(count.values()) <= count[scene] + 1
+    again = {scene: list(reversed(ids)) for scene, ids in reversed(pool.items())}
+    assert select(again, wanted, np.random.default_rng(seed)) == chosen
+
+
+def test_a_smaller_split_is_the_beginning_of_a_larger_one():
+    pool = {"A": ["a0", "a1", "a2"], "B": ["b0"], "C": ["c0", "c1"]}
+    largest = select(pool, 9, np.random.default_rng(3))
+    assert [select(pool, k, np.random.default_rng(3)) for k in range(7)] == [largest[:k] for k in range(7)]
+    assert {k[0] for k in largest[:3]} == {"a", "b", "c"} and {k[0] for k in largest[3:5]} == {"a", "c"}
+
+
+def test_the_split_depends_on_the_seed():
+    pool = {scene: [f"{scene}{k}" for k in range(5)] for scene in "abcd"}
+    assert len({tuple(select(pool, 6, np.random.default_rng(seed))) for seed in range(8)}) > 4
+
+
+# --- episodes and audit ---------------------------------------------------------------------------
+
+
+def test_a_trial_that_ended_early_has_no_episode() -> None:
+    trial = admitted(Relation.MOVED)
+    (scene,) = Scene.read(DATA / "scenes" / f"{trial.candidate.scene}.json")
+    with pytest.raises(ValueError, match="ended early"):
+        episode(measured(trial, answer=None), RUNS[trial.candidate.id], scene, CONFIG)
+    with pytest.raises(ValueError, match="ended early"):
+        sightings(measured(trial, sightings=None))
+    assert known(0.0) == 0.0 and known(()) == ()
+
+
+def test_an_episode_names_its_trial_by_a_digest_of_all_of_it() -> None:
+    trial = admitted(Relation.MOVED)
+    assert len(trial_digest(trial)) == 24
+    assert trial_digest(trial) == trial_digest(trial.model_copy())
+    assert trial_digest(measured(trial, component_cells=1)) != trial_digest(trial)
+
+
+def test_the_audit_counts_what_was_drawn_rejected_certified_and_released() -> None:
+    against = {"a": Rejection.NO_SPAWN, "b": Rejection.DRIFTED, "c": Rejection.NO_SPAWN, "d": None, "e": None, "f": None}
+    relation_of = dict.fromkeys("abcde", Relation.MOVED) | {"f": Relation.STABLE}
+    rows = audit(against, relation_of, ["d", "f"])
+    assert [row for row in rows if row[0] == "moved"] == [
+        ("moved", "drawn", "", 5),
+        ("moved", RejectionStage.DRAW.value, "no_spawn", 2),
+        ("moved", RejectionStage.OBSERVATION.value, "drifted", 1),
+        ("moved", "certified", "", 2),
+        ("moved", "released", "", 1),
+    ]
+    assert [row for row in rows if row[0] == "stable"] == [
+        ("stable", "drawn", "", 1),
+        ("stable", "certified", "", 1),
+        ("stable", "released", "", 1),
+    ]
+    assert [row for row in rows if row[0] == "former"] == [
+        ("former", "drawn", "", 0),
+        ("former", "certified", "", 0),
+        ("former", "released", "", 0),
+    ]
+
+
+def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) -> None:
+    """Releases a split of so many episodes of each relation, and of none where it is not named."""
+    split = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
+    benchmark = CONFIG.benchmark.model_copy(update={"split": split, "allow_short_split": allow_short_split})
+    verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
+    for scene, file in zip(SCENES, verdicts, strict=True):
+        file.write_text(lines(verdict(t, CONFIG) for t in TRIALS.values() if t.candidate.scene == scene))
+    run(
+        [DATA / "scenes" / f"{scene}.json" for scene in SCENES],
+        [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
+        verdicts,
+        [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],
+        CONFIG.model_copy(update={"benchmark": benchmark}),
+        *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
+    )
+
+
+def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_that_falls_short(tmp_path: Path) -> None:
+    certified = {r: sum(k in RUNS and t.candidate.relation is r for k, t in TRIALS.items()) for r in Relation}
+    moved, stable = certified[Relation.MOVED], certified[Relation.STABLE]
+    write_split(tmp_path, moved=moved, stable=stable)
+    assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
+    with pytest.raises(ShortSplitError, match=rf"\(moved {moved} of {moved + 1}, stable {stable} of {stable + 9}\)"):
+        write_split(tmp_path, moved=moved + 1, stable=stable + 9)
+    write_split(tmp_path, allow_short_split=True, moved=moved + 1, stable=stable + 9)
+    assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable

@@ -1,0 +1,209 @@
+"""Where a thing just fits and where it just does not. Boxes without extent make the distances exact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ovman.generation.placement import (
+    ABOVE_SURFACE_M,
+    CLEARANCE_M,
+    FLUSH_M,
+    JITTER_M,
+    LARGEST_ON_SURFACE_M,
+    LONGEST_LANE_M,
+    FreeFloor,
+    _clears,
+    floor_spots,
+    lanes,
+    spots,
+    surface_spots,
+)
+from ovman.models.geometry import Position
+from ovman.sim.change import AGENT_RADIUS_M
+from tests.generation.test_candidates import room
+from tests.generation.test_placement import thing
+
+STEP = 0.25
+POINT = (0.0, 0.8, 0.0)
+FAR = 99.0
+
+
+def beyond(metres: float) -> float:
+    return float(np.nextafter(metres, FAR))
+
+
+def floor_of(scene, item, **changes) -> FreeFloor:
+    made = FreeFloor.of(scene, item, STEP)
+    fields = {name: getattr(made, name) for name in ("cells", "waypoints", "boxes", "half", "step_m")}
+    return FreeFloor(**(fields | changes))
+
+
+def alone(*others, **changes) -> FreeFloor:
+    """The floor for a thing without extent, of a room whose only waypoint is far away."""
+    item = thing("new", "Chair", FAR, FAR, POINT)
+    return floor_of(room(item, *others), item, **({"waypoints": np.array([[FAR, FAR]])} | changes))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_box_is_cleared_by_more_than_the_clearance(axis, sign):
+    floor = alone(thing("box", "Chair", 0.0, 0.0, POINT))
+    at, past = np.zeros((2, 2))
+    at[axis], past[axis] = sign * CLEARANCE_M, sign * beyond(CLEARANCE_M)
+    assert floor.fits(np.array([at, past])).tolist() == [False, True]
+
+
+def test_each_box_has_to_be_cleared_and_half_extents_add_up():
+    floor = alone(
+        thing("a", "Chair", 0.0, 0.0, (0.5, 1, 0.25)), thing("b", "Chair", 1.0, 0.0, (0.5, 1, 0.25)), half=np.array([0.25, 0.125])
+    )
+    inside, between, above = (0.5, 0.0), (0.5, 0.25 + 2 * CLEARANCE_M), (0.0, 0.25 + 2 * CLEARANCE_M)
+    assert floor.fits(np.array([inside, between, above])).tolist() == [False, True, True]
+
+
+def test_a_waypoint_is_left_free_for_the_agent():
+    radius_m = AGENT_RADIUS_M + STEP / 4
+    floor = alone(waypoints=np.array([[FAR, FAR], [0.0, 0.0]]))
+    points = [(radius_m, 0.0), (beyond(radius_m), 0.0), (0.0, radius_m), (0.0, beyond(radius_m))]
+    assert floor.fits(np.array(points)).tolist() == [False, True, False, True]
+    wide = alone(waypoints=np.array([[0.0, 0.0]]), half=np.array([0.5, 0.0]))
+    assert not wide.fits(np.array([[0.5 + radius_m, 1.0], [0.5, radius_m]])).all()
+    assert wide.fits(np.array([[1.0, 1.01 * radius_m]])).all()
+
+
+def test_every_corner_stays_where_the_agent_can_reach():
+    radius_m = AGENT_RADIUS_M + STEP / 2
+    floor = alone(cells=np.array([[0.0, 0.0]]))
+    points = [(radius_m, 0.0), (beyond(radius_m), 0.0), (0.0, -radius_m), (0.0, -beyond(radius_m))]
+    assert floor.fits(np.array(points)).tolist() == [True, False, True, False]
+    wide = alone(cells=np.array([[-0.5, 0.0], [0.5, 0.0]]), half=np.array([0.5, 0.0]))
+    assert wide.fits(np.array([[0.0, 0.0], [0.9 * radius_m, 0.0], [1.1 * radius_m, 0.0]])).tolist() == [True, True, False]
+
+
+def test_what_begins_at_the_top_of_a_thing_or_above_is_no_obstacle_unless_it_is_a_slab():
+    item = thing("new", "Chair", FAR, FAR, (0.4, 1.0, 0.4))
+    shelf = thing("shelf", "Shelf", 1.0, 1.0, (0.4, 0.5, 0.2), y=1.25)
+    lower = thing("lower", "Shelf", 1.0, 1.0, (0.4, 0.5, 0.2), y=1.249)
+    slab = thing("slab", "CounterTop", 2.0, 1.0, (0.4, 0.1, 0.6), y=3.0)
+    ground = thing("floor", "Floor", 2.0, 2.0, (9.0, 0.1, 9.0), y=-0.05)
+    assert len(FreeFloor.of(room(item, shelf, ground), item, STEP).boxes) == 0
+    assert FreeFloor.of(room(item, lower, ground, slab), item, STEP).boxes.tolist() == [
+        [1.0, 1.0, 0.2, 0.1],
+        [2.0, 1.0, 0.2, 0.3],
+    ]
+    raised = room(item, shelf).model_copy(update={"floor_y": 0.01})
+    assert len(FreeFloor.of(raised, item, STEP).boxes) == 1
+
+
+def test_floor_spots_begin_at_the_distance_and_lie_within_the_jitter_of_a_cell():
+    item = thing("a", "Chair", 0.0, 0.0, POINT)
+    scene = room(item).model_copy(update={"floor_y": 0.123456})
+    floor = floor_of(scene, item, waypoints=np.array([[FAR, FAR]]))
+    found = floor_spots(scene, item, floor, 0.0, np.random.default_rng(0))
+    assert len(found) == len(floor.cells)
+    assert {(round(s.x / STEP), round(s.z / STEP)) for s in found} == {(round(x / STEP), round(z / STEP)) for x, z in floor.cells}
+    off = [c - STEP * round(c / STEP) for s in found for c in (s.x, s.z)]
+    assert -JITTER_M - 1e-3 < min(off) < -0.8 * JITTER_M and 0.8 * JITTER_M < max(off) < JITTER_M + 1e-3
+    assert {s.height_m for s in found} == {round(0.123456 + ABOVE_SURFACE_M, 4)}
+    assert all(round(c, 3) == c for s in found for c in (s.x, s.z))
+    farthest = max(float(np.hypot(s.x, s.z)) for s in found)
+    exactly = floor_spots(scene, item, floor, farthest, np.random.default_rng(0))
+    assert [float(np.hypot(s.x, s.z)) for s in exactly] == [farthest]
+    assert floor_spots(scene, item, floor, beyond(farthest), np.random.default_rng(0)) == []
+    assert [s.x for s in found] != sorted(s.x for s in found)
+
+
+def table(width=1.0, **place):
+    return thing("table", "DiningTable", place.get("x", 1.0), place.get("z", 1.0), (width, 0.7, width))
+
+
+def test_a_thing_of_the_largest_width_goes_on_furniture_and_a_wider_one_does_not():
+    for size, fits in ((LARGEST_ON_SURFACE_M, True), (beyond(LARGEST_ON_SURFACE_M), False)):
+        for shape in ((size, 0.1, 0.1), (0.1, 0.1, size)):
+            item = thing("a", "Vase", FAR, FAR, shape)
+            assert bool(surface_spots(room(item, table()), item, 0.5, np.random.default_rng(0))) is fits
+
+
+def test_furniture_carries_what_is_smaller_than_its_top_on_both_sides():
+    rng = np.random.default_rng(0)
+    item = thing("a", "Vase", FAR, FAR, (0.2, 0.3, 0.2))
+    assert surface_spots(room(item, table(0.2)), item, 0.5, rng) == []
+    narrow = thing("table", "DiningTable", 1.0, 1.0, (1.0, 0.7, 0.2))
+    assert surface_spots(room(item, narrow), item, 0.5, rng) == []
+    assert surface_spots(room(item, narrow.model_copy(update={"size": Position(x=0.2, y=0.7, z=1.0)})), item, 0.5, rng) == []
+    (spot,) = surface_spots(room(item, table(0.21)), item, 0.5, rng)
+    assert (spot.x, spot.z) == (pytest.approx(1.0, abs=0.006), pytest.approx(1.0, abs=0.006))
+    assert spot.height_m == round(0.7 + ABOVE_SURFACE_M, 4)
+    no_carrier = thing("shelf", "Shelf", 1.0, 1.0, (1.0, 0.7, 1.0))
+    assert surface_spots(room(item, no_carrier), item, 0.5, rng) == []
+
+
+def test_a_thing_is_no_furniture_for_itself_and_stays_on_the_top_it_is_let_down_on():
+    stool = thing("stool", "Stool", 1.0, 1.0, (0.4, 0.4, 0.4))
+    assert surface_spots(room(stool), stool, 0.0, np.random.default_rng(0)) == []
+    item = thing("a", "Vase", 1.0, 1.0, (0.2, 0.3, 0.4), y=0.85)
+    found = [s for k in range(99) for s in surface_spots(room(item, table()), item, 0.0, np.random.default_rng(k))]
+    assert len(found) == 99
+    for low, high, side in ((0.6, 1.4, [s.x for s in found]), (0.7, 1.3, [s.z for s in found])):
+        assert low <= min(side) < low + 0.05 and high - 0.05 < max(side) <= high
+
+
+def test_a_spot_on_furniture_is_as_far_away_as_asked():
+    item = thing("a", "Vase", 1.0, 1.0, (0.1, 0.3, 0.1), y=0.85)
+    for k in range(30):
+        for spot in surface_spots(room(item, table(4.0)), item, 1.2, np.random.default_rng(k)):
+            assert np.hypot(spot.x - 1.0, spot.z - 1.0) >= 1.2
+    assert surface_spots(room(item, table(1.0)), item, 1.2, np.random.default_rng(0)) == []
+
+
+@pytest.mark.parametrize(
+    "other, clears",
+    [
+        (thing("o", "Cup", 0.5, 0.0, (0.5, 0.2, 0.5), y=1.0), False),
+        (thing("o", "Cup", beyond(0.5), 0.0, (0.5, 0.2, 0.5), y=1.0), True),
+        (thing("o", "Cup", -beyond(0.5), 0.0, (0.5, 0.2, 0.5), y=1.0), True),
+        (thing("o", "Cup", 0.0, 0.375, (0.5, 0.2, 0.5), y=1.0), False),
+        (thing("o", "Cup", 0.0, beyond(0.375), (0.5, 0.2, 0.5), y=1.0), True),
+        (thing("o", "Cup", 0.0, -beyond(0.375), (0.5, 0.2, 0.5), y=1.0), True),
+        (thing("o", "Cup", 0.0, 0.0, (0.5, 0.5, 0.5), y=1.5), False),  # its bottom is where the thing ends
+        (thing("o", "Cup", 0.0, 0.0, (0.5, 0.5, 0.5), y=beyond(1.5)), True),
+        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.0, 0.5), y=1.0 - FLUSH_M), False),
+        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.0, 0.5), y=float(np.nextafter(1.0 - FLUSH_M, 0.0))), True),
+        (thing("o", "Sink", 0.0, 0.0, (0.5, 0.5, 0.5), y=0.5), True),
+    ],
+)
+def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(other, clears):
+    """A thing of half extents 0.25 and 0.125 between the heights 1 and 1.25."""
+    assert _clears(other, 0.0, 0.0, 0.25, 0.125, 1.0, 1.25) is clears
+
+
+def test_small_things_fall_back_to_the_floor():
+    item = thing("a", "Vase", 0.0, 0.0, (0.1, 0.3, 0.1))
+    scene = room(item)
+    floor = FreeFloor.of(scene, item, STEP)
+    found = spots(scene, item, floor, 1.0, np.random.default_rng(0))
+    assert found and {s.height_m for s in found} == {ABOVE_SURFACE_M}
+    on_table = spots(room(item, table(x=2.0, z=2.0)), item, floor, 1.0, np.random.default_rng(0))
+    assert {s.height_m for s in on_table} == {round(0.7 + ABOVE_SURFACE_M, 4)}
+
+
+def corridor(cells: int) -> FreeFloor:
+    return alone(cells=np.array([(STEP * i, 0.0) for i in range(cells)]))
+
+
+def test_a_lane_of_the_minimum_is_long_enough_and_no_lane_is_longer_than_the_longest():
+    item = thing("a", "Chair", 1.0, 0.0, POINT)
+    assert lanes(item, corridor(8), 2.0) == []
+    assert [(lane.x_0, lane.x_1) for lane in lanes(item, corridor(9), 2.0)] == [(0.0, 2.0), (2.0, 0.0)]
+    longest = max(lane.length_m for lane in lanes(item, corridor(40), 2.0))
+    assert longest == LONGEST_LANE_M
+    assert {(lane.z_0, lane.z_1) for lane in lanes(item, corridor(12), 2.0)} == {(0.0, 0.0)}
+
+
+def test_lanes_go_all_four_ways_and_come_from_nearest_to_farthest_then_by_their_ends():
+    cells = np.array([(STEP * i, STEP * j) for i in range(9) for j in range(9) if 0 in (i, j)])
+    item = thing("a", "Chair", 0.0, 0.5, POINT)
+    found = lanes(item, alone(cells=cells), 2.0)
+    ends = [(lane.x_0, lane.z_0, lane.x_1, lane.z_1) for lane in found]
+    assert ends == [(0.0, 0.0, 0.0, 2.0), (0.0, 0.0, 2.0, 0.0), (0.0, 2.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)]

@@ -1,0 +1,51 @@
+"""The pure stages of the generation bring the released data about again, byte for byte."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from ovman.generation import candidates, release, verdict
+from ovman.models.candidate import Candidate
+from ovman.models.certification import Certification
+from ovman.models.record import lines
+from ovman.models.trial import Trial, Verdict
+from tests.arms import CONFIG, ROOT
+
+DATA = ROOT / "data" / "ovman-embedded-v1"
+KINDS = {"scenes": ".json", "trials": ".jsonl", "certified": ".jsonl"}
+SCENES = sorted(file.stem for file in (DATA / "trials").iterdir())
+SOME = SCENES[::4]
+
+
+@pytest.mark.parametrize("scene", SOME)
+def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
+    drawn = tmp_path / "candidates.jsonl"
+    candidates.run(DATA / "scenes" / f"{scene}.json", CONFIG, drawn)
+    assert drawn.read_text() == lines(trial.candidate for trial in Trial.read(DATA / "trials" / f"{scene}.jsonl"))
+    assert len(Candidate.read(drawn)) > 0
+
+
+@pytest.mark.parametrize("scene", SOME)
+def test_the_admissible_trials_are_those_that_were_certified(scene: str, tmp_path: Path) -> None:
+    verdicts = tmp_path / "admissible.jsonl"
+    verdict.run(DATA / "trials" / f"{scene}.jsonl", CONFIG, verdicts)
+    admitted = [v.id for v in Verdict.read(verdicts) if v.rejected is None]
+    assert admitted == [certified.id for certified in Certification.read(DATA / "certified" / f"{scene}.jsonl")]
+
+
+def test_trials_and_certifications_give_the_episodes_their_sightings_and_the_audit(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = {kind: [DATA / kind / f"{scene}{end}" for scene in SCENES] for kind, end in KINDS.items()}
+    admissible = [tmp_path / f"{scene}.jsonl" for scene in SCENES]
+    for trials, verdicts in zip(files["trials"], admissible, strict=True):
+        verdict.run(trials, CONFIG, verdicts)
+    made = [tmp_path / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")]
+    capsys.readouterr()
+    release.run(files["scenes"], files["trials"], admissible, files["certified"], CONFIG, *made)
+    expected = (DATA / "episodes/main.jsonl", DATA / "episodes/sightings.jsonl", DATA / "metrics/rejections.csv")
+    assert [file.read_bytes() for file in made] == [file.read_bytes() for file in expected]
+    said = capsys.readouterr().out.splitlines()
+    assert "moved: 33 released of 45 certified, 33 wanted" in said and len(said) == 6

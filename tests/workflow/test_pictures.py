@@ -1,0 +1,94 @@
+"""A change of the engine that alters pictures and no record: what reads pictures is made again, and nothing else.
+
+The engine is changed in a copy of the checkout, which goes on with a copy of the finished world.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from ovman.models.settings import Kind, Need, of_kind
+from tests.arms import ARMS
+from tests.workflow.conftest import ROOT, World
+
+EPISODES = "results/episodes/main.jsonl"
+CODE = ("Snakefile", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
+UNCHANGED = ("scenes", "candidates", "trials", "admissible", "certified", "episodes")
+"""Stages that start the engine or follow it, and whose records have no picture in them."""
+SEEING = {Need.TOURS, Need.MAPS, Need.DUALMAP}
+
+
+def checkout(directory: Path) -> Path:
+    """A copy of the code in a directory; models are linked."""
+    directory.mkdir()
+    for name in CODE:
+        source = ROOT / name
+        if source.is_dir():
+            shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+        else:
+            shutil.copy2(source, directory / name)
+    (directory / "models").symlink_to(ROOT / "models")
+    return directory
+
+
+def repaint(code: Path) -> None:
+    """Give wood another hue."""
+    path = code / "packages" / "ovman-engine" / "ovman_engine" / "paint" / "tones.py"
+    text = path.read_text()
+    woods = re.search(r"WOODS.*?\n\)", text, re.DOTALL)
+    assert woods
+    repainted = re.sub(r"\(0\.(\d+), ", lambda hue: f"({(float('0.' + hue[1]) + 0.5) % 1.0:.3f}, ", woods[0])
+    assert repainted != woods[0]
+    path.write_text(text.replace(woods[0], repainted))
+
+
+def records(world: World, stage: str) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((world.directory / "results" / stage).glob("*.json*"))}
+
+
+@pytest.fixture(scope="module")
+def repainted(world, tmp_path_factory):
+    """The finished world after `make tables` has made its episodes with the changed engine; the world before, the first plan."""
+    place = tmp_path_factory.mktemp("repainted")
+    shutil.copytree(world.directory, place / "world", symlinks=True)
+    again = World(place / "world", checkout(place / "code"))
+    said = again.snakemake("--touch", "--forceall")  # weights and sentences lie in another checkout now
+    assert said.returncode == 0, said.stdout
+    assert again.planned() == {}
+    repaint(again.checkout)
+    said = again.snakemake(target=EPISODES)
+    assert said.returncode == 0, said.stdout
+    return again
+
+
+def test_the_records_are_the_same_and_the_manifest_is_another(world, repainted):
+    for stage in UNCHANGED:
+        assert records(repainted, stage) == records(world, stage), stage
+    was, now = (json.loads(records(one, "visits")["FloorPlan201.json"])["visits"] for one in (world, repainted))
+    assert was.keys() == now.keys() and not set(was.values()) & set(now.values())
+
+
+def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
+    said = repainted.snakemake("--dry-run")
+    assert said.returncode == 0, said.stdout
+    planned = set(re.findall(r"^(?:local)?rule (\w+):", said.stdout, re.MULTILINE))
+    driven = {"walks", "executions", "runs"}  # these start the engine themselves
+    seeing = {"detections", "maps", "predictions", "language", "perception", "backprojection", "dualmap", "dualmap_objects"}
+    assert planned == driven | seeing | {"metrics", "tables"}
+    answers = set(re.findall(r"output: results/predictions/(\w+)\.jsonl", said.stdout))
+    assert answers == {arm.name for arm in of_kind(ARMS, Kind.STATIC) if SEEING & set(arm.needs)}
+
+
+@pytest.mark.soak
+def test_the_tables_are_those_of_a_world_that_was_made_with_the_changed_engine(repainted, tmp_path):
+    fresh = World(tmp_path, repainted.checkout)
+    for one in (repainted, fresh):
+        said = one.snakemake()
+        assert said.returncode == 0, said.stdout
+        assert one.planned() == {}
+    assert repainted.results() == fresh.results()
