@@ -14,7 +14,7 @@ import pytest
 from ovman.analysis import metrics
 from ovman.evaluation import predictions
 from ovman.language import noun
-from ovman.models.change import Change, MoverStart
+from ovman.models.change import Change, Lane, MoverStart
 from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
 from ovman.models.geometry import Position, Spawn
 from ovman.models.record import line, lines
@@ -71,7 +71,9 @@ def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Ch
             return here, without, target, None, (change.model_copy(update={"kind": "disable", "after": None}),)
         case Relation.MOVING:
             path = ((0.5, 3.0), (1.2, 3.0), (1.9, 3.0), (2.6, 2.6))
-            moving = change.model_copy(update={"kind": "motion", "after": point(path[-1]), "path": path})
+            lane = Lane(x_0=0.5, z_0=3.0, x_1=2.6, z_1=2.6)
+            motion = {"kind": "motion", "after": point(path[-1]), "path": path, "placement": None, "lane": lane}
+            moving = change.model_copy(update=motion)
             return here, here | {target: path[-1]}, target, None, (moving,)
 
 
@@ -242,13 +244,14 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
-        main, sightings = root / "episodes" / "main.jsonl", root / "episodes" / "sightings.jsonl"
-        given = stage_settings(settings, "predictions", arm.name)
-        predictions.run(arm, main, given, files[-1], sightings, root / "visits", perceived)
+        main = root / "episodes" / "main.jsonl"
+        stage = stage_settings(settings, "predictions", arm.name)
+        sightings = root / "episodes" / "sightings.jsonl"
+        predictions.run(arm, main, stage, files[-1], sightings, root / "visits", perceived)
     runs = []
     for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):
-            runs.append(root / "runs" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
+            runs.append(root / "scores" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
             runs[-1].parent.mkdir(parents=True)
             runs[-1].write_text("".join(line(_run(arm.name, seed, episode)) for episode in episodes))
     metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics", REFERENCE)
