@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from ovman.models.settings import Kind, Settings, arms_of, of_kind
-from ovman.report.constants import KEYS
+from ovman.report.tables.constants import KEYS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
 from ovman.workflow.settings_files import check_command_line, read
@@ -41,7 +41,7 @@ def _changed(section: Any, path: list[str], value: Any) -> Any:
     return section.model_copy(update={path[0]: inner})
 
 
-OF_ARMS = {"predictions": Kind.STATIC, "executions": Kind.EMBODIED}
+OF_ARMS = {"predictions": Kind.STATIC, "rollouts": Kind.EMBODIED}
 Job = tuple[str, str | None]
 JOBS: tuple[Job, ...] = (
     *((stage, None) for stage in STAGES if stage not in OF_ARMS),
