@@ -111,6 +111,18 @@ def test_tau_counts_as_moved_and_not_as_stable():
     assert decided(Relation.STABLE, [(0, 0)], [(TAU, 0)], one).reason == "displacement_above_tau"
 
 
+@pytest.mark.parametrize("metres", [(1.0, 0.8, 0.9), (0.8, 1.0, 0.9), (0.8, 0.9, 1.0)])
+def test_the_largest_displacement_has_moved_and_the_smallest_is_stable(metres):
+    p_1 = [(5.0 * k, 0.0) for k in range(3)]
+    p_2 = [(x, moved) for (x, _), moved in zip(p_1, metres, strict=True)]
+    pairs = Association(((0, 0), (1, 1), (2, 2)), (), ())
+    most, least = metres.index(1.0), metres.index(0.8)
+    assert decided(Relation.MOVED, p_1, p_2, pairs) == Answer(*p_2[most])
+    assert decided(Relation.FORMER, p_1, p_2, pairs) == Answer(*p_1[most])
+    nearer = [(x, z - 0.3) for x, z in p_2]
+    assert decided(Relation.STABLE, p_1, nearer, pairs) == Answer(*nearer[least])
+
+
 def test_of_equal_displacements_the_pair_of_smallest_positions_is_taken():
     """Both pairs move by 1 m, then both by nothing; positions of visit 1 come first for MOVED, of visit 2 for STABLE."""
     p_1, p_2 = [(5.0, 0.0), (0.0, 7.0)], [(4.0, 0.0), (1.0, 7.0)]
@@ -195,7 +207,7 @@ def test_it_abstains_where_nothing_is_to_be_found():
 
 def test_it_follows_the_mover_that_it_chose_while_it_sees_it():
     """Then it goes to where the mover was last recorded."""
-    tour = [view(at("still", 0.5, 3.5), at("mover", 1.0, 3.0)), view(at("still", 0.5, 3.5), at("mover", 2.0, 3.0))]
+    tour = [view(at("still", 0.5, 3.5), at("mover", x, 3.0)) for x in (1.0, 3.5, 2.0)]
     here = {"x": 3.0, "z": 2.5}
     followed = driven(tour, tour, Relation.MOVING, view(at("still", 3.0, 3.0), at("mover", 3.0, 3.0), **here))
     assert followed == [Action.STOP]
