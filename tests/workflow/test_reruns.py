@@ -19,19 +19,7 @@ DUALMAP = ("dualmap", "predictions:dualmap")
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "scenes": ("backprojection", "candidates", "episodes", "perception", "trials"),
     "candidates": ("trials",),
-    "trials": (
-        *(
-            "admissible",
-            "backprojection",
-            "certified",
-            "detections",
-            "episodes",
-            "executions",
-            "perception",
-            "walks",
-        ),
-        *DUALMAP,
-    ),
+    "trials": ("admissible", "backprojection", "certified", "detections", "episodes", "executions", "perception", "walks"),
     "admissible": ("certified", "episodes"),
     "certified": ("episodes",),
     "episodes": ("detections", "executions", "language", "metrics", "predictions", "runs", "tables", "walks", *DUALMAP),
