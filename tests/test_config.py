@@ -42,7 +42,7 @@ def _changed(section: Any, path: list[str], value: Any) -> Any:
     return section.model_copy(update={path[0]: inner})
 
 
-OF_ARMS = {"predictions": Kind.STATIC, "executions": Kind.EMBODIED}
+OF_ARMS = {"predictions": Kind.STATIC, "rollouts": Kind.EMBODIED}
 Job = tuple[str, str | None]
 JOBS: tuple[Job, ...] = (
     *((stage, None) for stage in STAGES if stage not in OF_ARMS),
