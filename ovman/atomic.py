@@ -1,6 +1,7 @@
-"""Files and folders that are there whole or not at all, whatever is killed while they are written.
+"""Atomic writes: a file or folder is complete or absent, also after a kill.
 
-What is written lies beside its place under a name of this process, and is renamed when it is whole. Imports nothing heavy.
+Content is written beside its place under a name with the id of this process, and renamed when it is complete. Imports nothing
+heavy.
 """
 
 from __future__ import annotations

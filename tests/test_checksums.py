@@ -10,6 +10,7 @@ import pytest
 
 from ovman.cli import main
 from ovman.doctor.results import Results, check
+from ovman.models.visit_files import VisitManifest, seal
 from ovman.workflow import checksums
 from ovman.workflow.config import load
 from ovman.workflow.job import job
@@ -144,6 +145,21 @@ def test_every_fault_is_one_line_and_the_exit_status_tells(directory, capsys):
     ]
     assert lines[:5] == expected
     assert len(lines) == 5 + 19 and all("has no checksums in results/checksums/scenes/" in line for line in lines[5:])
+
+
+def test_a_damaged_tour_is_named_with_a_command_that_snakemake_takes(directory):
+    tour = directory / "results/visits/FloorPlan1/untouched"
+    tour.mkdir(parents=True)
+    for name in ("00_rgb.png", "visit.json"):
+        (tour / name).write_text(name)
+    manifest = VisitManifest(scene="FloorPlan1", visits={"untouched": seal(tour).content})
+    (directory / "results/visits/FloorPlan1.json").write_text(manifest.to_line())
+    there = Results(directory, SETTINGS)
+    assert list(check(there)) == []
+    (tour / "00_rgb.png").unlink()
+    (line,) = check(there)
+    assert line.startswith("results/visits/FloorPlan1/untouched/00_rgb.png: No such file or directory; record it again: ")
+    assert line.endswith("snakemake --cores 2 --force results/visits/FloorPlan1.json")
 
 
 def test_a_torn_split_and_no_results_are_one_line(directory):

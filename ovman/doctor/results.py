@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.models.settings import Settings
+from ovman.models.visit_files import check_visits
 from ovman.workflow import checksums, journal
 
 Check = Callable[["Results", Path], Iterator[str]]
@@ -36,6 +37,12 @@ def check_journal(results: Results, path: Path) -> Iterator[str]:
         return
     for fault in faults:
         yield f"{path}, line {fault.line}: {fault.problem}; the next run of its job makes the unit again"
+
+
+def check_tours(results: Results, path: Path) -> Iterator[str]:
+    """Files of a scene's recorded tours that are missing or are not what was recorded."""
+    for line in check_visits(results.directory / checksums.MADE, path.stem):
+        yield line.replace(f"{results.directory}/", "")
 
 
 def check_output(results: Results, path: Path) -> Iterator[str]:
@@ -71,6 +78,7 @@ PER_SCENE = {"scenes": ".json", "trials": ".jsonl", "detections": ".npz", "maps"
 """Folders of results/ with a file for every scene, and how their names end."""
 CHECKS: Mapping[str, Check] = {
     "journal/**/*.jsonl": check_journal,
+    "visits/*.json": check_tours,
     "episodes/main.jsonl": check_split,
     "**/*": check_output,
 }

@@ -167,7 +167,7 @@ def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
 
 
 def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Any:
-    """The tree with its keys in the order of the files: whoever merges files may begin with the last one's keys."""
+    """The tree with its keys in the order of the files: a merge may begin with the last file's keys."""
     return tree if len(files) < 2 else _ordered(tree, [read(Path(path)) for path in files])
 
 

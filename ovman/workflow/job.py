@@ -1,7 +1,8 @@
-"""A job of the workflow: its constants, its log, and outputs that are there whole or not at all.
+"""A job of the workflow: its constants, its log, and outputs that are complete or absent.
 
-The scripts of the workflow run inside `job`. What a killed job leaves behind stops nobody: outputs are written beside their
-place and renamed at the end, a journal belongs to one process at a time, and a job whose Snakemake has died ends at once.
+The scripts of the workflow run inside `job`. A killed job blocks no later one: outputs are written beside their place and renamed
+at the end, a journal belongs to one process at a time, and a job ends as soon as its Snakemake has died. Inputs are compared with
+their checksums before the job begins, and outputs get theirs at its end.
 """
 
 from __future__ import annotations
@@ -26,13 +27,12 @@ from ovman.workflow.locks import gpu_lock, held
 from ovman.workflow.parameter import StageSettings
 
 WORKFLOW_PID = "OVMAN_WORKFLOW_PID"
-"""Environment variable in which the Snakefile leaves the id of Snakemake's process."""
+"""Environment variable with the id of Snakemake's process; the Snakefile sets it."""
 AGENTS = "OVMAN_AGENTS"
-"""Environment variable in which it leaves the directories of the overlays: agents may lie there. They are looked through last, so
-that a file there takes no other module's place."""
+"""Environment variable with the folders of the overlays, in which agents may lie. Python searches them last, so that a file there
+replaces no other module."""
 COLLECTED = 10_000
-"""New objects after which a job looks for garbage: metadata are many small ones, and after Python's 700 a job would look for a
-fiftieth of its time."""
+"""GC threshold: event metadata are many small objects; CPython's default of 700 costs about 2 % of run time."""
 
 UNWRITABLE = frozenset({errno.EROFS, errno.EACCES, errno.EPERM})
 """Errors of the operating system that say all in one line: a place is read-only or belongs to another user."""
@@ -113,10 +113,10 @@ def _flat(files: Iterable[str | list[str]]) -> list[str]:
 
 @contextmanager
 def job(snakemake: Any) -> Iterator[Job]:
-    """The job that `snakemake` describes. What it prints, with what its child processes print, is the rule's log.
+    """The job that `snakemake` describes. The rule's log gets what the job and its child processes print.
 
-    A job that asks for a GPU waits until no other job of this user has one, whatever Snakemake was told. An exception whose
-    attribute `says_all` is true names in its one line what is missing and the remedy: the log gets that line and no traceback.
+    A job that asks for a GPU waits until no other job of this user has one, also where Snakemake allows several. An exception
+    with a true attribute `says_all` names the fault and the remedy in its one line: the log gets that line and no traceback.
     """
     gc.set_threshold(COLLECTED)
     _end_with(os.environ.get(WORKFLOW_PID))
@@ -153,7 +153,7 @@ def _log_to(path: Path) -> None:
 
 
 def _end_with(pid: str | None) -> None:
-    """End this process as soon as the process `pid` has ended: a job that nobody waits for must not write any more."""
+    """End this process as soon as the process `pid` has ended: an abandoned job must not write any more."""
     if not pid or not hasattr(os, "pidfd_open"):
         return
     try:

@@ -30,7 +30,7 @@ BOUNDARY = frozenset(
         "ovman.workflow.stages",
     }
 )
-"""Not followed: they choose the parameter of a stage, which is compared itself. A new line in STAGES is no new code."""
+"""Excluded: these modules only build the parameter, which Snakemake compares directly. A new line in STAGES is no new code."""
 
 Parsed = tuple[str, tuple[tuple[str, int], ...]]
 """Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
@@ -149,7 +149,7 @@ class _Sources:
             found[name] = path
             package = name if path.name == "__init__.py" else name.rpartition(".")[0]
             waiting += self._imports(path, package)
-            # A package that can be run is imported by those who start it as a process.
+            # A package with __main__ is also started as a process by modules that import it.
             if path.name == "__init__.py":
                 waiting.append(f"{name}.__main__")
         return found
@@ -181,7 +181,7 @@ def _with_parents(name: str) -> list[str]:
 
 
 def _elsewhere(top: str) -> list[Path]:
-    """Where a top-level package or module of somebody else lies, without its suffix."""
+    """Where a top-level package or module outside this repository lies, without its suffix."""
     with suppress(ImportError, ValueError):
         spec = find_spec(top)
         if spec is not None and spec.submodule_search_locations is not None:
@@ -204,8 +204,9 @@ def _absolute(name: str, level: int, package: str) -> str:
 
 
 class _Memory:
-    """What was found in files, by their content. Parsing all takes longer than all else that a job of the workflow does before it
-    works, so that processes hand it on in a file if they are given one.
+    """Digests and imports of source files, by the SHA-256 of their content.
+
+    Parsing all files takes longer than the rest of a job's start, so one process hands its findings to the next in a file.
     """
 
     def __init__(self) -> None:
@@ -241,13 +242,13 @@ _memory = _Memory()
 
 
 def remember(path: Path) -> None:
-    """Hand on in the file `path` what is found in sources, to processes that are given the same file. It may be deleted."""
+    """Share the findings about source files with other processes through the file `path`, which may be deleted."""
     _memory.keep(path)
 
 
 @cache
 def _reader() -> str:
-    """Who reads sources: another Python or another version of this module may find something else."""
+    """Version of the reader: another Python, or another version of this module, may find something else."""
     return hashlib.sha256(sys.version.encode() + Path(__file__).read_bytes()).hexdigest()
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-# Who owns which constant: "a.b" is one, "a.*" is all of a section. A change reruns the stages that own it and what follows them.
-# benchmark.scenes and evaluation.seeds say which files there are; who owns them as well puts them into its records.
+# "a.b" is one constant, "a.*" is all of a section. A change reruns the stages that own the constant and all that follow them.
+# benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
 _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
     _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")

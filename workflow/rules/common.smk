@@ -32,9 +32,9 @@ EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
 PLUGINS = plugins_of(settings)
 # The rules `predictions` and `executions` make the records of these arms; rules of plug-ins make the others'.
 OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
-# Jobs that start a simulator ask for this many GPUs; there is one to be had (ovman.workflow.snakefile), and a job holds it (ovman.workflow.job).
+# GPUs that a job with a simulator asks for. There is one (ovman.workflow.snakemake_internals); a job locks it (ovman.workflow.job).
 GPU = int(settings.benchmark.backend == "thor")
-# And these, for networks.
+# GPUs that a job with networks asks for.
 NETWORK_GPU = int(settings.perception.device == "cuda")
 
 
@@ -84,6 +84,6 @@ def network_gpu(wildcards):
 
 
 def weights(*names):
-    """The files that settings of section perception name, as inputs; one that is not there is the job's to complain of."""
+    """The files that settings of section perception name, as inputs; the job reports a missing one."""
     files = [located(functools.reduce(getattr, name.split("."), settings.perception)) for name in names]
     return [str(file) for file in files if file is not None and file.is_file()]

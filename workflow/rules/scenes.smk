@@ -1,4 +1,4 @@
-# A simulator that was found well once is not looked at again when its check changes.
+# `ancient`: a simulator that passed its check once is not checked again when the check changes.
 rule scenes:
     input:
         simulator=[ancient("results/simulator.txt")] if GPU else [],

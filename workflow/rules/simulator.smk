@@ -1,4 +1,4 @@
-# What the Unity build lacks on this machine is said once, in a line, and no scene is begun. The embedded engine lacks nothing.
+# Checks the Unity build's requirements once, before any scene; a missing one is one line. The embedded engine has none.
 rule simulator:
     output:
         simulator="results/simulator.txt",

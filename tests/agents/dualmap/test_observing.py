@@ -15,10 +15,9 @@ from ovman.perception.backprojection import Camera
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.config import load
-from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[3]
-CONSTANTS = StageSettings.parse(canonical(load(ROOT / "config.yaml"), "walks"))
+CONSTANTS = load(ROOT / "config.yaml")
 RUNS, SLACK_M, SIDE_PX = 3, 0.05, 240
 
 

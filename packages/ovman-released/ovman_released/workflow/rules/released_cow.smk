@@ -22,7 +22,6 @@ rule released_cow:
         "logs/released_cow.log",
     benchmark:
         "benchmarks/released_cow.tsv"
-    retries: 1
     resources:
         gpu=max(GPU, int(released_cow(settings).device == "cuda")),
     params:

@@ -1,0 +1,134 @@
+"""Arms are settings: no name of one stands in the code, and an arm of a user is compared like any other."""
+
+from __future__ import annotations
+
+import ast
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from ovman.analysis import metrics
+from ovman.models.settings import arms_of
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import stage_settings
+from tests.arms import ARMS, CONFIG
+from tests.episodes import RELEASED
+
+ROOT = Path(__file__).parents[1]
+NAMES = {arm.name for arm in ARMS} | {
+    name for path in (*(ROOT / "overlays").glob("*.yaml"), *(ROOT / "packages").glob("*/*.yaml"))
+    for name in (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("arms", {})
+}  # fmt: skip
+SECTIONS = {"cow", "single_visit"}
+"""Names of arms that are names of sections of config.yaml, too. In code they stand for the section or for a seed's branch."""
+OF_A_SECTION = {("ovman/analysis/outcomes.py", "single_visit")}
+"""The branch of the random numbers of section single_visit: another name would draw others."""
+
+
+def texts(path: Path) -> Iterator[str]:
+    """What a file of code says to the program: strings of Python that are no docstrings, lines of others less their comments."""
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        yield from (line.partition("#")[0] for line in text.splitlines())
+        return
+    tree = ast.parse(text)
+    prose = {
+        id(node.value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in prose:
+            yield node.value
+
+
+def code() -> list[Path]:
+    """The files of the core that a run reads."""
+    found = [ROOT / "Snakefile", *(ROOT / "workflow").rglob("*.smk"), *(ROOT / "workflow").rglob("*.py")]
+    return found + [path for path in (ROOT / "ovman").rglob("*") if path.suffix in (".py", ".yaml", ".j2", ".md")]
+
+
+def test_no_name_of_an_arm_stands_in_the_code():
+    word = re.compile(rf"(?<![\w.:/-])({'|'.join(sorted(NAMES - SECTIONS))})(?![\w(-])")
+    found = [(str(path.relative_to(ROOT)), name) for path in code() for text in texts(path) for name in word.findall(text)]
+    assert found == []
+
+
+@pytest.mark.parametrize("name", sorted(SECTIONS))
+def test_a_name_that_is_a_section_too_is_no_arm_in_the_analysis_and_the_report(name):
+    for path in code():
+        where = str(path.relative_to(ROOT))
+        if where.startswith(("ovman/analysis", "ovman/report/tables", "workflow")) and (where, name) not in OF_A_SECTION:
+            assert not [text for text in texts(path) if text == name], where
+
+
+def overlay(**sections):
+    tree = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    for name, entries in sections.items():
+        for key, value in entries.items():
+            old = tree[name].get(key)
+            tree[name][key] = {**old, **value} if isinstance(old, dict) and isinstance(value, dict) else value
+    return tree
+
+
+MINE = {"kind": "static", "system": "mine", "memory": "two visits", "agent": "my_agents.mine:predict"}
+
+
+def test_an_arm_of_a_user_has_its_significance_test(tmp_path):
+    """An overlay with an arm and a pair gives rows in significance.csv."""
+    tree = overlay(
+        arms={"mine": MINE}, comparisons={"pairs": {"mine against two visits": {"arm": "mine", "baseline": "two_visits"}}}
+    )
+    settings = load(tree)
+    theirs = RELEASED / "predictions" / "two_visits.jsonl"
+    mine = tmp_path / "mine.jsonl"
+    mine.write_text(theirs.read_text(encoding="utf-8").replace('"arm":"two_visits"', '"arm":"mine"'), encoding="utf-8")
+    arms = [settings.arms[name] for name in ("two_visits", "mine")]
+    metrics.run(RELEASED / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path, arms)
+    with (tmp_path / "significance.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["arm"] == "mine"]
+    assert [row["relation"] for row in rows] == ["moved", "former", "moving", "stable", "appeared", "removed", "all"]
+    assert {row["title"] for row in rows} == {"mine against two visits"} and rows[-1]["p"] == "1"
+
+
+def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
+    title = "mine against two visits"
+    tree = overlay(
+        arms={"mine": MINE},
+        comparisons={"pairs": {title: {"arm": "mine", "baseline": "two_visits"}, "two visits against one": None}},
+    )
+    read = load(tree)
+    assert [*read.comparisons.pairs] == [*[*CONFIG.comparisons.pairs][1:], title]
+    again = stage_settings(read, "metrics")
+    assert again.comparisons.pairs == read.comparisons.pairs and [*again.comparisons.pairs] == [*read.comparisons.pairs]
+    assert again.comparisons.rungs == read.comparisons.rungs and [*again.comparisons.rungs] == [*read.comparisons.rungs]
+    assert arms_of(again.arms) == arms_of(read.arms)
+
+
+@pytest.mark.parametrize(
+    ("comparisons", "said"),
+    [
+        ({"agent": "cow"}, "comparisons.agent is cow, which is no static arm; there are single_visit,"),
+        ({"difficulty": {"cow": "CoW"}}, "comparisons.difficulty.cow is an embodied arm; name a static one"),
+        (
+            {"rungs": {"single_visit": "one"}},
+            "comparisons.rungs.single_visit follows positions_two_visits, but no entry of comparisons.pairs tests single_visit",
+        ),
+        (
+            {"pairs": {"a": {"arm": "two_visits", "baseline": "cow"}}},
+            "pairs.a compares two_visits with cow, of which one is",
+        ),
+        ({"pairs": {"a": {"arm": "single_visit", "baseline": "two_visits"}}}, "a tests single_visit, a stochastic pick;"),
+        ({"pairings": {"a": {"arm": "two_visits_embodied", "baseline": "cow"}}}, "comparisons.pairings.a has an embodied arm;"),
+        ({"pairs": {"a": {"arm": "two_visits"}}}, "comparisons.pairs.a.baseline (the arm that it is tested against) is missing"),
+        ({"pears": {}}, "comparisons.pears is not a setting; did you mean pairs?"),
+    ],
+)
+def test_a_comparison_that_makes_no_sense_is_one_line(comparisons, said):
+    with pytest.raises(ConfigError) as caught:
+        load(overlay(comparisons=comparisons))
+    assert said in str(caught.value) and "\n" not in str(caught.value)

@@ -1,0 +1,73 @@
+"""Metrics and tables follow from the released episodes, predictions and runs: every value comes out as it was released."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from ovman.analysis import metrics
+from ovman.analysis.frames import read_rows
+from ovman.analysis.rates import Rate
+from ovman.analysis.registry import in_tables, of_stage
+from ovman.report.tables import stages
+from ovman.workflow.parameter import stage_settings
+from tests.arms import ARMS, CONFIG
+from tests.episodes import RELEASED
+
+
+def test_metrics_follow_from_the_released_records(rebuilt):
+    assert (
+        {path.stem for path in rebuilt.iterdir()}
+        == {*of_stage("metrics")}
+        <= {path.stem for path in (RELEASED / "metrics").iterdir()}
+    )
+    for path in rebuilt.iterdir():
+        assert path.read_bytes() == (RELEASED / "metrics" / path.name).read_bytes(), path.name
+
+
+def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
+    """Every cell and caption; what separates them is pandas' affair."""
+    metric_files = [rebuilt / path.name if (rebuilt / path.name).exists() else path for path in (RELEASED / "metrics").iterdir()]
+    shown = [path for path in metric_files if path.stem in in_tables(ARMS)]
+    stages.run(shown, stage_settings(CONFIG, "tables"), tmp_path)
+    made = {path.name for path in tmp_path.iterdir()}
+    assert made == {path.name for path in (RELEASED / "tables").iterdir()} and len(made) == 3 * (len(shown) + 1)
+    for name in sorted(made):
+        ours, theirs = ((directory / name).read_text(encoding="utf-8") for directory in (tmp_path, RELEASED / "tables"))
+        assert cells(name, ours) == cells(name, theirs), name
+
+
+def cells(name: str, text: str) -> list[str]:
+    """The lines of a table without what aligns and floats it; of the constants without the places of the settings."""
+    if name == "constants.csv":
+        return [line.rpartition(",")[0] for line in text.splitlines()]
+    if name.endswith(".md"):
+        lines = (re.sub(r" *\| *", "|", line) for line in text.partition("\n\n")[2].splitlines())
+        return [line for line in lines if not re.fullmatch(r"[-:|]+", line)]
+    return text.partition("\\begin{tabular}")[2].splitlines() if name.endswith(".tex") else text.splitlines()
+
+
+@pytest.fixture(scope="module")
+def rebuilt(tmp_path_factory):
+    """The directory of metrics made of the released episodes, predictions and runs."""
+    answered = {path.stem for path in (RELEASED / "predictions").iterdir()} | {
+        path.name for path in (RELEASED / "runs").iterdir()
+    }
+    directory = tmp_path_factory.mktemp("metrics")
+    metrics.run(
+        RELEASED / "episodes" / "main.jsonl",
+        sorted((RELEASED / "predictions").glob("*.jsonl")),
+        sorted((RELEASED / "runs").rglob("*.jsonl")),
+        stage_settings(CONFIG, "metrics"),
+        directory,
+        [arm for arm in ARMS if arm.name in answered],
+    )
+    return directory
+
+
+def test_what_must_come_out_does():
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(RELEASED / "metrics" / "static_rates.csv", Rate)}
+    assert rates["positions_two_visits", "all"] >= 0.97
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(RELEASED / "metrics" / "embodied_rates.csv", Rate)}
+    assert rates["oracle_check", "all"] >= 0.98 and rates["two_visits_oracle_positions", "all"] >= 0.97
