@@ -1,4 +1,4 @@
-"""The oracle agent: given the true answer, it goes there with the primitives of every agent (Algorithm 1, lines 9 and 10)."""
+"""The oracle agent: it knows the true answer and drives there with the shared navigator (Algorithm 1, lines 9 and 10)."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from ovman.agents.pilot import Pilot
 
 
 class Oracle:
-    """An agent that knows where the answer is. For MOVING it knows which instance moves and reads its position from observations.
+    """An agent that knows the answer. For MOVING it reads the position of the moving target from observations.
 
-    `answer` is a floor-plane point in metres; `follow` the name under which observations carry the moving target, or None.
+    answer: floor-plane point in metres; follow: name of the moving target in observations, or None.
     """
 
     def __init__(self, pilot: Pilot, answer: tuple[float, float], follow: str | None) -> None:
@@ -21,7 +21,7 @@ class Oracle:
         """Nothing to learn."""
 
     def revisit(self, visit: Visit) -> None:
-        """Takes the grid on which it will navigate."""
+        """Take the grid for navigation."""
         self._reachable: np.ndarray = visit.reachable
 
     def ask(self, query: Query) -> None:
@@ -41,7 +41,7 @@ def agent(context: AgentContext) -> Oracle:
 
 
 def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:
-    """Where the instance called `name` is in an observation with positions; None if it is not among them."""
+    """Position of the instance `name` in an observation with positions; None if it is not among them."""
     if name is None or observation.positions is None:
         return None
     return next(((s.x, s.z) for s in observation.positions if s.instance == name), None)

@@ -21,14 +21,27 @@ class Store:
         self._directory = directory
 
     def kept(self, content: str, look: Callable[[], Detected]) -> tuple[Detected, bool]:
-        """The detections of a content, and whether the store had them. `look` makes missing ones, also for a damaged file."""
+        """The detections of a content, and whether the store had them.
+
+        look: makes those that are missing. A damaged file is named in one line, and its detections are made again.
+        """
         path = self._directory / content[:2] / f"{content}.npz"
         if path.exists():
             try:
-                return read_detections(path)[content], True
-            except (ArrayFileError, KeyError):
+                return _whole(path, content), True
+            except ArrayFileError as error:
+                print(f"{error}; its tour is looked at again", flush=True)
                 path.unlink(missing_ok=True)
         clear_partials(path)
         with replacing(path) as partial:
             write_detections(partial, {content: look()})
         return read_detections(path)[content], False
+
+
+def _whole(path: Path, content: str) -> Detected:
+    """The detections of a kept file, all arrays verified. ArrayFileError where it is damaged or of another tour."""
+    found = read_detections(path)
+    if content not in found:
+        raise ArrayFileError(f"{path}: detections of another tour; remove the file and make it again")
+    found[content].masks()  # read when they are asked for, and verified then
+    return found[content]

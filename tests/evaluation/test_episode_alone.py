@@ -35,7 +35,7 @@ def alone(tmp_path, monkeypatch) -> Path:
 
 
 def runs(arm: str, episodes: list[Episode], sightings: dict[str, Sightings]) -> list[Rollout]:
-    settings = stage_settings(CONFIG, "executions", arm)
+    settings = stage_settings(CONFIG, "rollouts", arm)
     with session_for(episodes[0], settings.arm, settings) as session:
         return [
             run_episode(session, episode, settings.arm, 0, settings, sightings=sightings.get(episode.id)) for episode in episodes
@@ -71,7 +71,7 @@ def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alo
 @pytest.mark.parametrize("relation", [Relation.MOVING, Relation.REMOVED])
 def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
     episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
-    settings = stage_settings(CONFIG, "executions", "oracle_check")
+    settings = stage_settings(CONFIG, "rollouts", "oracle_check")
     with session_for(episode, settings.arm, settings) as session:
         first, second = (record_tour(session, episode, which, alone, MEASURED_PX) for which in ("first", "second"))
     seen = Sightings(

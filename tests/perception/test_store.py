@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
+import zipfile
 
 import numpy as np
 import pytest
 
+from ovman.perception.array_file import read_arrays
+from ovman.perception.records import DETECTIONS
 from ovman.perception.store import Store
 from tests.perception.test_records import detected
 
@@ -62,6 +65,39 @@ def test_a_file_that_is_not_what_it_should_be_is_made_again(tmp_path, spoilt):
     found, known = store.kept(CONTENT, some)
     assert not known and found.content == CONTENT
     assert store.kept(CONTENT, some)[1]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.5, 0.7, 0.9])
+def test_a_flipped_byte_is_named_and_the_tour_is_looked_at_again(tmp_path, capsys, share):
+    store = Store(tmp_path)
+    whole, _ = store.kept(CONTENT, some)
+    (file,) = tmp_path.rglob("*.npz")
+    content = bytearray(file.read_bytes())
+    content[int(share * len(content))] ^= 1
+    file.write_bytes(content)
+    capsys.readouterr()
+    found, known = store.kept(CONTENT, some)
+    (said,) = capsys.readouterr().out.splitlines() or [""]
+    assert known is (said == "") and (known or said.startswith(str(file)))
+    assert np.array_equal(found.masks(), whole.masks()) and np.array_equal(found.feature, whole.feature)
+    assert store.kept(CONTENT, some)[1]
+
+
+def test_flipped_masks_are_noticed(tmp_path, capsys):
+    """Masks are read when they are asked for; what is kept is verified as a whole."""
+    store = Store(tmp_path)
+    store.kept(CONTENT, some)
+    (file,) = tmp_path.rglob("*.npz")
+    arrays = read_arrays(file, DETECTIONS)
+    (masks,) = (name for name in arrays if name.endswith(".bits"))
+    with zipfile.ZipFile(file) as archive:
+        info = archive.getinfo(f"{masks}.npy")
+        begin = file.read_bytes().index(f"{masks}.npy".encode()) + len(f"{masks}.npy")
+    content = bytearray(file.read_bytes())
+    content[begin + info.compress_size // 2] ^= 1
+    file.write_bytes(content)
+    assert store.kept(CONTENT, some)[1] is False
+    assert str(file) in capsys.readouterr().out
 
 
 def test_what_a_killed_process_left_goes_and_what_a_living_one_writes_stays(tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman.models.run import Terms
 from ovman.models.settings.benchmark import Success
 from ovman.task import Measurement, Relation, spl, success, visible
 
@@ -108,10 +109,13 @@ def test_a_distance_is_a_number_and_not_negative(field, value):
 
 
 def test_a_measurement_is_read_from_the_record_of_a_stop():
-    record = {"box_distance_m": None, "answer_distance_m": 0.4, "navigable_distance_m": 0.2, "visible_px": None, "actions": 7}
-    assert Measurement.from_json(record) == Measurement(None, 0.4, 0.2, None)
+    stop = {"x": 0.0, "z": 1.0, "yaw_deg": 30.0}
+    record = {"stop": stop, "box_distance_m": None, "answer_distance_m": 0.4, "navigable_distance_m": 0.2, "visible_px": None}
+    assert Terms.from_json(record).measurement == Measurement(None, 0.4, 0.2, None)
     record |= {"box_distance_m": 0.1, "visible_px": {"0": 12, "30": 100}}
-    assert Measurement.from_json(record) == Measurement(0.1, 0.4, 0.2, {0: 12, 30: 100})
+    assert Terms.from_json(record).measurement == Measurement(0.1, 0.4, 0.2, {0: 12, 30: 100})
+    with pytest.raises(ValueError, match="did not stop"):
+        _ = Terms.from_json(dict.fromkeys(record)).measurement
 
 
 @PROPERTY

@@ -2,15 +2,15 @@
 
 from pathlib import Path
 
-from ovman.models.record import read_records
+from ovman.models.episode import Episode
 from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 
 with job(snakemake) as work:
-    episodes = [episode for episode in read_records(work.input("episodes")) if episode["scene"] == work.scene]
-    names = sorted({name for episode in episodes for name in episode["visits"].values()})
+    visits = [episode.visits for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
+    names = sorted({name for pair in visits for name in (pair.first, pair.second)})
     (manifest,) = VisitManifest.read(work.input("visits"))
     detections.run(
         {name: manifest.directory(Path("results/visits"), name) for name in names},

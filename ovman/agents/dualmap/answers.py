@@ -1,13 +1,12 @@
-"""The arms on DualMap's maps: one map maintained through both visits, or a map of each visit read by OVMAN's own rules.
+"""The arms on DualMap's maps: one map maintained through both visits, or one map per visit read by the reference agent's rules.
 
-A maintained map is a reading of the current state. It holds former and present places side by side and cannot tell which is
-which, so that it answers every relation alike: with the place of the object that the noun fits best, as DualMap answers a query.
-With grounding handed over it is told which of its objects stand for instances of the category, and that at the places of both
-visits: places of the second alone would tell it what has left, those of the first what has come. One of these objects is as good
-as another, and its success the expectation over a uniform pick. So the published table has it: with its own grounding the rates
-of this row are whole numbers of successes in three runs, with grounding handed over they are not.
+A maintained map describes the current state. It holds former and present places side by side without telling them apart, so it
+answers every relation with the object that fits the noun best, as DualMap answers a query. With privileged grounding it gets the
+objects that stand for instances of the category at their places in both visits; the places of one visit would reveal what has
+come or gone. Its success is then the expectation over a uniform pick among these objects. This agrees with the published table:
+the rates of this row are whole numbers of successes in three runs with own grounding, and are not with privileged grounding.
 
-The two maps of single visits are grounded, associated and decided over as the reference agent's are
+Grounding, association and decision on the two maps of single visits are the reference agent's
 (`ovman.agents.reference.reasoning`).
 """
 
@@ -27,9 +26,9 @@ from ovman.perception.object_map import ObjectMap
 def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer | UniformPick | Abstention, None]:
     """The static arms dualmap_maintained and grounding_dualmap_maintained.
 
-    Own grounding: the centre of the most similar object, of equally similar ones the first that was saved. Handed grounding: a
-    pick among the objects nearest to where either visit recorded an instance, as ``grounding_by_truth`` has it. Abstains with
-    NOTHING_GROUNDED where that is none.
+    Own grounding: the centre of the most similar object, the first saved one in a tie. Privileged grounding: a pick among the
+    objects nearest to the recorded instances of either visit, as ``grounding_by_truth``. Abstains with NOTHING_GROUNDED without
+    such an object.
     """
     found = _maps(context).maintained[context.visits.first, context.visits.second].object_map()
     if not context.privileged_grounding:
@@ -40,8 +39,7 @@ def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arms dualmap_two_visits and grounding_dualmap_two_visits: the reference agent's rules on DualMap's maps.
 
-    A map knows one place of every object, its box's centre, so that MOVING is answered with that of the latest-seen one that is
-    new.
+    A map has one place per object, the centre of its box. The answer to MOVING is the place of the new object that was seen last.
     """
     visits = _maps(context).visits
     map_1, map_2 = (visits[context.visits[which]].object_map() for which in VISITS)

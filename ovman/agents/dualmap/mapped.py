@@ -1,4 +1,4 @@
-"""DualMap's maps as they are saved: every object's place and look, by run."""
+"""DualMap's saved maps: position and feature of every object, by run."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Pair = tuple[str, str]
 
 
 class Sort(StrEnum):
-    """OBJECT: of a local map. ANCHOR: of a global map. RELATED: what a global map has on an anchor."""
+    """OBJECT: of a local map. ANCHOR: of a global map. RELATED: an object on an anchor of a global map."""
 
     OBJECT = "object"
     ANCHOR = "anchor"
@@ -30,8 +30,10 @@ class Sort(StrEnum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """position (2,): x and z of the centre of its box, metres; feature (K,): unit; observations: of how many; first_seen,
-    last_seen: keyframes of the map's life.
+    """An object of a saved map.
+
+    position (2,): x and z of the centre of its box, metres; feature (K,): of unit length; observations: their number;
+    first_seen, last_seen: keyframes of the map.
     """
 
     position: np.ndarray
@@ -57,7 +59,7 @@ class Entry:
 
     @staticmethod
     def of_anchor(anchor: Anchor) -> tuple[Entry, ...]:
-        """An anchor and what is on it."""
+        """An anchor and the objects on it."""
         kept: list[tuple[Sort, Anchor | Related]] = [(Sort.ANCHOR, anchor)]
         kept += [(Sort.RELATED, related) for related in anchor.related]
         return tuple(
@@ -67,15 +69,13 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Mapped:
-    """One saved map. frames: keyframes that it was made of."""
+    """One saved map. frames: number of its keyframes."""
 
     entries: tuple[Entry, ...]
     frames: int
 
     def object_map(self) -> ObjectMap:
-        """What the reference agent's rules need of it. A track is the one place that the map knows of an object, last_seen the
-        keyframe of its last observation.
-        """
+        """The map for the reference agent's rules. A track is the one position of an object; last_seen its last keyframe."""
         entries = self.entries
         return ObjectMap(
             p=np.array([e.position for e in entries], dtype=np.float64).reshape(-1, 2),
@@ -87,14 +87,14 @@ class Mapped:
 
 @dataclass(frozen=True, slots=True)
 class RunMaps:
-    """The maps of a scene that one run made. visits: of each visit by its name; maintained: of the two visits of each pair."""
+    """The maps of a scene of one run. visits: of each visit by its name; maintained: of the two visits of each pair."""
 
     visits: Mapping[str, Mapped]
     maintained: Mapping[Pair, Mapped]
 
 
 def write(path: Path, runs: Sequence[RunMaps]) -> None:
-    """Write the maps of all runs of a scene. Every run has maps of the same visits and pairs."""
+    """Write the maps of all runs of a scene. Raises ValueError unless all runs have the same visits and pairs."""
     visits, pairs = list(runs[0].visits), list(runs[0].maintained)
     if any(list(run.visits) != visits or list(run.maintained) != pairs for run in runs):
         raise ValueError("runs of a scene have maps of the same visits and pairs")
@@ -117,11 +117,11 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
 
 
 def read(path: Path) -> tuple[RunMaps, ...]:
-    """The maps of all runs of a scene. ArrayFileError for a file that is none of them."""
+    """The maps of all runs of a scene. ArrayFileError for a missing, damaged or other file."""
     try:
         arrays = read_arrays(path, SCHEMA)
     except FileNotFoundError:
-        raise ArrayFileError(f"{path} is not there; make the stage dualmap") from None
+        raise ArrayFileError(f"{path} is missing; make the stage dualmap") from None
     rows = zip(
         arrays["position"],
         arrays["feature"],

@@ -28,7 +28,7 @@ def pairs_of(episodes: Sequence[Episode]) -> list[Pair]:
 
 
 def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[Pair], seed: int, constants: Settings) -> RunMaps:
-    """The maps of a scene that the run of that number makes. seed: root of its draws; constants: those of section `dualmap`."""
+    """The maps of a scene of the run `number`. seed: root of its draws; constants: those of section `dualmap`."""
 
     def draws(*visits: str) -> np.random.Generator:
         return seeds.generator(seed, "dualmap", scene, *visits, number)
@@ -40,7 +40,7 @@ def run_of(number: int, scene: str, walks: Mapping[str, Walk], pairs: Sequence[P
 
 
 def check(scene: str, run: int, made: RunMaps) -> None:
-    """MapsError for a map of no object, which would answer nothing and look like a poor system."""
+    """MapsError for a map without objects, which would pass for a system that fails."""
     named: dict[str, Mapped] = {**made.visits, **{" and ".join(pair): mapped for pair, mapped in made.maintained.items()}}
     for name, mapped in named.items():
         if not mapped.entries:
@@ -51,9 +51,9 @@ def check(scene: str, run: int, made: RunMaps) -> None:
 
 
 def run(scene: str, walks_file: Path, episodes_file: Path, constants: Settings, output: Path) -> None:
-    """Write the maps of a scene, and print how many objects they hold and what they took.
+    """Write the maps of a scene, and print their numbers of objects and the time.
 
-    MapsError as ``check``, and for an episode's visit that was not walked.
+    MapsError as ``check``, and for an episode's visit without a walk.
     """
     episodes = [episode for episode in Episode.load(episodes_file) if episode.scene == scene]
     walks, pairs = read_walks(walks_file), pairs_of(episodes)

@@ -1,7 +1,7 @@
-"""Stage `walks`: what DualMap observes on the dense walks of a scene's visits.
+"""Stage `walks`: DualMap's observations on the dense walks of a scene's visits.
 
-Frames of equal content are looked at once, in whichever walks of the scene they are: much of a second visit looks as in the
-first. What a walk showed for the first time is kept as soon as the walk ends, so that a killed job goes on with the next one.
+Frames of equal content are processed once per scene, because most frames of a second visit equal those of the first. The
+new frames of a walk are saved when it ends, so that a killed job continues with the next walk.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from ovman.agents.dualmap.shot import Shot, without_ceiling
 from ovman.atomic import replacing
 from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
+from ovman.models.settings.baselines import DualmapObservation
+from ovman.models.settings.networks import Perception
 from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
@@ -37,7 +39,7 @@ from ovman.workflow.parameter import StageSettings
 
 PART = "ovman-walk-part/2"
 TOGETHER = 8
-"""Frames that are looked at at a time."""
+"""Batch size of frames."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,7 @@ class Assigned:
 
     @property
     def identity(self) -> list[Any]:
-        """What the frames of its walk depend on, JSON-serialisable."""
+        """Cache key of its walk: everything its frames depend on, JSON-serialisable."""
         episode, record = self.episode, self.recorded.to_json()
         protocol = {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")}
         drawn = [episode.backend, episode.provenance.seed, episode.id, protocol]
@@ -86,7 +88,7 @@ def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
 
 
 def content(frame: Frame) -> str:
-    """Digest of a frame: of its picture, its depth and its camera."""
+    """Digest of the picture, the depth and the camera of a frame."""
     found = hashlib.blake2b(repr(frame.camera).encode(), digest_size=16)
     for array in (frame.rgb, frame.depth):
         found.update(np.ascontiguousarray(array).data)
@@ -101,7 +103,7 @@ class Memory:
         self._observer, self._runs, self._seed = observer, runs, seed
 
     def walked(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
-        """Looks at what is new in a walk. Returns of every frame its content and its view, and the shots that were new."""
+        """Process the new frames of a walk. Returns content and view of every frame, and the new shots."""
         contents, views = [], []
         waiting: dict[str, Frame] = {}
         new: dict[str, Shot] = {}
@@ -117,7 +119,7 @@ class Memory:
         return contents, views, new | self._look(waiting)
 
     def _look(self, waiting: Mapping[str, Frame]) -> dict[str, Shot]:
-        """Which pixels a run draws of a frame depends on the frame alone: a walk does not hang on the walks before it."""
+        """Process frames. The pixels that a run draws depend on the frame only, so that walks are independent of each other."""
         if not waiting:
             return {}
         draws = [
@@ -128,10 +130,10 @@ class Memory:
 
 
 def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path) -> None:
-    """Writes what DualMap observes on the walks of the visits `of` (name -> what to walk), in their order.
+    """Write DualMap's observations on the walks of the visits `of` (by name), in their order.
 
-    constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else is the episodes'. kept: directory of
-    what a killed job left. Raises WalkError, WeightsError.
+    constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else comes from the
+    episodes. kept: directory of finished walks of a killed job. Raises WalkError, WeightsError.
     """
     perception, dualmap = constants.perception, constants.dualmap
     observer = cache(lambda: _observer(perception, dualmap.observation))
@@ -172,7 +174,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
 
 
 def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
-    """Walks, and keeps what was new. What is remembered is what the file has, whether a job was killed in between or not."""
+    """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
     contents, views, new = memory.walked(frames(session, one, turn_deg))
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
     with replacing(part) as partial:
@@ -183,7 +185,7 @@ def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part
 
 
 def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
-    """A walk that was kept, its shots put into the memory; None where there is none, or where what it builds on is gone."""
+    """A saved walk, its shots added to memory; None if the file or a walk that it builds on is missing."""
     try:
         arrays = read_arrays(part, PART)
     except (FileNotFoundError, ArrayFileError):
@@ -196,5 +198,5 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     return contents, arrays["view"].tolist()
 
 
-def _observer(perception: Any, observation: Any) -> Observer:
+def _observer(perception: Perception, observation: DualmapObservation) -> Observer:
     return Observer(networks.detector_of(perception, observation.confidence), networks.encoder_of(perception), observation)

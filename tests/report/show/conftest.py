@@ -14,7 +14,7 @@ import pytest
 from ovman.analysis import metrics
 from ovman.evaluation import predictions
 from ovman.language import noun
-from ovman.models.change import Change, MoverStart
+from ovman.models.change import Change, Lane, MoverStart
 from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
 from ovman.models.geometry import Position, Spawn
 from ovman.models.record import line, lines
@@ -30,6 +30,7 @@ from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.task import Relation
 from ovman.workflow import config
+from ovman.workflow.parameter import stage_settings
 from tests.arms import REFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -70,7 +71,9 @@ def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Ch
             return here, without, target, None, (change.model_copy(update={"kind": "disable", "after": None}),)
         case Relation.MOVING:
             path = ((0.5, 3.0), (1.2, 3.0), (1.9, 3.0), (2.6, 2.6))
-            moving = change.model_copy(update={"kind": "motion", "after": point(path[-1]), "path": path})
+            lane = Lane(x_0=0.5, z_0=3.0, x_1=2.6, z_1=2.6)
+            motion = {"kind": "motion", "after": point(path[-1]), "path": path, "placement": None, "lane": lane}
+            moving = change.model_copy(update=motion)
             return here, here | {target: path[-1]}, target, None, (moving,)
 
 
@@ -172,13 +175,6 @@ def _sightings(episode: Episode) -> Sightings:
     return Sightings(episode=episode.id, sightings=VisitPair[tuple[Sighting, ...]](first=first, second=second))
 
 
-def _trial(episode: Episode) -> dict[str, Any]:
-    box = {"x": [0.0, 4.0], "z": [0.0, 4.0]}
-    found = _sightings(episode).to_json()
-    measured = {"visits": episode.visits.to_json(), "sightings": found["sightings"], "reachable_box": box}
-    return {"candidate": {"id": episode.id, "category": CATEGORY, "relation": str(episode.relation)}, "measured": measured}
-
-
 def _run(arm: str, seed: int, episode: Episode) -> dict[str, Any]:
     """Seed 0 finds the answer, seed 1 does not, and seed 2 abstains."""
     abstains = seed == 2
@@ -211,7 +207,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     """The results directory; tests read it, and copy it to change it."""
     root = tmp_path_factory.mktemp("show") / "results"
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
-    for folder in ("episodes", "scenes", "trials", "detections", "maps", "predictions"):
+    for folder in ("episodes", "scenes", "detections", "maps", "predictions"):
         (root / folder).mkdir(parents=True)
     episodes, found = [], {}
     for relation in Relation:
@@ -241,8 +237,6 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     (root / "scenes" / f"{SCENE}.json").write_text(scene.to_line())
     (root / "episodes" / "main.jsonl").write_text(lines(episodes))
     (root / "episodes" / "sightings.jsonl").write_text(lines(map(_sightings, episodes)))
-    trials = root / "trials" / f"{SCENE}.jsonl"
-    trials.write_text("".join(line(_trial(episode)) for episode in episodes))
     write_detections(root / "detections" / f"{SCENE}.npz", found)
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
     write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0])})
@@ -251,11 +245,13 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
         main = root / "episodes" / "main.jsonl"
-        predictions.run(arm, main, [trials], constants, files[-1], root / "visits", perceived)
+        stage = stage_settings(settings, "predictions", arm.name)
+        sightings = root / "episodes" / "sightings.jsonl"
+        predictions.run(arm, main, stage, files[-1], sightings, root / "visits", perceived)
     runs = []
     for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):
-            runs.append(root / "runs" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
+            runs.append(root / "scores" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
             runs[-1].parent.mkdir(parents=True)
             runs[-1].write_text("".join(line(_run(arm.name, seed, episode)) for episode in episodes))
     metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics", REFERENCE)

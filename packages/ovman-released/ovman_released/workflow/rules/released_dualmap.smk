@@ -34,6 +34,7 @@ rule released_dualmap:
         note="results/notes/released_dualmap.json",
         scene="results/scenes/{scene}.json",
         episodes="results/episodes/main.jsonl",
+        visits="results/visits/{scene}.json",
     output:
         maps="results/released_dualmap/maps/{scene}.npz",
         nouns="results/released_dualmap/nouns/{scene}.npz",

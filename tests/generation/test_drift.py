@@ -1,0 +1,56 @@
+"""A placed instance that does not stay: through the real engine, from the candidate to the verdict."""
+
+from __future__ import annotations
+
+import pytest
+
+from ovman.generation.scenes import survey
+from ovman.generation.trials import Trials
+from ovman.generation.verdict import verdict
+from ovman.models.candidate import Candidate
+from ovman.models.change import Alteration
+from ovman.models.geometry import Spawn
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.models.settings import Settings
+from ovman.sim.session import Session
+from ovman.workflow.parameter import stage_settings
+from tests.workflow.test_reruns import CONFIG
+
+SCENE, MUG = "FloorPlan301", "Mug|+02.82|+00.80|-01.22"
+ON_A_BALL = Alteration(kind="displace", instance=MUG, placement=(0.201, -1.217), height_m=0.2994)
+"""Put down on a basketball, the mug slides off and comes to rest on the floor beside it."""
+
+
+@pytest.fixture(scope="module")
+def trial(tmp_path_factory):
+    settings = stage_settings(CONFIG, "trials")
+    with Session(SCENE, settings) as session:
+        scene = survey(session, CONFIG.tour.waypoints, CONFIG.primitives.step_m)
+        x, z = scene.waypoints[-1]
+        candidate = Candidate(
+            id=f"{SCENE}/moved/0000",
+            scene=SCENE,
+            relation=Relation.MOVED,
+            category="Mug",
+            target=MUG,
+            distractor=None,
+            first=(),
+            second=(ON_A_BALL,),
+            spawn=Spawn(x=x, z=z, yaw_deg=0.0),
+            refused=None,
+        )
+        return Trials(session, scene, settings, tmp_path_factory.mktemp("visits")).measure(candidate)
+
+
+def limits(drift_tolerance_m: float) -> Settings:
+    admissibility = CONFIG.admissibility.model_copy(update={"drift_tolerance_m": drift_tolerance_m})
+    return CONFIG.model_copy(update={"admissibility": admissibility})
+
+
+def test_what_slides_off_has_drifted_from_its_placement(trial):
+    drift_m = trial.measured.drift_m[MUG]
+    assert CONFIG.admissibility.drift_tolerance_m < drift_m < CONFIG.admissibility.tau_m
+    assert Rejection.DRIFTED in verdict(trial, CONFIG).reasons
+    assert Rejection.DRIFTED in verdict(trial, limits(drift_m - 1e-4)).reasons
+    assert Rejection.DRIFTED not in verdict(trial, limits(drift_m)).reasons
