@@ -17,7 +17,7 @@ from tests.workflow.conftest import ROOT, TINY
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
 DUALMAP = ("dualmap", "predictions:dualmap")
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
-    "scenes": ("backprojection", "candidates", "perception", "trials"),
+    "scenes": ("backprojection", "candidates", "episodes", "perception", "trials"),
     "candidates": ("trials",),
     "trials": ("admissible", "backprojection", "certified", "detections", "episodes", "rollouts", "perception", "walks"),
     "admissible": ("certified", "episodes"),
@@ -69,6 +69,13 @@ OTHER = {
     "perception.encoder.sha256": "0" * 64,
     "training.encoder.crop_px": 96,
     "dualmap.maintained": "preloaded_global",
+    "comparisons.agent": "single_visit",
+    "comparisons.rungs": {"two_visits": "another"},
+    "comparisons.pairs": {"two visits against one": {"arm": "grounding_two_visits"}},
+    "comparisons.pairings": {"two visits against DualMap read as two visits": {"arm": "grounding_two_visits"}},
+    "comparisons.difficulty": {"single_visit": "another"},
+    "paper.static": {"single_visit": "two"},
+    "paper.embodied": {"cow": "one"},
     "cow.centre_only": False,
 }
 

@@ -5,7 +5,7 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.analysis import registry
+from ovman.analysis.registry import compared, in_tables, of_stage
 from ovman.models.settings import Kind, Need, named, of_kind, arms_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical

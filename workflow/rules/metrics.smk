@@ -4,7 +4,7 @@ rule metrics:
         predictions=expand("results/predictions/{arm}.jsonl", arm=STATIC),
         scores=expand("results/scores/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
     output:
-        expand("results/metrics/{name}.csv", name=registry.of_stage("metrics")),
+        expand("results/metrics/{name}.csv", name=of_stage("metrics")),
     log:
         "logs/metrics.log",
     benchmark:
