@@ -19,9 +19,9 @@ def record(scene: str, output: Path, thor: bool, config: Path) -> str:
     settings = load(config)
     benchmark = settings.benchmark.model_copy(update={"backend": THOR if thor else EMBEDDED})
     chosen = settings.model_copy(update={"benchmark": benchmark})
-    tape = rehearsal.record(scene, {stage: stage_settings(chosen, stage) for stage in rehearsal.STAGES}, output)
-    calls = sum(1 for _ in tape.calls())
-    return f"{output}: {calls} calls of {tape.header.backend} on {scene}, {output.stat().st_size / 1e6:.1f} MB"
+    recording = rehearsal.record(scene, {stage: stage_settings(chosen, stage) for stage in rehearsal.STAGES}, output)
+    calls = sum(1 for _ in recording.calls())
+    return f"{output}: {calls} calls of {recording.header.backend} on {scene}, {output.stat().st_size / 1e6:.1f} MB"
 
 
 def replay(path: Path, thor: bool) -> tuple[bool, list[str]]:
@@ -29,15 +29,15 @@ def replay(path: Path, thor: bool) -> tuple[bool, list[str]]:
 
     ValueError, in one line, if the file is no recording or OVMAN's code now calls the simulator differently.
     """
-    tape = read(path)
-    of, now = tape.header.backend, THOR if thor else EMBEDDED
-    versions = ", ".join(f"{name} {number}" for name, number in tape.header.versions.items())
-    said = [f"recorded: {of} on {tape.header.scene}, {versions}, {', '.join(tape.header.platform.values())}"]
-    changed = rehearsal.rehearsed(tape)
+    recording = read(path)
+    of, now = recording.header.backend, THOR if thor else EMBEDDED
+    versions = ", ".join(f"{name} {number}" for name, number in recording.header.versions.items())
+    said = [f"recorded: {of} on {recording.header.scene}, {versions}, {', '.join(recording.header.platform.values())}"]
+    changed = rehearsal.rehearsed(recording)
     said.append(
-        f"the same work on the recorded answers: {len(tape.results())} results, otherwise: {', '.join(changed) or 'none'}"
+        f"the same work on the recorded answers: {len(recording.results())} results, otherwise: {', '.join(changed) or 'none'}"
     )
-    summaries = rehearsal.compared(tape, now)
+    summaries = rehearsal.compared(recording, now)
     told = [s for s in summaries if s.rule is None]
     said.append(
         f"the same calls asked of {now}: {len(summaries) - len(told)} keys differ as they may, {len(told)} as they may not"

@@ -23,7 +23,7 @@ from ovman.generation.trials import Trials
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recording.comparison import RULES, Summary, summaries
-from ovman.sim.recording.file import Header, Result, Tape, TapeError, Writer, read
+from ovman.sim.recording.file import Header, Recording, RecordingError, Result, Writer, read
 from ovman.sim.recording.live import replayed
 from ovman.sim.recording.playback import Playback
 from ovman.sim.recording.recorder import Recorder, plain
@@ -57,7 +57,7 @@ def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start
                 yield Result(f"{relation.value} oracle", {"seed": seed} | oracle_run(session, trial, seed, certified).to_json())
 
 
-def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape:
+def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Recording:
     """Do the work on the backend of `views`, record it in `output`, and read the recording back."""
     header = Header(
         views["scenes"].benchmark.backend,
@@ -73,24 +73,24 @@ def record(scene: str, views: Mapping[str, StageSettings], output: Path) -> Tape
     return read(output)
 
 
-def rehearsed(tape: Tape) -> list[str]:
+def rehearsed(recording: Recording) -> list[str]:
     """Repeat the work on the recorded answers: names of the results that differ from the recorded ones.
 
-    TapeError if the work calls the simulator differently than when it was recorded.
+    RecordingError if the work calls the simulator differently than when it was recorded.
     """
-    playback = Playback(tape)
-    views = {stage: StageSettings.parse(text) for stage, text in tape.header.constants.items()}
-    again = {result.work: plain(result.record) for result in work(tape.header.scene, views, playback.start)}
+    playback = Playback(recording)
+    views = {stage: StageSettings.parse(text) for stage, text in recording.header.constants.items()}
+    again = {result.work: plain(result.record) for result in work(recording.header.scene, views, playback.start)}
     if rest := playback.rest():
-        raise TapeError(f"{rest} recorded calls are not asked for any more; record it anew with this version")
-    was = tape.results()
+        raise RecordingError(f"{rest} recorded calls are not asked for any more; record it anew with this version")
+    was = recording.results()
     return [name for name in {**was, **again} if was.get(name) != again.get(name)]
 
 
-def compared(tape: Tape, backend: str) -> list[Summary]:
+def compared(recording: Recording, backend: str) -> list[Summary]:
     """The answers of `backend` that differ from the recorded ones; none may differ for the recording's own backend."""
-    rules: Sequence[Any] = () if tape.header.backend == backend else RULES
-    return summaries(list(replayed(tape, backend)), rules)
+    rules: Sequence[Any] = () if recording.header.backend == backend else RULES
+    return summaries(list(replayed(recording, backend)), rules)
 
 
 def _versions() -> dict[str, str]:

@@ -30,9 +30,9 @@ SURFACES = frozenset(
         "TVStand",
     )
 )
-"""Categories whose top carries things."""
+"""Categories whose top carries objects."""
 SLABS = frozenset(("CounterTop",))
-"""Categories whose recorded box is that of their top alone; what carries it reaches to the floor."""
+"""Categories whose recorded box covers their top alone; what carries the top reaches to the floor."""
 LARGEST_ON_SURFACE_M = 0.5
 """Objects wider than this are furniture and stand on the floor."""
 ABOVE_SURFACE_M = 0.05
@@ -40,9 +40,11 @@ ABOVE_SURFACE_M = 0.05
 CLEARANCE_M = 0.02
 """Gap that is left between a placed object and its neighbours."""
 FLUSH_M = 0.02
-"""What ends this little below a surface is let into it, as sinks and burners are."""
+"""An object that ends at most this far below a surface is sunk into it, such as a sink or a burner."""
 JITTER_M = 0.1
+"""Largest distance of a spot from its cell, along x and along z, metres."""
 LONGEST_LANE_M = 4.0
+"""Lanes are cut to this length, metres."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,7 @@ class FreeFloor:
 
     @staticmethod
     def of(scene: Scene, item: SceneObject, step_m: float) -> FreeFloor:
+        """The free floor of `scene` for `item`. step_m: spacing of the navigation grid, metres."""
         top = scene.floor_y + item.size.y
         boxes = [
             (o.position.x, o.position.z, o.size.x / 2, o.size.z / 2)
@@ -158,7 +161,7 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
 
 
 def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
-    """Places for `item`: furniture goes to the floor, small things to furniture or, where there is none, to the floor."""
+    """Places for `item`: furniture goes to the floor, small objects go to furniture, or to the floor if no furniture fits."""
     return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)
 
 

@@ -1,1 +1,1 @@
-
+"""Settings and records as frozen pydantic models."""

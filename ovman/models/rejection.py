@@ -40,6 +40,7 @@ class Rejection(StrEnum):
 
     @property
     def stage(self) -> RejectionStage:
+        """The part of Algorithm 1 that rejects for this reason."""
         return _STAGES[self]
 
 

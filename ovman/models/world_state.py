@@ -41,6 +41,7 @@ class Instance:
 
     @property
     def position(self) -> Point:
+        """Floor-plane position in metres."""
         return self.x, self.z
 
     @property

@@ -1,4 +1,4 @@
-"""The one place that starts a simulator. Everything after it is the same for the embedded engine and for Unity."""
+"""Starts simulators. All other code is the same for the embedded engine and for Unity."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
 Start = Callable[[str, str, Embodiment], Any]
-"""What `start` is: backend, scene and embodiment to a Controller, or to what answers as one."""
+"""Type of `start`: from backend, scene and embodiment to a Controller or an object with its methods."""
 BACKENDS = ("embedded", "thor")
+"""Simulators: this project's engine, AI2-THOR's Unity build."""
 START_LIMIT_S = 600.0
-"""How long a simulator may take to its first scene; the engine compiles its kernels once."""
+"""Time limit from the start of a simulator to its first scene; the engine compiles its kernels once."""
 WATCH_S = 0.2
-"""How often a start is looked at."""
+"""Seconds between two looks at a start."""
 ENDING_S = 1.0
-"""How long a process may take to end after its pipes have been closed."""
+"""Time limit for the end of a process after its pipes were closed."""
 NONSENSE = bytes(5)
-"""A frame of a type that there is not."""
+"""A wire frame of unknown type."""
 
 
 def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
-    """A running ai2thor Controller on `scene`, with a body and a camera. `backend` as for `launched`."""
+    """A running ai2thor Controller on `scene` with the body and camera of `embodiment`. backend, errors: as for `launched`."""
     from ai2thor.controller import Controller
 
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
@@ -42,19 +43,19 @@ def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
 
 
 def launched(kind: type[Controller], backend: str, **options: Any) -> Controller:
-    """A running Controller of `kind` with parameters of its own.
+    """A running Controller of class `kind`. options: parameters of the Controller.
 
-    `backend` is "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). ValueError for
-    another backend; unity.Missing, which is one, where the machine lacks something or the build cannot be had; ConnectionError if
-    the simulator ends meanwhile, or is not there within START_LIMIT_S.
+    backend: "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Raises ValueError
+    for another backend; unity.Missing, a ValueError, if the machine lacks a requirement or the build; ConnectionError
+    if the simulator ends during its start or does not start within START_LIMIT_S.
     """
     if backend == "embedded":
         from ovman_engine import executable
 
-        # The client asks for Vulkan if it sees a GPU.
+        # The client requires Vulkan if the environment names a GPU.
         hidden = os.environ.pop("CUDA_VISIBLE_DEVICES", None)
         try:
-            # Without a time limit the end of a pipe is the end of the engine; with one, the client waits for the limit.
+            # Without a time limit the client takes the end of a pipe for the end of the engine; with one it waits for the limit.
             return _started(kind, local_executable_path=executable(), server_timeout=None, **options)
         finally:
             if hidden is not None:
@@ -71,7 +72,7 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
 
 
 def masks_only(backend: str) -> dict[str, Any]:
-    """Arguments of a step of whose image only the instance masks are wanted. Unity draws all or nothing: it is not asked."""
+    """Arguments of a step that asks for instance masks alone. Empty for Unity, which has no such option."""
     if backend != "embedded":
         return {}
     from ovman_engine import MASKS_ONLY
@@ -80,7 +81,7 @@ def masks_only(backend: str) -> dict[str, Any]:
 
 
 def ended(controller: Controller) -> bool:
-    """Whether the process of a Controller's simulator has ended. Asked when something went wrong: an end under way is awaited."""
+    """Whether the process of a Controller's simulator has ended; waits up to ENDING_S for an end under way."""
     process = getattr(vars(controller).get("server"), "unity_proc", None)
     try:
         return process is not None and process.wait(ENDING_S) is not None
@@ -89,7 +90,7 @@ def ended(controller: Controller) -> bool:
 
 
 def _lengthen_depth(made: Controller) -> None:
-    """Unity's depth at z metres reads z (far - near) / far. From now on every depth image of `made` is z."""
+    """Correct the depth images of `made`: at z metres Unity gives z (far - near) / far, the corrected image gives z."""
     server = made.server
     read = server.create_event
     scale = np.float32(server.camera_far_plane / (server.camera_far_plane - server.camera_near_plane))
@@ -107,8 +108,7 @@ def _lengthen_depth(made: Controller) -> None:
 def _started(kind: type[Controller], **options: Any) -> Controller:
     """A Controller of these options. ConnectionError if its simulator ends meanwhile, or takes longer than START_LIMIT_S.
 
-    A simulator that ends before it has opened its pipes would leave the client opening them for ever, and so would one that never
-    opens them. What is left of a failed start is ended.
+    The client would wait forever for a simulator that does not open its pipes. A failed start leaves no process.
     """
     made: Controller = object.__new__(kind)
     done = threading.Event()
@@ -130,9 +130,9 @@ def _started(kind: type[Controller], **options: Any) -> Controller:
 
 
 def _let_go(starting: Controller, done: threading.Event) -> None:
-    """Says nonsense to a client whose simulator has ended during its start: an end of file it would not believe for minutes.
+    """Send an invalid frame to a client whose simulator ended during its start: an end of file alone takes it minutes to accept.
 
-    A simulator that takes too long is ended first.
+    A simulator that exceeds START_LIMIT_S is killed first.
     """
     begun = None
     while not done.wait(WATCH_S):

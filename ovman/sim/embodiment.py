@@ -1,4 +1,4 @@
-"""What an agent is in the simulator: AI2-THOR's kind of body, its camera, its step and its turn."""
+"""Embodiments: AI2-THOR's agent mode, its camera, its step and its turn."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from ovman.models.settings import Settings
 
 UNSEEN_M = 0.01
-"""The simulator is told that nothing farther than this counts as visible; it takes no 0."""
+"""Visibility distance given to the simulator, which refuses 0; visibility is judged by masks instead."""
 
 
 @dataclass(frozen=True)
 class Embodiment:
     """A body with a camera.
 
-    Frames are `width_px` x `height_px` with a vertical field of view in degrees; MoveAhead goes `step_m` metres, RotateLeft turns
-    `turn_deg`. `mode` is AI2-THOR's agentMode: "default", or "locobot", whose moves and turns are inexact where it is `noisy`.
-    `instances`: whether images come with instance segmentation; RGB and depth always do.
+    width_px, height_px: of the frames; field_of_view_deg: vertical. step_m: length of MoveAhead; turn_deg: angle of RotateLeft.
+    mode: AI2-THOR's agentMode, "default" or "locobot"; noisy: whether its moves and turns are inexact. instances: whether images
+    come with instance segmentation; RGB and depth always do.
     """
 
     width_px: int
@@ -34,15 +34,15 @@ class Embodiment:
 
     @staticmethod
     def of(constants: Settings) -> Embodiment:
-        """The benchmark's own, from a stage's view that owns camera.*, primitives.step_m and primitives.turn_deg."""
+        """The embodiment of the benchmark. constants: must own camera.*, primitives.step_m and primitives.turn_deg."""
         camera, primitives = constants.camera, constants.primitives
         return Embodiment(camera.width_px, camera.height_px, camera.field_of_view_deg, primitives.step_m, primitives.turn_deg)
 
     @staticmethod
     def named(name: str, constants: Settings) -> Embodiment:
-        """The one that an arm names: "default", the benchmark's own, or "locobot", CoW's. The latter owns locobot.* as well.
+        """The embodiment that an arm names: "default", that of the benchmark, or "locobot", that of CoW.
 
-        ValueError for another name.
+        constants: as for `of`; for "locobot" they must own locobot.* as well. ValueError for another name.
         """
         own = Embodiment.of(constants)
         if name == "default":
@@ -55,7 +55,7 @@ class Embodiment:
         raise ValueError(f"{name!r} is no embodiment; there are default and locobot")
 
     def initialization(self) -> dict[str, Any]:
-        """Parameters of the Controller that AI2-THOR keeps until they are given anew: a reset brings them back by itself."""
+        """Parameters of the Controller; AI2-THOR restores them at every reset."""
         given: dict[str, Any] = {
             "fieldOfView": self.field_of_view_deg,
             "gridSize": self.step_m,
@@ -64,9 +64,9 @@ class Embodiment:
             "rotateStepDegrees": self.turn_deg,
             "renderDepthImage": True,
             "renderInstanceSegmentation": self.instances,
-            # Of the initialisation alone: a world that was just reset is looked at when it is as it should be.
+            # At the initialisation alone; later steps ask for images themselves.
             "renderImage": False,
-            # What is seen is told by masks. To find out who is "visible" may take longer than all else that a step does.
+            # Masks tell what is seen; the computation of "visible" may take longer than the rest of a step.
             "visibilityDistance": UNSEEN_M,
         }
         if self.mode != "default":
@@ -74,9 +74,9 @@ class Embodiment:
         return given
 
     def seen_by(self, camera: Embodiment, mask: np.ndarray) -> np.ndarray:
-        """A mask (H, W) of this camera's frame as the frame of `camera` at the same pose has it, by nearest pixels.
+        """A mask (H, W) of this camera's frame resampled to the frame of `camera` at the same pose, by nearest pixels.
 
-        What is counted in pixels is then the same in the frames of any camera. What only `camera` sees is False.
+        Pixel counts then do not depend on the embodiment. Pixels that this camera does not see are False.
         """
         if (self.height_px, self.width_px, self.field_of_view_deg) == (
             camera.height_px,

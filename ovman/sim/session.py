@@ -1,4 +1,4 @@
-"""A scene on a Controller, in the words that the benchmark uses: floor-plane metres, degrees, pixel counts."""
+"""A scene on a Controller in the units of the benchmark: floor-plane metres, degrees, pixel counts."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 
 DEATHS = 3
-"""Simulators that may die over one piece of work: what kills one after the other is no accident."""
+"""Deaths of simulators after which a piece of work is given up."""
 
 Result = TypeVar("Result")
 
 
 class SimulatorError(RuntimeError):
-    """The simulator refused something that a session relies on; the message is the simulator's."""
+    """The simulator refused an action; the message is the simulator's."""
 
 
 class SimulatorDied(Exception):
-    """The simulator's process ended, or its client no longer understands it. No SimulatorError: nothing was refused."""
+    """The simulator's process ended, or its answers are unreadable. Not a SimulatorError: no action was refused."""
 
 
 @dataclass(frozen=True)
 class AgentPose:
-    """Where the agent stands: floor plane in metres, degrees; yaw 0 looks along +z, 90 along +x; horizon positive is down."""
+    """Pose of the agent: floor plane in metres, degrees; yaw 0 looks along +z, 90 along +x; a positive horizon looks down."""
 
     x: float
     z: float
@@ -40,17 +40,16 @@ class AgentPose:
 
 
 def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float:
-    """Yaw in [0, 360) that looks from one floor-plane point to another; 0 where they coincide."""
+    """Yaw in [0, 360) from one floor-plane point to another; 0 for equal points."""
     return math.degrees(math.atan2(to_x - from_x, to_z - from_z)) % 360.0
 
 
 class Session:
-    """One scene, opened when it is first needed, so that a job whose work is already done starts no simulator.
+    """One scene on a simulator. The simulator starts at the first reset: a job without work starts none. A context manager.
 
-    A context manager. `constants` is a stage's view of config.yaml and must own benchmark.backend, camera.*, primitives.step_m
-    and primitives.turn_deg. `embodiment` is the agent's body where it is another than the benchmark's own, `start` what gives the
-    Controller where that is not `controller.start`. Every step that fails raises SimulatorError unless it is said to be allowed,
-    and SimulatorDied if there is no simulator any more; see `with_restarts`.
+    constants: a stage's settings; must own benchmark.backend, camera.*, primitives.step_m and primitives.turn_deg. embodiment:
+    None for that of the benchmark. start: gives the Controller, None for `controller.start`. A step that fails raises
+    SimulatorError unless failure is allowed, and SimulatorDied if the simulator has ended; see `with_restarts`.
     """
 
     def __init__(
@@ -59,7 +58,7 @@ class Session:
         self.scene = scene
         self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment
         self._start = start
-        # What is recorded is to be asked of any simulator.
+        # A recording must be replayable on any simulator.
         self._masks_only = controller.masks_only(constants.benchmark.backend) if start is None else {}
         self._constants = constants
         self._controller: Any = None
@@ -73,14 +72,14 @@ class Session:
 
     def _stop(self) -> None:
         if self._controller is not None:
-            with suppress(OSError):  # the pipes of a dead simulator do not close in peace
+            with suppress(OSError):  # closing the pipes of a dead simulator fails
                 self._controller.stop()
             self._controller = None
 
     def with_restarts(self, work: Callable[[], Result]) -> Result:
-        """What `work` returns. If the simulator dies meanwhile, `work` is done again from its beginning, with another one.
+        """The result of `work`. If the simulator dies, `work` is repeated from its beginning on a new one.
 
-        `work` begins with a reset and depends on nothing that it changed itself. SimulatorDied if a number of simulators die.
+        work: begins with a reset and depends on nothing that it changed itself. SimulatorDied after DEATHS simulators.
         """
         for _ in range(DEATHS - 1):
             try:
@@ -91,7 +90,7 @@ class Session:
 
     @contextmanager
     def _watched(self, doing: str) -> Iterator[None]:
-        """The Controller stops its simulator on whatever goes wrong between them, and cannot be used after that."""
+        """Turn failures of the connection into SimulatorDied: the Controller stops its simulator and is unusable afterwards."""
         try:
             yield
         except Exception as error:
@@ -119,7 +118,7 @@ class Session:
         self.settle()
 
     def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
-        """One action; returns its event. With `image` the event carries RGB, depth and ids. A failure raises unless `allowed`."""
+        """Execute an action; its event. image: whether it carries RGB, depth, ids. allowed: a failure does not raise."""
         with self._watched(action):
             self._event = self._controller.step(action=action, renderImage=image, **arguments)
         if not self._event.metadata["lastActionSuccess"] and not allowed:
@@ -141,13 +140,13 @@ class Session:
 
     @property
     def rgb(self) -> np.ndarray | None:
-        """(H, W, 3) uint8 of the last step's image, None if it had none."""
+        """RGB image (H, W, 3) uint8 of the last step, None for a step without an image."""
         frame: np.ndarray | None = self._event.frame
         return frame
 
     @property
     def depth(self) -> np.ndarray:
-        """(H, W) float32 of the last step's image, metres along the optical axis."""
+        """Depth image (H, W) float32 of the last step, metres along the optical axis."""
         depth: np.ndarray = self._event.depth_frame
         return depth
 
@@ -161,8 +160,8 @@ class Session:
         self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
     def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
-        """Put the agent at `pose`; returns the event, which is false if something is in the way (only with `allowed`)."""
-        # A body that neither stands nor crouches says so in its metadata, and is not to be told.
+        """Put the agent at `pose` and return the event, which is false if the pose is blocked (only with `allowed`)."""
+        # An embodiment that cannot crouch has None in its metadata and refuses the argument.
         stands = self._event.metadata["agent"]["isStanding"] is not None
         return self.step(
             "TeleportFull",
@@ -176,20 +175,20 @@ class Session:
         )
 
     def reachable(self) -> list[tuple[float, float]]:
-        """Floor-plane points of the navigation grid around the agent, as the world is now."""
+        """Floor-plane points (x, z) of the navigation grid around the agent in the present state of the world, metres."""
         return [(p["x"], p["z"]) for p in self.step("GetReachablePositions").metadata["actionReturn"]]
 
     def pixels(self, object_id: str) -> int:
-        """Size of an object's instance mask in the last image, in pixels of the benchmark's camera, whatever the body's is."""
+        """Size of an object's instance mask in the last image, in pixels of the benchmark's camera for every embodiment."""
         mask = self._event.instance_masks.mask(object_id)
         return 0 if mask is None else int(np.count_nonzero(self.embodiment.seen_by(Embodiment.of(self._constants), mask)))
 
     def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
-        """Mask size of an object at each pitch of the look-down sweep from `pose` (Eq. 4, vis)."""
+        """Mask sizes of an object in pixels by pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
         return self.sweeps([object_id], pose, pitches_deg)[object_id]
 
     def sweeps(self, object_ids: Collection[str], pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[str, dict[int, int]]:
-        """The sweep of several objects in the same images."""
+        """The sweeps of several objects in the same images, by object id."""
         seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
             self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True, **self._masks_only)
@@ -198,7 +197,7 @@ class Session:
         return seen
 
     def settle(self, limit: int = 50) -> None:
-        """Let physics run until nothing moves, at most `limit` Pass actions."""
+        """Run the physics until nothing moves, at most `limit` Pass actions."""
         for _ in range(limit):
             if self._event.metadata["isSceneAtRest"]:
                 return

@@ -1,6 +1,7 @@
-"""AI2-THOR's Unity build: what it needs of a machine, where it lies, and how it gets there.
+"""AI2-THOR's Unity build: its requirements, its place and its download.
 
-`python -m ovman.sim.unity` downloads it, in a process that can be ended: the client itself waits for its server without a limit.
+`python -m ovman.sim.unity` downloads it in a process of its own, which can be ended: the client waits for the server without a
+limit.
 """
 
 from __future__ import annotations
@@ -18,15 +19,15 @@ if TYPE_CHECKING:
     from ai2thor.build import Build
 
 DOWNLOAD_LIMIT_S = 1800.0
-"""How long the download may take: something less than 1 GB."""
+"""Time limit of the download, somewhat less than 1 GB."""
 REACH_LIMIT_S = 20.0
-"""How long its server may take to say that it has the build."""
+"""Time limit of the server's answer."""
 VULKANINFO_LIMIT_S = 30.0
 DRIVER = "the GPU's own driver with its Vulkan part (NVIDIA's is libnvidia-gl-NNN on Ubuntu, nvidia-vulkan-icd on Debian)"
 
 
 class Missing(ValueError):
-    """The machine lacks what the Unity build needs. One line: what, and the remedy."""
+    """The machine lacks a requirement of the Unity build; one line with the requirement and the remedy."""
 
     says_all = True
 
@@ -37,14 +38,14 @@ class Missing(ValueError):
 
 @dataclass(frozen=True)
 class Device:
-    """A device that Vulkan draws with, and whether it is a GPU rather than a program that plays one."""
+    """A Vulkan device. is_gpu: False for a software renderer."""
 
     name: str
     is_gpu: bool
 
 
 def devices() -> tuple[Device, ...] | None:
-    """What Vulkan draws with; None where `vulkaninfo`, which knows it, is not installed. Raises Missing."""
+    """The Vulkan devices; None if `vulkaninfo` is not installed. Raises Missing if no GPU is among them."""
     if ctypes.util.find_library("vulkan") is None:
         raise Missing("Vulkan's library is not installed", f"sudo apt install libvulkan1 vulkan-tools, and {DRIVER}")
     if shutil.which("vulkaninfo") is None:
@@ -80,7 +81,7 @@ def build() -> Build:
 
 
 def is_present() -> bool:
-    """Whether the build lies where the client looks for it, whole."""
+    """Whether the build is complete where the client looks for it."""
     wanted = build()
     return Path(wanted.executable_path).is_file() and Path(wanted.metadata_path).is_file()
 

@@ -1,4 +1,4 @@
-"""Dense walks: the tour of a visit again, with the frames between its views, as a video would have them.
+"""Dense walks: the tour of a visit repeated with frames between its views, like a video.
 
 A walk passes the views of the recorded tour in their order. At a waypoint it turns once around, a frame a turn; to the next one
 it follows a shortest path on the navigation grid, a frame a step, looking where it goes. World time stands still except at the
@@ -21,13 +21,13 @@ from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session, bearing_deg
 
 SAME_M, SAME_DEG = 1e-3, 1e-3
-"""What is closer than this is the same place, or the same yaw."""
+"""Tolerances within which two places, or two yaws, are the same."""
 ENDED_M = 0.01
-"""What comes to rest this near is where it was: a simulator's physics need not repeat itself to the last digit."""
+"""Tolerance of final positions, metres: the physics of a simulator need not repeat exactly."""
 
 
 class WalkError(RuntimeError):
-    """A walk that did not end as the visit that it follows; one line with the visit, what differs and the remedy."""
+    """A walk that ended otherwise than the visit that it follows; one line with the visit, the difference and the remedy."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

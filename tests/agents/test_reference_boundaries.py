@@ -32,6 +32,8 @@ def test_a_pair_is_taken_up_to_the_gate_and_not_at_it():
         near, far = [(0.0, 0.0)], [(np.nextafter(gate_m, 0.0), 0.0)]
         assert associate(near, far, gate_m=gate_m, feature_scale_m=SCALE).pairs == ((0, 0),)
         assert associate(near, [(gate_m, 0.0)], gate_m=gate_m, feature_scale_m=SCALE).pairs == ()
+    # Here the solver pairs what costs as much as leaving both unmatched.
+    assert associate([(0, 0)], [(1, 0), (0, 1)], gate_m=1.0, feature_scale_m=SCALE) == Association((), (0,), (0, 1))
 
 
 def test_features_count_as_far_as_their_scale_says():

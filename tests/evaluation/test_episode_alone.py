@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from ovman.models.run import Rollout, Score
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
-from tests.episodes import DATA, EPISODES, SIGHTINGS
+from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS
 
 SCENES = ("FloorPlan318", "FloorPlan7")
 MEASURED_PX = CONFIG.measurement.min_mask_px
@@ -66,6 +67,14 @@ def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alo
     assert [score(run, episode) for run, episode in zip(made, episodes, strict=True)] == released(
         "two_visits_oracle_positions", scene
     )
+
+
+def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    page = (ROOT / "docs" / "agents.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page[page.index("## One episode from Python") :], re.DOTALL)[1]
+    exec(compile(code, "agents.md", "exec"), {})
+    assert capsys.readouterr().out.splitlines()[-1] == "True"
 
 
 @pytest.mark.parametrize("relation", [Relation.MOVING, Relation.REMOVED])

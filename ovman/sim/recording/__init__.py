@@ -1,1 +1,1 @@
-"""Recorded sessions: everything that was asked of a simulator and everything that it answered but pictures."""
+"""Recorded sessions: every call of a simulator and every answer, without pictures."""

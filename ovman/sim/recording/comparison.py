@@ -1,6 +1,6 @@
-"""Two answers to the same call, key by key, and which keys may differ between Unity and the engine, by how much and why.
+"""Compares two answers to the same call key by key; states which keys may differ between Unity and the engine, and why.
 
-Objects are compared by their names: objectIds say where an object was when they were given.
+Objects are compared by their names: an objectId contains the position at which it was assigned.
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ from ovman.sim.recording.file import Call
 
 @dataclass(frozen=True)
 class Rule:
-    """Keys that may differ, as patterns of "action:key". `within`: by how much (metres, degrees); None: altogether."""
+    """Keys that may differ.
+
+    keys: patterns of "action:key"; within: largest difference (metres, degrees), None for any; why: the reason.
+    """
 
     keys: tuple[str, ...]
     within: float | None
@@ -50,12 +53,12 @@ RULES: Sequence[Rule] = (
          "the engine reads from boxes what stands on what, Unity from trigger volumes"),
     Rule(("*:collided", "*:collidedObjects", "*:heldObjectPose.*"), None, "the engine's agent has no hand and pushes nothing"),
 )  # fmt: skip
-"""Between the engine and Unity, the first that fits. Between two recordings of one simulator nothing may differ."""
+"""For the engine against Unity; the first rule that matches counts. Two recordings of one simulator must be equal."""
 
 
 @dataclass(frozen=True)
 class Difference:
-    """One key of one answer. `by`: how much, where both are numbers; of sets of points, the share that one of them lacks."""
+    """One key of one answer. by: the difference of two numbers, or the share of points that only one of two sets has."""
 
     line: int
     key: str
@@ -66,7 +69,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Summary:
-    """All differences of a key, after whatever action, that one rule, or none, is for."""
+    """All differences of a key over all actions that match the same rule. rule: None if no rule matches."""
 
     key: str
     rule: Rule | None
@@ -83,14 +86,14 @@ class Summary:
 
 
 def differences(line: int, recorded: Call, answered: Call) -> Iterator[Difference]:
-    """Every key that is not the same in two answers to the call of a line."""
+    """Every key that differs between two answers to the call on a line of the recording."""
     action = str(recorded.arguments.get("action", recorded.call))
     for key, was, now in _pairs("", _comparable(recorded), _comparable(answered)):
         yield Difference(line, f"{action}:{key}", was, now, _distance(key, was, now))
 
 
 def allowed(difference: Difference, rules: Sequence[Rule]) -> Rule | None:
-    """The rule by which a difference may be, None if there is none."""
+    """The first rule that allows a difference, None if no rule does."""
     rule = next((r for r in rules if any(fnmatchcase(difference.key, key) for key in r.keys)), None)
     if rule is None or rule.within is None:
         return rule
@@ -98,7 +101,7 @@ def allowed(difference: Difference, rules: Sequence[Rule]) -> Rule | None:
 
 
 def summaries(found: Sequence[Difference], rules: Sequence[Rule]) -> list[Summary]:
-    """Differences by key, those that may not be first."""
+    """Differences by key; those that no rule allows come first."""
     groups: dict[tuple[str, Rule | None], list[Difference]] = {}
     for difference in found:
         groups.setdefault((difference.key.partition(":")[2], allowed(difference, rules)), []).append(difference)
@@ -110,11 +113,11 @@ def summaries(found: Sequence[Difference], rules: Sequence[Rule]) -> list[Summar
 
 
 class _Named(dict[str, Any]):
-    """Things by names that do not show in the key of a difference."""
+    """Objects by name; the names are left out of the keys of differences."""
 
 
 class _Points(frozenset[tuple[float, ...]]):
-    """Positions to the millimetre, in no order."""
+    """Unordered positions, rounded to the millimetre."""
 
     def __repr__(self) -> str:
         return f"{len(self)} points"
@@ -133,7 +136,7 @@ def _comparable(call: Call) -> Mapping[str, Any]:
 
 
 def _pairs(path: str, was: Any, now: Any) -> Iterator[tuple[str, Any, Any]]:
-    """Leaves that are not the same. Of what only one has the name is shown, and None for the other."""
+    """Leaves that differ. A key that only one side has is paired with None."""
     if was == now:
         return
     if isinstance(was, Mapping) and isinstance(now, Mapping):
@@ -151,7 +154,7 @@ def _pairs(path: str, was: Any, now: Any) -> Iterator[tuple[str, Any, Any]]:
 
 
 def _vectors(was: Any, now: Any) -> bool:
-    """Whether both are lists of as many numbers, or of such lists: corners of boxes."""
+    """Whether both are lists of equally many numbers, or of such lists (corners of boxes)."""
     if not (isinstance(was, list) and isinstance(now, list) and len(was) == len(now)):
         return False
     return all((_is_number(a) and _is_number(b)) or _vectors(a, b) for a, b in zip(was, now, strict=True))

@@ -1,7 +1,7 @@
 """A recorded session as a file: gzip, one JSON object a line.
 
-The first line is the `Header`. The others are, in the order in which things happened, calls of the Controller and what it
-answered (`Call`), and what OVMAN's own code made of the answers (`Result`).
+The first line is the `Header`. The other lines follow in the order of events: calls of the Controller with their answers
+(`Call`), and what OVMAN's own code derived from the answers (`Result`).
 """
 
 from __future__ import annotations
@@ -16,16 +16,16 @@ from typing import Any
 SCHEMA = "ovman-session/1"
 
 
-class TapeError(ValueError):
-    """A recorded session that cannot be used, or does not go on as asked; one line: file or line, what is wrong, the remedy."""
+class RecordingError(ValueError):
+    """A recorded session that is unusable or asked for another call; one line: file or line, what is wrong, the remedy."""
 
 
 @dataclass(frozen=True)
 class Header:
-    """What a session was recorded of, with and on.
+    """What was recorded, with which settings, and on which machine.
 
-    embodiment: fields of `ovman.sim.embodiment.Embodiment`. constants: the canonical text of every stage whose work was done, by
-    its name. versions: of OVMAN, of the client, of its build; platform: of the machine.
+    embodiment: fields of `ovman.sim.embodiment.Embodiment`. constants: the parameter of every stage whose work was done, by the
+    stage's name. versions: of OVMAN, of the client, of its build; platform: of the machine.
     """
 
     backend: str
@@ -40,8 +40,8 @@ class Header:
 class Call:
     """One call of the Controller: "start", "reset" or "step", with its arguments as JSON.
 
-    Either `metadata` is there, of the event, and `pictures`, what is known of its images ("rgb", "depth", "masks"; empty where it
-    had none), or `error`, the exception's type and message.
+    metadata: of the event; pictures: statistics of its images ("rgb", "depth", "masks"; empty for an event without images);
+    error: type and message of the exception that the call raised; then metadata is None.
     """
 
     call: str
@@ -58,14 +58,14 @@ class Call:
 
 @dataclass(frozen=True)
 class Result:
-    """What a piece of OVMAN's work came to: JSON."""
+    """The result of a piece of OVMAN's work, as JSON."""
 
     work: str
     record: Any
 
 
 @dataclass(frozen=True)
-class Tape:
+class Recording:
     """A whole recorded session. Line k of the file is entry k - 2."""
 
     header: Header
@@ -81,10 +81,10 @@ class Tape:
 
 
 class Writer:
-    """Writes a session as it happens; a context manager. What was written until an exception is a whole file."""
+    """Writes a session as it happens; a context manager. After an exception the file is complete up to the last entry."""
 
     def __init__(self, path: Path, header: Header) -> None:
-        # Neither the name nor the time goes into the file: the same session is the same bytes.
+        # The file contains neither its name nor the time: equal sessions have equal bytes.
         self._raw = path.open("wb")
         self._file = gzip.GzipFile("", "wb", compresslevel=9, fileobj=self._raw, mtime=0)
         self._line({"schema": SCHEMA, **asdict(header)})
@@ -104,20 +104,20 @@ class Writer:
         self._file.write(json.dumps(record, separators=(",", ":")).encode() + b"\n")
 
 
-def read(path: Path) -> Tape:
-    """A recorded session. TapeError if the file is none."""
+def read(path: Path) -> Recording:
+    """A recorded session. RecordingError if the file is no recorded session."""
     try:
         with gzip.open(path, "rt", encoding="utf-8") as file:
             first, *others = [json.loads(line) for line in file]
         if first.pop("schema") != SCHEMA:
-            raise TapeError(f"{path}: its schema is not {SCHEMA}; record it anew with this version")
-        return Tape(Header(**first), [_entry(record) for record in others])
+            raise RecordingError(f"{path}: its schema is not {SCHEMA}; record it anew with this version")
+        return Recording(Header(**first), [_entry(record) for record in others])
     except OSError as error:
-        raise TapeError(f"{path}: {error.strerror or error}; give a file that `ovman record` wrote") from None
+        raise RecordingError(f"{path}: {error.strerror or error}; give a file that `ovman record` wrote") from None
     except (EOFError, ValueError, KeyError, TypeError, AttributeError) as error:
-        if isinstance(error, TapeError):
+        if isinstance(error, RecordingError):
             raise
-        raise TapeError(
+        raise RecordingError(
             f"{path}: is no recorded session ({type(error).__name__}); give a file that `ovman record` wrote"
         ) from None
 

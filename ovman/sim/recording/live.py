@@ -1,4 +1,4 @@
-"""A recorded session asked again of a simulator that runs."""
+"""Replays a recorded session on a running simulator."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ from typing import Any
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recording.comparison import Difference, differences
-from ovman.sim.recording.file import Call, Tape
+from ovman.sim.recording.file import Call, Recording
 from ovman.sim.recording.recorder import called
 
 
-def replayed(tape: Tape, backend: str, begin: controller.Start | None = None) -> Iterator[Difference]:
-    """What `backend` answers otherwise than recorded, when it is asked the same. What ends the simulator ends the replay."""
+def replayed(recording: Recording, backend: str, begin: controller.Start | None = None) -> Iterator[Difference]:
+    """The differences between the recorded answers and those of `backend` to the same calls.
+
+    An exception that ends the simulator is raised.
+    """
     made: Any = None
     try:
-        for line, recorded in tape.calls():
+        for line, recorded in recording.calls():
             if recorded.call == "start":
                 if made is not None:
                     made.stop()

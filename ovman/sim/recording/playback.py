@@ -1,7 +1,7 @@
 """A Controller without a simulator: it answers from a recorded session.
 
-Whoever asks exactly what was asked gets what was answered. There are no pictures in a recording: frames are black, the depth is
-that of the picture's middle throughout, and masks have the recorded sizes and no shape.
+A call that equals the next recorded call gets its recorded answer. A recording has no pictures: frames are black, depth images
+have the recorded depth of the centre everywhere, and masks have the recorded sizes but not the shapes.
 """
 
 from __future__ import annotations
@@ -14,42 +14,47 @@ from typing import Any
 import numpy as np
 
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.recording.file import Call, Tape, TapeError
+from ovman.sim.recording.file import Call, Recording, RecordingError
 from ovman.sim.recording.recorder import plain
 
 
 class Playback:
-    """Stands where the Controller of a session stood. TapeError, in one line, where it is asked something else."""
+    """Replaces the Controller of a recorded session.
 
-    def __init__(self, tape: Tape) -> None:
-        self._calls = tape.calls()
+    RecordingError, in one line, for a call that differs from the recorded one.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self._calls = recording.calls()
         self.last_event: Any = None
 
     def start(self, backend: str, scene: str, embodiment: Embodiment) -> Playback:
-        """Takes the place of `controller.start`; what runs behind it is the recording's."""
+        """Replaces `controller.start`: answers the recorded start. backend: ignored, the recording has its own."""
         self._answer("start", {"scene": scene, "embodiment": asdict(embodiment)})
         return self
 
     def reset(self, scene: str, **arguments: Any) -> Any:
+        """The recorded event of this reset."""
         return self._answer("reset", {"scene": scene, **arguments})
 
     def step(self, action: str, **arguments: Any) -> Any:
+        """The recorded event of this step."""
         return self._answer("step", {"action": action, **arguments})
 
     def stop(self) -> None:
-        """Nothing runs."""
+        """Do nothing: no simulator runs."""
 
     def rest(self) -> int:
-        """How many recorded calls were not asked for."""
+        """Number of recorded calls that were not made."""
         return sum(1 for _ in self._calls)
 
     def _answer(self, call: str, arguments: Mapping[str, Any]) -> Any:
         asked = Call(call, plain(arguments), None, {})
         line, recorded = next(self._calls, (0, None))
         if recorded is None:
-            raise TapeError(f"the recording ends before {asked.asked}; record it anew with this version")
+            raise RecordingError(f"the recording ends before {asked.asked}; record it anew with this version")
         if (recorded.call, recorded.arguments) != (asked.call, asked.arguments):
-            raise TapeError(f"line {line}: {recorded.asked} was recorded and {asked.asked} is asked; record it anew")
+            raise RecordingError(f"line {line}: {recorded.asked} was recorded and {asked.asked} is asked; record it anew")
         if recorded.error is not None:
             kind, message = recorded.error
             raise _exception(kind)(message)
@@ -77,7 +82,7 @@ def event(recorded: Call) -> Any:
 
 
 class Masks(Mapping[str, np.ndarray]):
-    """Masks of given sizes, one after the other in the picture's rows; with the client's `mask`."""
+    """Masks of given sizes, one after the other along the rows of the picture. Has the method `mask` of the client's masks."""
 
     def __init__(self, shape: tuple[int, int], sizes: Mapping[str, int]) -> None:
         self._shape, self._sizes = shape, sizes
@@ -96,5 +101,5 @@ class Masks(Mapping[str, np.ndarray]):
         return len(self._sizes)
 
     def mask(self, name: str, default: np.ndarray | None = None) -> np.ndarray | None:
-        """As the client's: the mask, or `default` where nothing of this name is to be seen."""
+        """The mask (H, W) of an object, or `default` where it has none; as in the client."""
         return self.get(name, default)

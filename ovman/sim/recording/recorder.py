@@ -1,4 +1,4 @@
-"""A Controller that writes down all that goes through it."""
+"""A Controller that records every call and its answer."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ovman.sim.recording.file import Call, Writer
 
 
 class Recorder:
-    """Stands before a Controller and writes every call and its answer: what `ovman.sim.session.Session` asks of a Controller."""
+    """Wraps a Controller and records every call with its answer. Has the methods that `ovman.sim.session.Session` calls."""
 
     def __init__(self, made: Any, writer: Writer) -> None:
         self._made, self._writer = made, writer
@@ -23,7 +23,7 @@ class Recorder:
 
     @staticmethod
     def start(writer: Writer, begin: controller.Start | None = None) -> controller.Start:
-        """What starts a simulator as `controller.start` does, or as `begin`, and writes down what it is then asked."""
+        """A function that starts a simulator like `controller.start`, or like `begin`, and records its calls."""
 
         def start(backend: str, scene: str, embodiment: Embodiment) -> Recorder:
             made = (begin or controller.start)(backend, scene, embodiment)
@@ -34,15 +34,19 @@ class Recorder:
 
     @property
     def last_event(self) -> Any:
+        """The last event of the Controller."""
         return self._made.last_event
 
     def reset(self, scene: str, **arguments: Any) -> Any:
+        """The event of a recorded reset."""
         return self._written("reset", {"scene": scene, **arguments}, lambda: self._made.reset(scene, **arguments))
 
     def step(self, action: str, **arguments: Any) -> Any:
+        """The event of a recorded step."""
         return self._written("step", {"action": action, **arguments}, lambda: self._made.step(action=action, **arguments))
 
     def stop(self) -> None:
+        """Stop the simulator; not recorded."""
         self._made.stop()
 
     def _written(self, call: str, arguments: dict[str, Any], do: Callable[[], Any]) -> Any:
@@ -54,18 +58,18 @@ class Recorder:
 
 
 def called(call: str, arguments: dict[str, Any], do: Callable[[], Any]) -> tuple[Call, Any]:
-    """The entry of a call, and the event or the exception that it ended in."""
+    """The entry of a call, and its event or the exception that it raised."""
     try:
         event = do()
     except Exception as error:
-        # A mistake's message is the simulator's, whole; others may go on with traces of this machine.
+        # A ValueError has the simulator's message; the messages of others may contain paths of this machine.
         message = str(error) if isinstance(error, ValueError) else str(error).partition("\n")[0]
         return Call(call, plain(arguments), None, {}, (type(error).__name__, message)), error
     return Call(call, plain(arguments), plain(dict(event.metadata)), pictures(event)), event
 
 
 def pictures(event: Any) -> dict[str, Any]:
-    """What is kept of an event's images: mean colour, depth (metres: least, at the centre, largest), sizes of masks (pixels)."""
+    """Statistics of an event's images: mean colour, depth (metres: least, at the centre, largest), sizes of masks (pixels)."""
     if event.frame is None:
         return {}
     known: dict[str, Any] = {"rgb": [round(float(mean), 3) for mean in event.frame.mean(axis=(0, 1))]}
@@ -80,7 +84,7 @@ def pictures(event: Any) -> dict[str, Any]:
 
 
 def plain(value: Any) -> Any:
-    """A value as it comes back from JSON."""
+    """A value after a round trip through JSON."""
     return json.loads(json.dumps(value, default=_number))
 
 

@@ -18,7 +18,7 @@ from ovman import cli
 from ovman.doctor import rehearsal
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recording.comparison import RULES, Difference, allowed, differences, summaries
-from ovman.sim.recording.file import Call, Header, Tape, TapeError, Writer, read
+from ovman.sim.recording.file import Call, Header, Recording, RecordingError, Writer, read
 from ovman.sim.recording.live import replayed
 from ovman.sim.recording.playback import Masks, Playback
 from ovman.sim.recording.recorder import Recorder
@@ -31,77 +31,77 @@ BODY = Embodiment(120, 120, 90.0, 0.25, 30.0)
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory) -> Path:
+def recording_file(tmp_path_factory) -> Path:
     """The real work on a small scene, as the command records it."""
     folder = tmp_path_factory.mktemp("recording")
     settings = yaml.safe_load((ROOT / "config.yaml").read_text())
     settings["tour"]["waypoints"] = 1
     settings["camera"] |= {"width_px": 120, "height_px": 120}
-    (folder / "config.yaml").write_text(yaml.safe_dump(settings))
+    (folder / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     output = folder / "session.jsonl.gz"
     assert cli.main(["record", SCENE, "--output", str(output), "--config", str(folder / "config.yaml")]) == 0
     return output
 
 
 @pytest.fixture(scope="module")
-def tape(recording) -> Tape:
-    return read(recording)
+def recording(recording_file) -> Recording:
+    return read(recording_file)
 
 
-def rewritten(tape: Tape, entries, path: Path) -> Path:
-    with Writer(path, tape.header) as writer:
+def rewritten(recording: Recording, entries, path: Path) -> Path:
+    with Writer(path, recording.header) as writer:
         for entry in entries:
             writer.write(entry)
     return path
 
 
-def test_the_work_is_all_that_a_visit_and_an_episode_need(tape):
-    results = tape.results()
+def test_the_work_is_all_that_a_visit_and_an_episode_need(recording):
+    results = recording.results()
     assert set(results) >= {"survey", "moved trial", "removed trial", "moved oracle", "removed oracle"}
     assert {run["outcome"] for name, run in results.items() if name.endswith("oracle")} == {"stopped"}
-    asked = {call.arguments.get("action", call.call) for _, call in tape.calls()}
+    asked = {call.arguments.get("action", call.call) for _, call in recording.calls()}
     assert asked >= {
         *("start", "reset", "GetReachablePositions", "TeleportFull", "PlaceObjectAtPoint", "DisableObject"),
         *("MoveAhead", "SetObjectFilter"),
     }
-    assert {call.arguments["horizon"] for _, call in tape.calls() if "horizon" in call.arguments} >= {0, 30, 60}
+    assert {call.arguments["horizon"] for _, call in recording.calls() if "horizon" in call.arguments} >= {0, 30, 60}
 
 
-def test_a_recording_has_everything_but_pictures(recording, tape):
-    with gzip.open(recording, "rt") as file:
+def test_a_recording_has_everything_but_pictures(recording_file, recording):
+    with gzip.open(recording_file, "rt") as file:
         first = json.loads(file.readline())
     assert first["schema"] == "ovman-session/1" and first["backend"] == "embedded" and first["scene"] == SCENE
     assert first["versions"]["ai2thor"] == "5.0.0" and first["platform"]["system"] == "Linux"
-    assert recording.stat().st_size < 5e6
-    seen = [call for _, call in tape.calls() if call.pictures]
+    assert recording_file.stat().st_size < 5e6
+    seen = [call for _, call in recording.calls() if call.pictures]
     assert seen and all(call.pictures.keys() == {"rgb", "depth", "masks"} for call in seen)
     assert all(sum(call.pictures["masks"].values()) <= 120 * 120 for call in seen)
 
 
-def test_it_replays_both_ways_without_a_difference(recording, capsys):
-    assert cli.main(["replay", str(recording)]) == 0
+def test_it_replays_both_ways_without_a_difference(recording_file, capsys):
+    assert cli.main(["replay", str(recording_file)]) == 0
     out = capsys.readouterr().out
     assert "otherwise: none" in out and "0 keys differ as they may, 0 as they may not" in out
 
 
-def test_a_number_that_was_changed_is_found_with_its_line_and_key(tape, tmp_path):
+def test_a_number_that_was_changed_is_found_with_its_line_and_key(recording, tmp_path):
     """In an answer that the work makes nothing of, so that it is the simulator's answer alone that shows it."""
-    entries = list(tape.entries)
-    line, call = next((k, c) for k, c in tape.calls() if c.arguments.get("action") == "TeleportFull")
+    entries = list(recording.entries)
+    line, call = next((k, c) for k, c in recording.calls() if c.arguments.get("action") == "TeleportFull")
     agent = {**call.metadata["agent"], "cameraHorizon": call.metadata["agent"]["cameraHorizon"] + 0.5}
     entries[line - 2] = replace(call, metadata={**call.metadata, "agent": agent})
-    short = read(rewritten(tape, entries[: line - 1], tmp_path / "tampered.jsonl.gz"))
+    short = read(rewritten(recording, entries[: line - 1], tmp_path / "tampered.jsonl.gz"))
     (found,) = rehearsal.compared(short, "embedded")
     assert (found.key, found.first.line, found.count) == ("agent.cameraHorizon", line, 1)
     assert found.largest == pytest.approx(0.5) and f"line {line} (TeleportFull)" in str(found)
 
 
-def test_a_place_that_was_changed_changes_the_results(tape, tmp_path):
-    entries = list(tape.entries)
-    target = tape.results()["moved trial"]["candidate"]["target"]
-    last = max(k for k, c in tape.calls() if c.metadata and any(o["objectId"] == target for o in c.metadata["objects"]))
+def test_a_place_that_was_changed_changes_the_results(recording, tmp_path):
+    entries = list(recording.entries)
+    target = recording.results()["moved trial"]["candidate"]["target"]
+    last = max(k for k, c in recording.calls() if c.metadata and any(o["objectId"] == target for o in c.metadata["objects"]))
     changed = 0
-    for k, call in tape.calls():
+    for k, call in recording.calls():
         if call.metadata is None or call.pictures == {} or k > last:
             continue
         objects = [dict(o) for o in call.metadata["objects"]]
@@ -112,18 +112,18 @@ def test_a_place_that_was_changed_changes_the_results(tape, tmp_path):
                 changed += 1
         entries[k - 2] = replace(call, metadata={**call.metadata, "objects": objects})
     assert changed
-    assert "moved trial" in rehearsal.rehearsed(read(rewritten(tape, entries, tmp_path / "tampered.jsonl.gz")))
+    assert "moved trial" in rehearsal.rehearsed(read(rewritten(recording, entries, tmp_path / "tampered.jsonl.gz")))
 
 
-def test_other_work_is_told_in_a_line(tape, tmp_path):
-    entries = [e for e in tape.entries if not (isinstance(e, Call) and e.arguments.get("action") == "DisableObject")]
-    with pytest.raises(TapeError, match=r"^line \d+: .* was recorded and .*DisableObject.* is asked; record it anew$"):
-        rehearsal.rehearsed(read(rewritten(tape, entries, tmp_path / "other.jsonl.gz")))
-    with pytest.raises(TapeError, match="the recording ends before"):
-        rehearsal.rehearsed(read(rewritten(tape, tape.entries[:4], tmp_path / "short.jsonl.gz")))
-    more = [*tape.entries, Call("step", {"action": "Pass"}, None, {}, ("ValueError", "no"))]
-    with pytest.raises(TapeError, match="1 recorded calls are not asked for any more"):
-        rehearsal.rehearsed(read(rewritten(tape, more, tmp_path / "long.jsonl.gz")))
+def test_other_work_is_told_in_a_line(recording, tmp_path):
+    entries = [e for e in recording.entries if not (isinstance(e, Call) and e.arguments.get("action") == "DisableObject")]
+    with pytest.raises(RecordingError, match=r"^line \d+: .* was recorded and .*DisableObject.* is asked; record it anew$"):
+        rehearsal.rehearsed(read(rewritten(recording, entries, tmp_path / "other.jsonl.gz")))
+    with pytest.raises(RecordingError, match="the recording ends before"):
+        rehearsal.rehearsed(read(rewritten(recording, recording.entries[:4], tmp_path / "short.jsonl.gz")))
+    more = [*recording.entries, Call("step", {"action": "Pass"}, None, {}, ("ValueError", "no"))]
+    with pytest.raises(RecordingError, match="1 recorded calls are not asked for any more"):
+        rehearsal.rehearsed(read(rewritten(recording, more, tmp_path / "long.jsonl.gz")))
 
 
 def short(session: Session) -> None:
@@ -144,7 +144,7 @@ def constants(backend: str) -> SimpleNamespace:
     return SimpleNamespace(benchmark=SimpleNamespace(backend=backend), camera=camera, primitives=primitives)
 
 
-def recorded(path: Path, backend: str) -> Tape:
+def recorded(path: Path, backend: str) -> Recording:
     header = Header(backend, SCENE, vars(BODY), {}, {}, {})
     with Writer(path, header) as writer, Session(SCENE, constants(backend), start=Recorder.start(writer)) as session:
         short(session)
@@ -153,15 +153,15 @@ def recorded(path: Path, backend: str) -> Tape:
 
 def test_the_same_session_is_the_same_bytes_and_plays_back_with_its_mistakes(tmp_path):
     first, second = (tmp_path / name for name in ("a.jsonl.gz", "b.jsonl.gz"))
-    tape = recorded(first, "embedded")
+    recording = recorded(first, "embedded")
     recorded(second, "embedded")
     assert first.read_bytes() == second.read_bytes()
-    playback = Playback(tape)
+    playback = Playback(recording)
     with Session(SCENE, constants("any"), start=playback.start) as session:
         short(session)
         names = [name for name in session._event.instance_masks if name in session.objects]
         assert session.depth.shape == (120, 120) and session.rgb.shape == (120, 120, 3) and names
-        known = tape.entries[-1].pictures["masks"]
+        known = recording.entries[-1].pictures["masks"]
         assert {name: session.pixels(name) for name in names} == {name: known[name] for name in names}
         assert session.pixels("Nothing|") == 0
     assert playback.rest() == 0
@@ -170,8 +170,8 @@ def test_the_same_session_is_the_same_bytes_and_plays_back_with_its_mistakes(tmp
 def test_what_unity_does_otherwise_is_within_the_table(tmp_path, monkeypatch):
     """Recorded where the engine plays Unity, asked again of the engine; and the other way round it is not the same calls."""
     unity_build.machine(monkeypatch, tmp_path)
-    tape = recorded(tmp_path / "unity.jsonl.gz", "thor")
-    found = summaries(list(replayed(tape, "embedded")), RULES)
+    recording = recorded(tmp_path / "unity.jsonl.gz", "thor")
+    found = summaries(list(replayed(recording, "embedded")), RULES)
     assert {s.key for s in found} >= {"isSceneAtRest"}
     assert [str(s) for s in found if s.rule is None] == []
 
@@ -223,8 +223,8 @@ def leaves(path: str, value, inside: bool = False) -> Iterator[str]:
         yield path
 
 
-def test_every_key_of_the_table_is_one_that_answers_have(tape):
-    keys = {key for _, call in tape.calls() for key in leaves("", {**call.metadata, "pictures": call.pictures})}
+def test_every_key_of_the_table_is_one_that_answers_have(recording):
+    keys = {key for _, call in recording.calls() for key in leaves("", {**call.metadata, "pictures": call.pictures})}
     patterns = {pattern.split(":")[1] for rule in RULES for pattern in rule.keys}
     assert not {pattern for pattern in patterns if not any(fnmatchcase(key, pattern) for key in keys)}
 
