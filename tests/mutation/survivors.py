@@ -126,8 +126,8 @@ def main(arguments: list[str] | None = None) -> int:
         if not options.keep:
             shutil.rmtree("mutants", ignore_errors=True)
         names = [] if options.only == "*" else [options.only]
-        command = [sys.executable, "-m", "mutmut", "run", "--max-children", str(options.processes), *names]
-        if subprocess.run(command).returncode:
+        mutmut = Path(sys.executable).with_name("mutmut")
+        if subprocess.run([mutmut, "run", "--max-children", str(options.processes), *names]).returncode:
             return 1
     found = list(results(options.only))
     tried = {result.function for result in found}
