@@ -8,6 +8,10 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from ovman.analysis.budget import budget
+from ovman.analysis.difficulty import By, difficulty, natural
+from ovman.analysis.instances import TrueScene
+from ovman.analysis.localisation import localised
 from ovman.analysis.navigation import Navigation
 from ovman.analysis.rates import (
     Interval,
@@ -21,11 +25,13 @@ from ovman.analysis.rates import (
     static_rate,
     static_rates,
 )
-from ovman.analysis.significance import Method, family
+from ovman.analysis.significance import Method, family, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
 from ovman.models.settings import Pair
 from tests.analysis.fabricated import ROUND, embodied, static
+from tests.analysis.recordings import write_scene, write_visit
+from tests.arms import CONFIG
 
 R, NEAR = 1.0, 2.0
 NEXT = np.nextafter
@@ -246,3 +252,36 @@ def test_an_arm_is_tested_against_what_a_stochastic_pick_would_reach():
         family(PAIR, 0, theirs, ours)
     with pytest.raises(ValueError, match="not over the same episodes"):
         family(PAIR, 0, ours, theirs[:1])
+
+
+# --- what the answer adds, and groups -------------------------------------------------------------
+
+
+def test_the_answer_given_reaches_every_episode_and_is_tested_against_the_rung_below():
+    rungs = CONFIG.comparisons.rungs
+    outcomes = [static(arm, 6 * k, k == 0) for arm in rungs for k in range(7)]
+    compared, _ = significance(outcomes, [], tuple(CONFIG.comparisons.pairs.values()))
+    last = budget(static_rates(outcomes, 0.95), compared, rungs)[-1]
+    assert (last.n, last.successes, last.rate, last.gained, last.lost) == (7, 7, 1.0, 6, 0)
+    assert (last.gain, last.p) == (pytest.approx(6 / 7), mcnemar_exact(6, 0))
+
+
+def test_categories_with_many_instances_are_one_group():
+    outcomes = [static("arm", k, 1, instances=count) for k, count in enumerate((2, 3, 4, 5))]
+    rows = [row for row in difficulty(outcomes, 0.95) if row.by is By.INSTANCES]
+    assert [(row.group, row.n) for row in rows] == [("2", 1), ("3", 1), ("4+", 2)]
+
+
+def test_names_come_by_the_number_in_them_and_those_without_first():
+    names = ["FloorPlan10", "FloorPlan9", "Hall", "FloorPlan1", "Attic"]
+    assert sorted(names, key=natural) == ["Attic", "Hall", "FloorPlan1", "FloorPlan9", "FloorPlan10"]
+    assert natural("Hall") < natural("Plan1")
+    assert natural("Zoo") < natural("Attic1")
+
+
+def test_a_true_mask_of_the_minimum_is_localised(tmp_path):
+    scene, directory = TrueScene.load(write_scene(tmp_path)), write_visit(tmp_path / "untouched")
+    sizes = {row.object: row.px for row in localised(scene, directory, 90.0, 1, None)}
+    smallest = min(sizes, key=lambda name: sizes[name])
+    for px, among in ((sizes[smallest], True), (sizes[smallest] + 1, False)):
+        assert (smallest in {row.object for row in localised(scene, directory, 90.0, px, None)}) is among
