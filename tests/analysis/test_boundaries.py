@@ -12,7 +12,8 @@ from ovman.analysis.budget import budget
 from ovman.analysis.difficulty import By, difficulty, natural
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import localised
-from ovman.analysis.navigation import Navigation
+from ovman.analysis.navigation import Navigation, navigation
+from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.rates import (
     Interval,
     by_arm,
@@ -28,7 +29,10 @@ from ovman.analysis.rates import (
 from ovman.analysis.significance import Method, family, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
-from ovman.models.settings import Pair
+from ovman.models.prediction import Answer, Prediction
+from ovman.models.relation import Relation
+from ovman.models.settings import Kind, Pair
+from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import ROUND, embodied, static
 from tests.analysis.recordings import write_scene, write_visit
 from tests.arms import CONFIG
@@ -285,3 +289,20 @@ def test_a_true_mask_of_the_minimum_is_localised(tmp_path):
     smallest = min(sizes, key=lambda name: sizes[name])
     for px, among in ((sizes[smallest], True), (sizes[smallest] + 1, False)):
         assert (smallest in {row.object for row in localised(scene, directory, 90.0, px, None)}) is among
+
+
+def test_a_point_on_the_radius_succeeds():
+    case = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 2, (0.0, 0.0))
+    for x, success in ((R, 1.0), (float(NEXT(R, 2.0)), 0.0)):
+        predicted = Prediction.of(case.id, "two_visits", 0, Answer(x, 0.0))
+        (row,) = static_outcomes([case], [predicted], radius_m=R, samples=10, seed=0)
+        assert (row.success, row.distance_m) == (success, x)
+
+
+def test_only_an_arm_that_is_executed_has_one_answer_an_episode():
+    arms = [ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers")]
+    runs = [embodied("driven", 0, True)]
+    several = [static(arm, 0, 1, seed=seed) for arm, seeds in (("answers", (0,)), ("other", (0, 1))) for seed in seeds]
+    assert [row.lost for row in navigation(several, runs, arms)] == [0, 0]
+    with pytest.raises(ValueError, match="answers has answers under several seeds"):
+        navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs, arms)
