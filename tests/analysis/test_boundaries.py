@@ -8,7 +8,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from ovman.analysis.navigation import Navigation
+from ovman.analysis.budget import budget
+from ovman.analysis.difficulty import By, difficulty, natural
+from ovman.analysis.instances import TrueScene
+from ovman.analysis.localisation import localised
+from ovman.analysis.navigation import Navigation, navigation
+from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.rates import (
     Interval,
     by_arm,
@@ -21,11 +26,16 @@ from ovman.analysis.rates import (
     static_rate,
     static_rates,
 )
-from ovman.analysis.significance import Method, family
+from ovman.analysis.significance import Method, family, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
-from ovman.models.settings import Pair
+from ovman.models.prediction import Answer, Prediction
+from ovman.models.relation import Relation
+from ovman.models.settings import Kind, Pair
+from ovman.models.settings.arms import ArmJob
 from tests.analysis.fabricated import ROUND, embodied, static
+from tests.analysis.recordings import write_scene, write_visit
+from tests.arms import CONFIG
 
 R, NEAR = 1.0, 2.0
 NEXT = np.nextafter
@@ -246,3 +256,53 @@ def test_an_arm_is_tested_against_what_a_stochastic_pick_would_reach():
         family(PAIR, 0, theirs, ours)
     with pytest.raises(ValueError, match="not over the same episodes"):
         family(PAIR, 0, ours, theirs[:1])
+
+
+# --- what the answer adds, and groups -------------------------------------------------------------
+
+
+def test_the_answer_given_reaches_every_episode_and_is_tested_against_the_rung_below():
+    rungs = CONFIG.comparisons.rungs
+    outcomes = [static(arm, 6 * k, k == 0) for arm in rungs for k in range(7)]
+    compared, _ = significance(outcomes, [], tuple(CONFIG.comparisons.pairs.values()))
+    last = budget(static_rates(outcomes, 0.95), compared, rungs)[-1]
+    assert (last.n, last.successes, last.rate, last.gained, last.lost) == (7, 7, 1.0, 6, 0)
+    assert (last.gain, last.p) == (pytest.approx(6 / 7), mcnemar_exact(6, 0))
+
+
+def test_categories_with_many_instances_are_one_group():
+    outcomes = [static("arm", k, 1, instances=count) for k, count in enumerate((2, 3, 4, 5))]
+    rows = [row for row in difficulty(outcomes, 0.95) if row.by is By.INSTANCES]
+    assert [(row.group, row.n) for row in rows] == [("2", 1), ("3", 1), ("4+", 2)]
+
+
+def test_names_come_by_the_number_in_them_and_those_without_first():
+    names = ["FloorPlan10", "FloorPlan9", "Hall", "FloorPlan1", "Attic"]
+    assert sorted(names, key=natural) == ["Attic", "Hall", "FloorPlan1", "FloorPlan9", "FloorPlan10"]
+    assert natural("Hall") < natural("Plan1")
+    assert natural("Zoo") < natural("Attic1")
+
+
+def test_a_true_mask_of_the_minimum_is_localised(tmp_path):
+    scene, directory = TrueScene.load(write_scene(tmp_path)), write_visit(tmp_path / "untouched")
+    sizes = {row.object: row.px for row in localised(scene, directory, 90.0, 1, None)}
+    smallest = min(sizes, key=lambda name: sizes[name])
+    for px, among in ((sizes[smallest], True), (sizes[smallest] + 1, False)):
+        assert (smallest in {row.object for row in localised(scene, directory, 90.0, px, None)}) is among
+
+
+def test_a_point_on_the_radius_succeeds():
+    case = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 2, (0.0, 0.0))
+    for x, success in ((R, 1.0), (float(NEXT(R, 2.0)), 0.0)):
+        predicted = Prediction.of(case.id, "two_visits", 0, Answer(x, 0.0))
+        (row,) = static_outcomes([case], [predicted], radius_m=R, samples=10, seed=0)
+        assert (row.success, row.distance_m) == (success, x)
+
+
+def test_only_an_arm_that_is_executed_has_one_answer_an_episode():
+    arms = [ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers")]
+    runs = [embodied("driven", 0, True)]
+    several = [static(arm, 0, 1, seed=seed) for arm, seeds in (("answers", (0,)), ("other", (0, 1))) for seed in seeds]
+    assert [row.lost for row in navigation(several, runs, arms)] == [0, 0]
+    with pytest.raises(ValueError, match="answers has answers under several seeds"):
+        navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs, arms)
