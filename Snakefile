@@ -5,7 +5,12 @@
 #       -> results/predictions/{arm}.jsonl, results/rollouts -> results/scores/{arm}/seed{seed}/{scene}.jsonl
 #       -> results/metrics/*.csv -> results/tables/
 
+import sys
+
 from snakemake.utils import min_version
+
+# This checkout's code, whichever ovman the environment has installed.
+sys.path.insert(0, str(workflow.basedir))
 
 from ovman.workflow.settings_files import check_file
 

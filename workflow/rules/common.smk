@@ -1,9 +1,6 @@
 # Settings, checked, and what the rules derive from them.
 
 import functools
-import sys
-
-sys.path.insert(0, str(workflow.basedir))
 
 from ovman.analysis.registry import compared, in_tables, of_stage
 from ovman.models.settings import Kind, Need, named, of_kind, arms_of
