@@ -51,9 +51,7 @@ def cells(name: str, text: str) -> list[str]:
 @pytest.fixture(scope="module")
 def rebuilt(tmp_path_factory):
     """The directory of metrics made of the released episodes, predictions and runs."""
-    answered = {path.stem for path in (DATA / "predictions").iterdir()} | {
-        path.name for path in (DATA / "runs").iterdir()
-    }
+    answered = {path.stem for path in (DATA / "predictions").iterdir()} | {path.name for path in (DATA / "runs").iterdir()}
     directory = tmp_path_factory.mktemp("metrics")
     metrics.run(
         DATA / "episodes" / "main.jsonl",
