@@ -99,7 +99,10 @@ class Record(BaseModel):
     its schema there (key "schema"); it is checked first.
     """
 
-    model_config = ConfigDict(frozen=True, extra="ignore", strict=True, allow_inf_nan=False, populate_by_name=True)
+    # Built at the first validation: a job starts sooner than with the validators of all records.
+    model_config = ConfigDict(
+        frozen=True, extra="ignore", strict=True, allow_inf_nan=False, populate_by_name=True, defer_build=True
+    )
 
     @classmethod
     def from_json(cls, value: Any, place: str = "record") -> Self:

@@ -49,7 +49,8 @@ class Section(BaseModel):
     raises AttributeError with the stage and the constant in one line.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+    # Built at the first validation: a job, whose constants are valid already, starts sooner.
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
     _stage: str = PrivateAttr("")
     _path: str = PrivateAttr("")
 
