@@ -15,7 +15,7 @@ unexport PYTHONPATH PYTHONHOME
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
-	@echo "make static  the tables of the static gate alone, in results/static: before anything drives"
+	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
@@ -33,7 +33,7 @@ tables: $(READY)
 	@$(SNAKEMAKE) -- results/tables
 
 static: $(READY)
-	@$(SNAKEMAKE) -- results/static
+	@$(SNAKEMAKE) -- results/static_tables
 
 quick: $(READY)
 	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables

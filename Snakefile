@@ -2,7 +2,7 @@
 #
 #   results/scenes/{scene}.json -> candidates -> trials (+ visits) -> admissible -> certified
 #       -> results/episodes/main.jsonl, results/metrics/rejections.csv
-#       -> results/predictions/{arm}.jsonl, results/executions -> results/runs/{arm}/seed{seed}/{scene}.jsonl
+#       -> results/predictions/{arm}.jsonl, results/rollouts -> results/scores/{arm}/seed{seed}/{scene}.jsonl
 #       -> results/metrics/*.csv -> results/tables/
 
 from snakemake.utils import min_version
@@ -33,8 +33,8 @@ include: "workflow/rules/nouns.smk"
 include: "workflow/rules/walks.smk"
 include: "workflow/rules/dualmap.smk"
 include: "workflow/rules/predictions.smk"
-include: "workflow/rules/executions.smk"
-include: "workflow/rules/runs.smk"
+include: "workflow/rules/rollouts.smk"
+include: "workflow/rules/scores.smk"
 include: "workflow/rules/metrics.smk"
 include: "workflow/rules/language.smk"
 include: "workflow/rules/perception.smk"

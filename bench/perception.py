@@ -22,7 +22,7 @@ import numpy as np
 
 from measure.bars import Bar, show
 from measure.clock import processor, taken
-from ovman.models.record import read_records
+from ovman.models.episode import Episode
 from ovman.models.scene import Scene
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
@@ -46,8 +46,8 @@ when torch ran them: what is beside them takes as long as it did, and they take 
 
 def distinct_tours() -> tuple[int, int]:
     """Distinct tours of the released episodes, and episodes."""
-    episodes = read_records(RELEASE / "episodes" / "main.jsonl")
-    return len({(e["scene"], name) for e in episodes for name in e["visits"].values()}), len(episodes)
+    episodes = Episode.load(RELEASE / "episodes" / "main.jsonl")
+    return len({(e.scene, name) for e in episodes for name in (e.visits.first, e.visits.second)}), len(episodes)
 
 
 def record(scene: str, settings: Any, directory: Path) -> Path:

@@ -6,6 +6,7 @@ is the overhead (pure stages included). CPU time is that of all processes.
 
 from __future__ import annotations
 
+import argparse
 import csv
 import os
 import platform
@@ -66,6 +67,7 @@ def row(name: str, wall: float | None, cpu: float, note: str = "") -> None:
 
 def main() -> None:
     """Measure and print."""
+    argparse.ArgumentParser(description=str(__doc__).splitlines()[0]).parse_args()
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
     with tempfile.TemporaryDirectory() as directory:
         wall, cpu, said = snakemake(directory, [QUICK])

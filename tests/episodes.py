@@ -74,6 +74,7 @@ def episode_record(
         "target": TARGET,
         "distractor": distractor,
         "changes": [{**change, "instance": distractor or TARGET} for change in record["changes"][:1]],
+        "mover": record["mover"] and {**record["mover"], "instance": TARGET},
         "visits": visits or record["visits"],
         "world_1": here,
         "world_2": here,

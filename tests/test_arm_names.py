@@ -16,7 +16,7 @@ from ovman.models.settings import arms_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
-from tests.episodes import RELEASED
+from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[1]
 NAMES = {arm.name for arm in ARMS} | {
@@ -84,11 +84,11 @@ def test_an_arm_of_a_user_has_its_significance_test(tmp_path):
         arms={"mine": MINE}, comparisons={"pairs": {"mine against two visits": {"arm": "mine", "baseline": "two_visits"}}}
     )
     settings = load(tree)
-    theirs = RELEASED / "predictions" / "two_visits.jsonl"
+    theirs = DATA / "predictions" / "two_visits.jsonl"
     mine = tmp_path / "mine.jsonl"
     mine.write_text(theirs.read_text(encoding="utf-8").replace('"arm":"two_visits"', '"arm":"mine"'), encoding="utf-8")
     arms = [settings.arms[name] for name in ("two_visits", "mine")]
-    metrics.run(RELEASED / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path, arms)
+    metrics.run(DATA / "episodes" / "main.jsonl", [theirs, mine], [], stage_settings(settings, "metrics"), tmp_path, arms)
     with (tmp_path / "significance.csv").open(newline="") as file:
         rows = [row for row in csv.DictReader(file) if row["arm"] == "mine"]
     assert [row["relation"] for row in rows] == ["moved", "former", "moving", "stable", "appeared", "removed", "all"]

@@ -16,7 +16,7 @@ PROGRAM = """
 import os, sys
 sys.path.insert(0, {root!r})
 from ovman.workflow import at_work
-with at_work.job_at_work("executions", "logs/a.log"):
+with at_work.job_at_work("rollouts", "logs/a.log"):
     at_work.note("arms.mine: FloorPlan1/moved/0001, seed 0")
     {end}
 """
@@ -37,7 +37,7 @@ def test_a_process_that_ends_without_a_word_is_named_once(directory, end):
     ended(end)
     cause = "killed, out of memory, or ended by the agent"
     where = "arms.mine: FloorPlan1/moved/0001, seed 0"
-    line = f"rule executions: the process ended during {where} ({cause}); logs/a.log has what it printed"
+    line = f"rule rollouts: the process ended during {where} ({cause}); logs/a.log has what it printed"
     assert at_work.dead(directory) == [line] and at_work.dead(directory) == []
 
 

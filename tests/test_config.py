@@ -16,7 +16,8 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from ovman.models.settings import Kind, Settings, arms_of, of_kind
-from ovman.report.constants import KEYS
+from ovman.models.settings.values import listed
+from ovman.report.tables.constants import KEYS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
 from ovman.workflow.settings_files import check_command_line, read
@@ -41,7 +42,7 @@ def _changed(section: Any, path: list[str], value: Any) -> Any:
     return section.model_copy(update={path[0]: inner})
 
 
-OF_ARMS = {"predictions": Kind.STATIC, "executions": Kind.EMBODIED}
+OF_ARMS = {"predictions": Kind.STATIC, "rollouts": Kind.EMBODIED}
 Job = tuple[str, str | None]
 JOBS: tuple[Job, ...] = (
     *((stage, None) for stage in STAGES if stage not in OF_ARMS),
@@ -69,8 +70,8 @@ def affected(config: Settings) -> set[Job]:
 
 
 def pairs() -> Iterator[tuple[str, str]]:
-    """Every constant with another of its type that has another value, the next one in the file."""
-    names = list(VALUES)
+    """Every constant with another of its type that has another value, the next one in the file; no mapping has another's form."""
+    names = [name for name, value in VALUES.items() if not isinstance(value, list)]
     for k, a in enumerate(names):
         others = (b for b in names[k + 1 :] + names[:k] if type(VALUES[a]) is type(VALUES[b]) and VALUES[a] != VALUES[b])
         yield from ((a, b) for b in itertools.islice(others, 1))
@@ -108,7 +109,7 @@ def test_what_stages_says_exists():
 
 
 def test_the_tables_own_what_they_show():
-    shown = {*KEYS, "arms", "evaluation.confidence", "evaluation.near_miss_m"}
+    shown = {*KEYS, "arms", "comparisons.agent", "comparisons.difficulty", "evaluation.confidence", "evaluation.near_miss_m"}
     assert set(owned("tables", list(VALUES))) == shown
 
 
@@ -123,6 +124,18 @@ def test_a_constant_with_the_value_of_another_changes_the_parameter_of_its_owner
 def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owners():
     for a, b in pairs():
         assert affected(changed(CONFIG, {a: VALUES[b], b: VALUES[a]})) == owners(a, b), (a, b)
+
+
+def test_the_order_of_a_mapping_counts():
+    mappings = [name for name, value in VALUES.items() if isinstance(value, list) and name != "arms"]
+    assert mappings == [f"comparisons.{name}" for name in ("rungs", "pairs", "pairings", "difficulty")] + [
+        "paper.static",
+        "paper.embodied",
+    ]
+    for name in mappings:
+        section, last = name.split(".")
+        value = getattr(getattr(CONFIG, section), last)
+        assert affected(changed(CONFIG, {name: dict(reversed(value.items()))})) == owners(name), name
 
 
 def test_sequences_count():
@@ -144,7 +157,8 @@ def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(rando
         return [shuffled(v) for v in value] if isinstance(value, list) else value
 
     tree = shuffled(TREE) | {"x-notes": {"anything": [1]}}
-    # The order of the arms is that of the tables.
+    # The order of the arms and of what is compared is that of the tables.
+    tree |= {name: TREE[name] for name in ("comparisons", "paper")}
     tree["arms"] = {name: tree["arms"][name] for name in TREE["arms"]}
     assert affected(load(tree)) == set()
 
@@ -162,7 +176,7 @@ def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
                 if name == "arms":
                     assert arms_of(here.arms) == ARMS
                 else:
-                    assert getattr(here, last) == VALUES[name]
+                    assert listed(getattr(here, last)) == VALUES[name]
             else:
                 with pytest.raises(AttributeError, match=stage):
                     here = view

@@ -148,7 +148,7 @@ def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_
         assert provenance.script(stage).is_file()
         modules = provenance.modules(provenance.script(stage))
         assert "ovman.workflow.parameter" in modules and not provenance.BOUNDARY & set(modules)
-        if stage in ("scenes", "trials", "certified", "executions"):
+        if stage in ("scenes", "trials", "certified", "rollouts"):
             assert {"ovman_engine.__main__", "ovman_engine.physics.physics", "ovman.sim.session"} <= set(modules)
-        if stage in ("admissible", "episodes", "predictions", "runs", "metrics", "tables"):
+        if stage in ("admissible", "episodes", "predictions", "scores", "metrics", "tables"):
             assert not any(name.startswith("ovman_engine") for name in modules)

@@ -171,7 +171,7 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
         assert again.to_json() == episode.to_json()
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
-        of_arm = constants("executions", arm)
+        of_arm = constants("rollouts", arm)
         rollouts.run(of_arm.arm, scene, EPISODES, of_arm, outputs, journal(arm.name), SIGHTINGS)
         scores.run([outputs[0]], EPISODES, [tmp_path / "judged.jsonl"], of_arm.arm)
         assert (tmp_path / "judged.jsonl").read_bytes() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_bytes()

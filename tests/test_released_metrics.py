@@ -13,28 +13,28 @@ from ovman.analysis.registry import in_tables, of_stage
 from ovman.report.tables import stages
 from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
-from tests.episodes import RELEASED
+from tests.episodes import DATA
 
 
 def test_metrics_follow_from_the_released_records(rebuilt):
     assert (
         {path.stem for path in rebuilt.iterdir()}
         == {*of_stage("metrics")}
-        <= {path.stem for path in (RELEASED / "metrics").iterdir()}
+        <= {path.stem for path in (DATA / "metrics").iterdir()}
     )
     for path in rebuilt.iterdir():
-        assert path.read_bytes() == (RELEASED / "metrics" / path.name).read_bytes(), path.name
+        assert path.read_bytes() == (DATA / "metrics" / path.name).read_bytes(), path.name
 
 
 def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
     """Every cell and caption; what separates them is pandas' affair."""
-    metric_files = [rebuilt / path.name if (rebuilt / path.name).exists() else path for path in (RELEASED / "metrics").iterdir()]
+    metric_files = [rebuilt / path.name if (rebuilt / path.name).exists() else path for path in (DATA / "metrics").iterdir()]
     shown = [path for path in metric_files if path.stem in in_tables(ARMS)]
     stages.run(shown, stage_settings(CONFIG, "tables"), tmp_path)
     made = {path.name for path in tmp_path.iterdir()}
-    assert made == {path.name for path in (RELEASED / "tables").iterdir()} and len(made) == 3 * (len(shown) + 1)
+    assert made == {path.name for path in (DATA / "tables").iterdir()} and len(made) == 3 * (len(shown) + 1)
     for name in sorted(made):
-        ours, theirs = ((directory / name).read_text(encoding="utf-8") for directory in (tmp_path, RELEASED / "tables"))
+        ours, theirs = ((directory / name).read_text(encoding="utf-8") for directory in (tmp_path, DATA / "tables"))
         assert cells(name, ours) == cells(name, theirs), name
 
 
@@ -51,14 +51,14 @@ def cells(name: str, text: str) -> list[str]:
 @pytest.fixture(scope="module")
 def rebuilt(tmp_path_factory):
     """The directory of metrics made of the released episodes, predictions and runs."""
-    answered = {path.stem for path in (RELEASED / "predictions").iterdir()} | {
-        path.name for path in (RELEASED / "runs").iterdir()
+    answered = {path.stem for path in (DATA / "predictions").iterdir()} | {
+        path.name for path in (DATA / "runs").iterdir()
     }
     directory = tmp_path_factory.mktemp("metrics")
     metrics.run(
-        RELEASED / "episodes" / "main.jsonl",
-        sorted((RELEASED / "predictions").glob("*.jsonl")),
-        sorted((RELEASED / "runs").rglob("*.jsonl")),
+        DATA / "episodes" / "main.jsonl",
+        sorted((DATA / "predictions").glob("*.jsonl")),
+        sorted((DATA / "runs").rglob("*.jsonl")),
         stage_settings(CONFIG, "metrics"),
         directory,
         [arm for arm in ARMS if arm.name in answered],
@@ -67,7 +67,7 @@ def rebuilt(tmp_path_factory):
 
 
 def test_what_must_come_out_does():
-    rates = {(row.arm, row.relation): row.rate for row in read_rows(RELEASED / "metrics" / "static_rates.csv", Rate)}
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "static_rates.csv", Rate)}
     assert rates["positions_two_visits", "all"] >= 0.97
-    rates = {(row.arm, row.relation): row.rate for row in read_rows(RELEASED / "metrics" / "embodied_rates.csv", Rate)}
+    rates = {(row.arm, row.relation): row.rate for row in read_rows(DATA / "metrics" / "embodied_rates.csv", Rate)}
     assert rates["oracle_check", "all"] >= 0.98 and rates["two_visits_oracle_positions", "all"] >= 0.97

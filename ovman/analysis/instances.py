@@ -14,8 +14,8 @@ import numpy as np
 
 from ovman.models.scene import Scene
 from ovman.models.visit import Visit
+from ovman.models.visit_files import MILLIMETRES
 from ovman.perception.tour_files import picture
-from ovman.sim.visit import MILLIMETRES
 
 SHELL = frozenset({"Floor"})
 

@@ -17,7 +17,7 @@ class Navigation:
     """One embodied arm under one seed, on one relation or on ``all``.
 
     n: episodes. successes, sr, spl: of its runs (Eq. 4 and 5). spl_given_success: mean SPL of the successful runs, None without
-    any. executes: the static arm whose answers it drives to, None if there is none; static_successes: that arm's (an expectation
+    any. executes: the static arm whose answers it drives to, or None; static_successes: that arm's (an expectation
     for a stochastic pick). lost: its successes that fail when executed; gained: its failures that succeed, because the stop test
     also accepts a stop near the target's box or the navigable cell; p: exact two-sided McNemar test of one against the other.
     The last three are None for an arm that executes none or a stochastic pick.

@@ -17,9 +17,9 @@ TRUE, DETECTED = "true", "detected"
 class Segmented:
     """What became of T true instances in single views, and of N detected masks; indices are into a scene's objects.
 
-    true_object, true_px, recalled: (T,) of every instance that is large enough. px (N,): size of each mask; object (N,): whom it
+    true_object, true_px, recalled: (T,) of every instance that is large enough. px (N,): size of each mask; object (N,): what it
     shows, -1 for a mask that overlaps with no instance enough; object_px (N,): that instance's size; doubled (N,): whether a
-    surer mask of the same view shows the same instance.
+    mask of higher confidence in the same view shows the same instance.
     """
 
     true_object: np.ndarray

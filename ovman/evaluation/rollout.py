@@ -14,7 +14,7 @@ from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenI
 from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.run import InstanceTerms, Measured, Outcome, Terms
+from ovman.models.run import NOWHERE, InstanceTerms, Measured, Outcome, Terms
 from ovman.models.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.change import World, dynamic, position
@@ -63,10 +63,6 @@ class Runnable(Protocol):
 def alias(visit: str, instance: str) -> str:
     """The name of an instance for an agent that is given positions, within one visit; it says nothing about the other."""
     return digest(visit, instance)[:8]
-
-
-NOWHERE = Terms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)
-"""The terms of Eq. 4 of a run that did not stop."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.evaluation.rollout import NOWHERE
 from ovman.evaluation.scoring import any_instance, judged
 from ovman.models.episode import Episode
 from ovman.models.record import lines
-from ovman.models.run import Rollout, Score, Travelled
+from ovman.models.run import NOWHERE, Rollout, Score, Travelled
 from ovman.models.settings import Arm
 from ovman.task import spl
 

@@ -11,21 +11,20 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.interface import Action, Agent, Observation, Visit
+from ovman.agents.interface import Action, Agent, Observation, Query, Visit
 from ovman.models.settings import Arm
-from ovman.task import Query
 from ovman.workflow import at_work
 
 
 class AgentError(RuntimeError):
-    """An arm's agent is not there or failed; one line that names the key, the place and the remedy."""
+    """An arm's agent is missing or failed; one line that names the key, the place and the remedy."""
 
     says_all = True
 
 
 @cache
 def function(name: str, agent: str) -> Callable[..., Any]:
-    """The function that the arm `name` names as "module:function". AgentError where there is none."""
+    """The function that the arm `name` names as "module:function". AgentError where it is missing."""
     key = f"arms.{name}.agent is {agent!r}"
     module, _, attribute = agent.partition(":")
     with failures(f"{key}: importing {module}"):
@@ -44,7 +43,7 @@ def function(name: str, agent: str) -> Callable[..., Any]:
 
 @contextmanager
 def failures(doing: str) -> Iterator[None]:
-    """What an agent raises, SystemExit included, is an AgentError of one line; where it happened is printed before.
+    """Turns what an agent raises, SystemExit included, into an AgentError of one line, and prints the traceback before.
 
     doing: arm, episode and call. It is noted, so that the death of the process names it as well.
     """
@@ -64,7 +63,7 @@ def failures(doing: str) -> Iterator[None]:
 
 
 class Supervised:
-    """An agent whose failures name the arm and the episode, and whose actions are actions."""
+    """An agent whose failures name the arm and the episode, and whose actions are verified."""
 
     def __init__(self, agent: Any, arm: Arm, run: str) -> None:
         self._where = f"arms.{arm.name}.agent is {arm.agent!r}: {run}: "
@@ -75,18 +74,22 @@ class Supervised:
         self.looks = bool(getattr(agent, "looks", True))
 
     def familiarise(self, visit: Visit) -> None:
+        """See `Agent.familiarise`. AgentError where the agent raises."""
         with failures(f"{self._where}familiarise"):
             self._agent.familiarise(visit)
 
     def revisit(self, visit: Visit) -> None:
+        """See `Agent.revisit`. AgentError where the agent raises."""
         with failures(f"{self._where}revisit"):
             self._agent.revisit(visit)
 
     def ask(self, query: Query) -> None:
+        """See `Agent.ask`. AgentError where the agent raises."""
         with failures(f"{self._where}ask"):
             self._agent.ask(query)
 
     def act(self, observation: Observation) -> Action:
+        """See `Agent.act`. AgentError where the agent raises or returns no `Action`."""
         with failures(f"{self._where}act"):
             action = self._agent.act(observation)
         if not isinstance(action, Action):

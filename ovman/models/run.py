@@ -39,6 +39,10 @@ class Terms(Record):
         return Measurement(self.box_distance_m, self.answer_distance_m, self.navigable_distance_m, self.visible_px)
 
 
+NOWHERE = Terms(stop=None, box_distance_m=None, answer_distance_m=None, navigable_distance_m=None, visible_px=None)
+"""The terms of a run that did not stop."""
+
+
 class Travelled(Terms):
     """Terms, and how far the agent came: metres travelled and number of primitives."""
 

@@ -16,6 +16,8 @@ from pydantic import Field
 
 from ovman.models.record import Record, RecordError, Text
 
+MILLIMETRES = 1000.0
+"""Millimetres in a metre: depth pictures are in millimetres."""
 FILES = "files.json"
 """Name of the file that has the digests of all others."""
 

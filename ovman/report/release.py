@@ -18,8 +18,9 @@ from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table
 from ovman_engine.plan import floorplan
 
-FILES = ("episodes/main.jsonl",)
-TREES = ("scenes", "trials", "certified", "predictions", "runs", "metrics", "tables")
+FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
+TREES = {name: name for name in ("scenes", "trials", "certified", "predictions", "metrics", "tables")} | {"scores": "runs"}
+"""Folders of results/, and their names in the release."""
 HIDDEN = "."
 NEAR_M = 1.0
 """From a vacated place to another instance of the category that the card counts as beside it."""
@@ -31,14 +32,16 @@ def release(results: Path, output: Path, card: str) -> list[Path]:
     `output` is made anew. FileNotFoundError names the file of `results` that is not there.
     """
     shutil.rmtree(output, ignore_errors=True)
-    names = [Path(f) for f in FILES]
-    for tree in TREES:
-        names += sorted(p.relative_to(results) for p in (results / tree).rglob("*") if p.is_file() and p.name[0] != HIDDEN)
-    for name in names:
-        if not (results / name).is_file():
-            raise FileNotFoundError(f"{results / name} is not there; make it first: make tables")
+    sources = {Path(name): results / name for name in FILES}
+    for tree, released in TREES.items():
+        files = sorted(p for p in (results / tree).rglob("*") if p.is_file() and p.name[0] != HIDDEN)
+        sources |= {Path(released, p.relative_to(results / tree)): p for p in files}
+    for name, source in sources.items():
+        if not source.is_file():
+            raise FileNotFoundError(f"{source} is not there; make it first: make tables")
         (output / name).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(results / name, output / name)
+        shutil.copyfile(source, output / name)
+    names = list(sources)
     (output / "README.md").write_text(card, encoding="utf-8")
     names.append(Path("README.md"))
     sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]

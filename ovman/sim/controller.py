@@ -46,7 +46,7 @@ def launched(kind: type[Controller], backend: str, **options: Any) -> Controller
     """A running Controller of class `kind`. options: parameters of the Controller.
 
     backend: "embedded" (this project's engine, CPU) or "thor" (the Unity build through CloudRendering, GPU). Raises ValueError
-    for another backend; unity.Missing, a ValueError, if the machine lacks a requirement or the build is unavailable; ConnectionError
+    for another backend; unity.Missing, a ValueError, if the machine lacks a requirement or the build; ConnectionError
     if the simulator ends during its start or does not start within START_LIMIT_S.
     """
     if backend == "embedded":

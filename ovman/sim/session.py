@@ -118,7 +118,7 @@ class Session:
         self.settle()
 
     def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
-        """Execute an action and return its event. image: whether it carries RGB, depth, ids. allowed: a failure does not raise."""
+        """Execute an action; its event. image: whether it carries RGB, depth, ids. allowed: a failure does not raise."""
         with self._watched(action):
             self._event = self._controller.step(action=action, renderImage=image, **arguments)
         if not self._event.metadata["lastActionSuccess"] and not allowed:

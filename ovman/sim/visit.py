@@ -19,13 +19,11 @@ from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
 from ovman.models.record import DEGREE_DECIMALS
 from ovman.models.visit import Present, View, ViewPose, Visit
-from ovman.models.visit_files import seal
+from ovman.models.visit_files import MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow import journal
 
-MILLIMETRES = 1000.0
-"""Millimetres in a metre: depth pictures are in millimetres."""
 PNG = (cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP)
 """One filter for every row: hardly larger than the best filter for each row, in half the time."""
 

@@ -90,8 +90,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "dualmap_objects": (),
     # And of each arm the constants that its entry in section `arms` names.
     "predictions": ("admissibility.min_mask_px",),
-    "executions": ("admissibility.min_mask_px",),
-    "runs": (),
+    "rollouts": ("admissibility.min_mask_px",),
+    "scores": (),
     "metrics": _METRICS,
     "static_tables": (*_METRICS, "comparisons.difficulty"),
     "language": (

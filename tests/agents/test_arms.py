@@ -99,7 +99,7 @@ def test_a_wrong_entry_is_one_line_with_file_key_and_remedy(entry, line):
 
 def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables():
     def texts(config):
-        of = {"static": "predictions", "embodied": "executions"}
+        of = {"static": "predictions", "embodied": "rollouts"}
         return {name: canonical(config, of[entry.kind], name) for name, entry in config.arms.items() if name != "mine"}
 
     before = texts(CONFIG)
@@ -117,7 +117,7 @@ def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables(
 def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_that_is_cut_from_it_leaves_a_mark():
     mine = MINE | {"constants": ["maps.*", "tour.waypoints"], "needs": ["networks"], "budget": 500}
     config = loaded(mine=mine, short=MINE | {"cut_from": "mine", "budget": 250})
-    record = json.loads(canonical(config, "executions", "mine"))
+    record = json.loads(canonical(config, "rollouts", "mine"))
     assert ArmJob.model_validate(record["arm"]).marks == (250,) and record["arm"]["budget"] == 500
     assert {"maps.cluster_radius_m", "tour.waypoints", "perception.device"} <= set(record["constants"])
     assert not {"tour.headings", "grounding.similarity_margin"} & set(record["constants"])

@@ -28,7 +28,7 @@ from tests.episodes import of_scene, sightings, true_map
 
 SCENE = "FloorPlan429"
 EPISODES = of_scene(SCENE)
-TWO_VISITS = stage_settings(CONFIG, "executions", "two_visits_embodied").arm
+TWO_VISITS = stage_settings(CONFIG, "rollouts", "two_visits_embodied").arm
 
 
 def with_fields(arm: ArmJob, **fields: Any) -> ArmJob:
@@ -36,7 +36,7 @@ def with_fields(arm: ArmJob, **fields: Any) -> ArmJob:
 
 
 def settings(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageSettings:
-    text = json.loads(canonical(CONFIG, "executions", arm))
+    text = json.loads(canonical(CONFIG, "rollouts", arm))
     return StageSettings.parse(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
 
 
@@ -105,7 +105,7 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
 
 
 def test_the_single_visit_draws_by_its_seed(session):
-    arm = stage_settings(CONFIG, "executions", "single_visit_embodied").arm
+    arm = stage_settings(CONFIG, "rollouts", "single_visit_embodied").arm
     one, again, other = (rollout(session, arm, seed, of(Relation.FORMER)) for seed in (0, 0, 1))
     assert one == again and one.stop != other.stop
 

@@ -9,9 +9,12 @@ import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment
 
+from ovman.agents.interface import Relation, UniformBox, UniformPick
 from ovman.agents.reference.association import Association, associate, cost_matrix, distances, padded, positions
 from ovman.agents.reference.decision import moving_by_last_sighting, moving_by_spread, spread_m
 from ovman.agents.reference.grounding import grounded, similarities
+from ovman.agents.reference.reasoning import one_visit
+from ovman.perception.object_map import ObjectMap
 
 SCALE = 2.0
 NAN = float("nan")
@@ -29,6 +32,8 @@ def test_a_pair_is_taken_up_to_the_gate_and_not_at_it():
         near, far = [(0.0, 0.0)], [(np.nextafter(gate_m, 0.0), 0.0)]
         assert associate(near, far, gate_m=gate_m, feature_scale_m=SCALE).pairs == ((0, 0),)
         assert associate(near, [(gate_m, 0.0)], gate_m=gate_m, feature_scale_m=SCALE).pairs == ()
+    # Here the solver pairs what costs as much as leaving both unmatched.
+    assert associate([(0, 0)], [(1, 0), (0, 1)], gate_m=1.0, feature_scale_m=SCALE) == Association((), (0,), (0, 1))
 
 
 def test_features_count_as_far_as_their_scale_says():
@@ -172,6 +177,24 @@ def test_of_clusters_seen_last_in_one_view_that_of_smallest_x_then_z_is_taken():
         assert at(moving_by_last_sighting(some, [7, 7, 7, 6], Association((), (), (0, 1, 2, 3)))) == (0.0, 1.0)
         assert at(moving_by_last_sighting(some, [7, 7, 7, 8], Association((), (), (0, 1, 2, 3)))) == (-5.0, -5.0)
         assert at(moving_by_last_sighting(some, [7, 7, 7, 8], Association(((0, 3),), (), (0, 1, 2)))) == (0.0, 1.0)
+
+
+def test_a_single_visit_picks_places_and_for_moving_last_track_points():
+    """Where a cluster lies is not where it was seen last."""
+    track = np.array([[0.0, 0.0], [3.0, 4.0]])
+    seen = ObjectMap(p=np.array([[1.0, 2.0], [9.0, 9.0]]), f=np.eye(2), tracks=(track, track), last_seen=(1, 1))
+    for relation in Relation:
+        outcome, evidence = one_visit(relation, seen, (0,), [(0.0, 1.0), (2.0, -1.0)])
+        if relation.past:
+            assert outcome == UniformBox(0.0, -1.0, 2.0, 1.0)
+        else:
+            assert outcome == UniformPick(((3.0, 4.0) if relation is Relation.MOVING else (1.0, 2.0),))
+        assert (evidence.grounded_1, evidence.grounded_2) == (None, (0,))
+        if relation.current:
+            assert one_visit(relation, seen, (), [])[0].reason == "nothing_grounded"
+        else:
+            with pytest.raises(ValueError, match="reachable positions are empty"):
+                one_visit(relation, seen, (), [])
 
 
 # --- grounding ------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -19,7 +20,7 @@ from ovman.models.run import Rollout, Score
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
-from tests.episodes import DATA, EPISODES, SIGHTINGS
+from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS
 
 SCENES = ("FloorPlan318", "FloorPlan7")
 MEASURED_PX = CONFIG.measurement.min_mask_px
@@ -35,7 +36,7 @@ def alone(tmp_path, monkeypatch) -> Path:
 
 
 def runs(arm: str, episodes: list[Episode], sightings: dict[str, Sightings]) -> list[Rollout]:
-    settings = stage_settings(CONFIG, "executions", arm)
+    settings = stage_settings(CONFIG, "rollouts", arm)
     with session_for(episodes[0], settings.arm, settings) as session:
         return [
             run_episode(session, episode, settings.arm, 0, settings, sightings=sightings.get(episode.id)) for episode in episodes
@@ -68,10 +69,18 @@ def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alo
     )
 
 
+def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    page = (ROOT / "docs" / "agents.md").read_text()
+    code = re.search(r"```python\n(.*?)```", page[page.index("## One episode from Python") :], re.DOTALL)[1]
+    exec(compile(code, "agents.md", "exec"), {})
+    assert capsys.readouterr().out.splitlines()[-1] == "True"
+
+
 @pytest.mark.parametrize("relation", [Relation.MOVING, Relation.REMOVED])
 def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
     episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
-    settings = stage_settings(CONFIG, "executions", "oracle_check")
+    settings = stage_settings(CONFIG, "rollouts", "oracle_check")
     with session_for(episode, settings.arm, settings) as session:
         first, second = (record_tour(session, episode, which, alone, MEASURED_PX) for which in ("first", "second"))
     seen = Sightings(

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,8 +72,18 @@ def changed_line(function: str, diff: str) -> Mutant:
     return Mutant(function, removed, added)
 
 
-def results(pattern: str) -> Iterator[tuple[str, str, Mutant | None]]:
-    """Package, state and, for those that survive, the mutant, of all that mutmut tried and whose names match `pattern`."""
+@dataclass(frozen=True)
+class Result:
+    """What became of one mutant. function: its dotted name; state: as mutmut says; survivor: None where the tests noticed it."""
+
+    package: str
+    function: str
+    state: str
+    survivor: Mutant | None
+
+
+def results(pattern: str) -> Iterator[Result]:
+    """The results in mutants/ of all mutants whose names match `pattern`. The working directory is the repository's root."""
     from fnmatch import fnmatch
 
     from mutmut.mutation.data import SourceFileMutationData
@@ -92,8 +102,15 @@ def results(pattern: str) -> Iterator[tuple[str, str, Mutant | None]]:
             state = status_by_exit_code[exit_code]
             method, owner = orig_function_and_class_names_from_key(name)
             function = ".".join(part for part in (module, owner, method) if part)
-            mutant = None if state in NOTICED else changed_line(function, get_diff_for_mutant(name, path=path))
-            yield str(path.parent), state, mutant
+            survivor = None if state in NOTICED else changed_line(function, get_diff_for_mutant(name, path=path))
+            yield Result(str(path.parent), function, state, survivor)
+
+
+def summary(found: Sequence[Result]) -> Iterator[str]:
+    """A line a package: how many mutants, and how many in each state."""
+    for package in sorted({result.package for result in found}):
+        states = Counter(result.state for result in found if result.package == package)
+        yield f"{package}: {states.total()} mutants, " + ", ".join(f"{count} {state}" for state, count in sorted(states.items()))
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -109,20 +126,14 @@ def main(arguments: list[str] | None = None) -> int:
         if not options.keep:
             shutil.rmtree("mutants", ignore_errors=True)
         names = [] if options.only == "*" else [options.only]
-        command = [sys.executable, "-m", "mutmut", "run", "--max-children", str(options.processes), *names]
-        if subprocess.run(command).returncode:
+        mutmut = Path(sys.executable).with_name("mutmut")
+        if subprocess.run([mutmut, "run", "--max-children", str(options.processes), *names]).returncode:
             return 1
     found = list(results(options.only))
-    explained = read_explained()
-    if options.only != "*":
-        tried = {name.rpartition(".")[0] for name in (mutant.function for _, _, mutant in found if mutant)}
-        explained = {mutant: reason for mutant, reason in explained.items() if mutant.function.rpartition(".")[0] in tried}
-    comparison = compare((mutant for _, _, mutant in found if mutant), explained)
-    print()
-    for package in sorted({package for package, _, _ in found}):
-        states = Counter(state for name, state, _ in found if name == package)
-        print(f"{package}: {states.total()} mutants, " + ", ".join(f"{count} {state}" for state, count in sorted(states.items())))
-    print(f"{len(explained)} survivors are explained in {EXPLAINED.relative_to(ROOT)}")
+    tried = {result.function for result in found}
+    explained = [mutant for mutant in read_explained() if options.only == "*" or mutant.function in tried]
+    comparison = compare((result.survivor for result in found if result.survivor), explained)
+    print("", *summary(found), f"{len(explained)} survivors are explained in {EXPLAINED.relative_to(ROOT)}", sep="\n")
     for title, mutants in (("without an explanation", comparison.unexplained), ("explained, but no survivor", comparison.stale)):
         for mutant in mutants:
             print(f"\n{title}: {mutant}")

@@ -108,6 +108,23 @@ def test_the_search_goes_deep_first_and_does_not_open_what_lies_off_the_way():
         assert path is not None and opened == list(path[:-1])
 
 
+def test_of_equal_ways_to_a_cell_the_one_found_first_stays():
+    """The two ways around the corner from the start are equally long; the second one does not replace the first."""
+    around = grid_of([(0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (1, 3), (2, 0), (2, 2), (2, 3)])
+    way = ((2, 3), (2, 2), (1, 2), (0, 2), (0, 1), (0, 0), (1, 0), (2, 0))
+    assert shortest_path(around, (2, 3), (2, 0)) == way
+
+
+def test_a_cell_that_is_met_again_by_a_longer_way_does_not_end_the_search():
+    """The search runs into a dead end beside the goal first and comes back to a cell that it has left."""
+    maze = grid_of(
+        [(0, 2), *((1, j) for j in range(3)), (2, 0), *((3, j) for j in range(3)), (4, 1), (4, 2), *((5, j) for j in range(3))]
+    )
+    assert shortest_path(maze, (5, 0), (1, 2)) == (
+        (5, 0), (5, 1), (4, 1), (3, 1), (3, 0), (2, 0), (1, 0), (1, 1), (1, 2),
+    )  # fmt: skip
+
+
 # --- turns ----------------------------------------------------------------------------------------
 
 
@@ -188,6 +205,12 @@ def test_an_edge_is_avoided_for_exactly_blocked_edge_expiry_actions():
     waited = [step(navigator, grid, (0, 0), (8, 0), EAST, moved=False) for _ in range(PRIMITIVES.blocked_edge_expiry)]
     assert waited == ["RotateLeft"] * PRIMITIVES.blocked_edge_expiry
     assert step(navigator, grid, (0, 0), (8, 0), EAST) == "MoveAhead"
+
+
+def test_it_faces_the_next_cell_where_the_way_turns(ring):
+    """From RING[1] the next cell is north, the one behind it north-east."""
+    grid, navigator = ring
+    assert step(navigator, grid, RING[1], RING[8], NORTH) == "MoveAhead"
 
 
 # --- the path that is followed --------------------------------------------------------------------

@@ -152,8 +152,8 @@ def test_nobody_calls_what_gives_new_ids_and_nobody_asks_which_backend_runs():
 
 KNOWING = {
     "sim/controller.py",  # starts it
-    "sections.py",  # what may stand in config.yaml
-    "task/episode.py",  # what may stand in a released episode
+    "models/settings/benchmark.py",  # what may stand in config.yaml
+    "models/episode.py",  # what may stand in a released episode
     "doctor/checks.py",  # looks at both
     "doctor/recording.py",  # records on the one or the other, as told
     "report/paper_comparison/page.py",  # says which figures these are
@@ -240,7 +240,8 @@ def test_every_difference_in_the_docs_has_its_function_and_its_test():
     page = (ROOT / "docs" / "thor.md").read_text().split("<!-- differences -->")[1].split("<!-- end of differences -->")[0]
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.strip().splitlines()[2:]]
     assert len(rows) > 10
-    tests = "".join(path.read_text() for path in (ROOT / "tests").rglob("test_*.py"))
+    folders = ROOT / "tests", ROOT / "packages" / "ovman-engine" / "tests"
+    tests = "".join(path.read_text() for folder in folders for path in folder.rglob("test_*.py"))
     code = "".join(path.read_text() for path in (ROOT / "ovman" / "sim").rglob("*.py"))
     for difference, _, handled, tested in rows:
         for name in re.findall(r"`([\w.]+)`", handled):

@@ -70,7 +70,7 @@ class World:
         """The bytes of everything that a reader of the results sees."""
         kept = (
             *("visits", "trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz", "walks", "dualmap"),
-            *("predictions", "executions", "runs", "language", "metrics", "tables"),
+            *("predictions", "rollouts", "scores", "language", "metrics", "tables"),
         )
         roots = [self.directory / "results" / name for name in kept]
         files = [path for root in roots for path in ([root] if root.is_file() else sorted(root.rglob("*"))) if path.is_file()]

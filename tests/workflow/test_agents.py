@@ -34,10 +34,10 @@ def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     again = World(shutil.copytree(world.directory, tmp_path / "world"))
     beside(again)
     planned = again.planned(SEEN)
-    assert {rule: planned[rule] for rule in ("predictions", "executions", "runs", "metrics", "tables")} == dict.fromkeys(
-        ("predictions", "executions", "runs", "metrics", "tables"), 1
+    assert {rule: planned[rule] for rule in ("predictions", "rollouts", "scores", "metrics", "tables")} == dict.fromkeys(
+        ("predictions", "rollouts", "scores", "metrics", "tables"), 1
     )
-    assert set(planned) == {"predictions", "executions", "runs", "metrics", "tables"}
+    assert set(planned) == {"predictions", "rollouts", "scores", "metrics", "tables"}
     said = again.snakemake(overlay=SEEN)
     assert said.returncode == 0, said.stdout
     before, after = world.results(), again.results()
@@ -53,7 +53,7 @@ def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     (again.directory / "depth_difference.py").write_text("# Another comment.\n" + CODE)
     assert again.planned(SEEN) == {}
     (again.directory / "depth_difference.py").write_text(CODE.replace("CHANGED_M = 0.2", "CHANGED_M = 0.25"))
-    assert again.planned(SEEN) == dict.fromkeys(("executions", "runs", "metrics", "tables"), 1)
+    assert again.planned(SEEN) == dict.fromkeys(("rollouts", "scores", "metrics", "tables"), 1)
 
 
 @pytest.mark.parametrize(

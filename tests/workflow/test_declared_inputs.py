@@ -20,7 +20,7 @@ from tests.workflow.conftest import World
 JOB = re.compile(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", re.MULTILINE)
 FILES = re.compile(r"^    (input|output): (.*)$", re.MULTILINE)
 MANIFEST = re.compile(r"results/visits/\w+\.json")
-READ_TOURS = frozenset({"detections", "executions", "perception", "backprojection"})
+READ_TOURS = frozenset({"detections", "rollouts", "perception", "backprojection"})
 """Rules whose jobs are tried in every run of the tests; the others in a soak."""
 
 
@@ -70,7 +70,7 @@ def check(world: World, job: Declared, directory: Path) -> None:
 @pytest.fixture(scope="module")
 def declared(world):
     found = list(jobs(world))
-    assert {"trials", "detections", "predictions", "executions", "tables"} < {job.rule for job in found}
+    assert {"trials", "detections", "predictions", "rollouts", "tables"} < {job.rule for job in found}
     return found
 
 

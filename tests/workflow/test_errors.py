@@ -79,7 +79,7 @@ def run_agent(world: World, directory, end: str) -> str:
     """What Snakemake and the job say where an agent does `end` when it is asked."""
     again = World(shutil.copytree(world.directory, directory / "world"))
     (again.directory / "mine.py").write_text(AGENT.format(end=end))
-    target = "results/executions/mine/seed0/FloorPlan201.jsonl"
+    target = "results/rollouts/mine/seed0/FloorPlan201.jsonl"
     said = again.snakemake("--latency-wait", "0", overlay={"arms": {"mine": ARM}}, target=target)
     assert said.returncode != 0 and not (again.directory / target).exists()
     assert not list((again.directory / ".snakemake" / "ovman.at_work").iterdir())
@@ -90,13 +90,13 @@ def run_agent(world: World, directory, end: str) -> str:
 def test_a_job_whose_process_ends_names_arm_and_episode_in_one_line(world, tmp_path, end):
     said = run_agent(world, tmp_path, end)
     (line,) = [text for text in said.splitlines() if WHERE in text]
-    assert line.startswith(f"rule executions: the process ended during {WHERE}")
+    assert line.startswith(f"rule rollouts: the process ended during {WHERE}")
     cause = "(killed, out of memory, or ended by the agent)"
-    assert line.endswith(f", seed 0: ask {cause}; logs/executions/mine/FloorPlan201.log has what it printed")
+    assert line.endswith(f", seed 0: ask {cause}; logs/rollouts/mine/FloorPlan201.log has what it printed")
 
 
 def test_an_agent_that_fails_is_run_once_and_said_once(world, tmp_path):
     said = run_agent(world, tmp_path, "sys.exit(0)")
     (line,) = [text for text in said.splitlines() if WHERE in text]
     assert line.startswith(WHERE) and line.endswith(", seed 0: ask raised SystemExit in mine.py, line 19: 0; mend the agent")
-    assert said.count("Error in rule executions") == 1
+    assert said.count("Error in rule rollouts") == 1

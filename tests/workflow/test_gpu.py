@@ -53,9 +53,9 @@ def test_one_job_at_a_time(tmp_path, given):
     assert (tmp_path / "turns").read_text().split() == ["in", "out"] * 4
 
 
-SIMULATOR = {"simulator", "scenes", "trials", "certified", "executions", "walks"}
-NETWORK = {"detections", "nouns", "walks", "executions"}
-"""Of the executions, those of arms with networks of their own."""
+SIMULATOR = {"simulator", "scenes", "trials", "certified", "rollouts", "walks"}
+NETWORK = {"detections", "nouns", "walks", "rollouts"}
+"""Of the rollouts, those of arms with networks of their own."""
 
 
 @pytest.mark.parametrize(

@@ -77,7 +77,7 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     said = repainted.snakemake("--dry-run")
     assert said.returncode == 0, said.stdout
     planned = set(re.findall(r"^(?:local)?rule (\w+):", said.stdout, re.MULTILINE))
-    driven = {"walks", "executions", "runs"}  # these start the engine themselves
+    driven = {"walks", "rollouts", "scores"}  # these start the engine themselves
     seeing = {"detections", "maps", "predictions", "language", "perception", "backprojection", "dualmap", "dualmap_objects"}
     assert planned == driven | seeing | {"metrics", "tables"}
     answers = set(re.findall(r"output: results/predictions/(\w+)\.jsonl", said.stdout))

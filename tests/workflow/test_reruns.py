@@ -17,22 +17,22 @@ from tests.workflow.conftest import ROOT, TINY
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
 DUALMAP = ("dualmap", "predictions:dualmap")
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
-    "scenes": ("backprojection", "candidates", "perception", "trials"),
+    "scenes": ("backprojection", "candidates", "episodes", "perception", "trials"),
     "candidates": ("trials",),
-    "trials": ("admissible", "backprojection", "certified", "detections", "episodes", "executions", "perception", "walks"),
+    "trials": ("admissible", "backprojection", "certified", "detections", "episodes", "rollouts", "perception", "walks"),
     "admissible": ("certified", "episodes"),
     "certified": ("episodes",),
-    "episodes": ("detections", "executions", "language", "metrics", "predictions", "runs", "tables", "walks", *DUALMAP),
+    "episodes": ("detections", "rollouts", "language", "metrics", "predictions", "scores", "tables", "walks", *DUALMAP),
     "detections": ("backprojection", "maps", "perception"),
-    "maps": ("executions", "language", "predictions"),
+    "maps": ("rollouts", "language", "predictions"),
     "walks": ("dualmap",),
     "dualmap": ("dualmap_objects", "predictions:dualmap"),
     "predictions:dualmap": ("metrics",),
     "dualmap_objects": ("tables",),
-    "nouns": ("executions", "language", "perception", "predictions", "predictions:dualmap"),
+    "nouns": ("rollouts", "language", "perception", "predictions", "predictions:dualmap"),
     "predictions": ("language", "metrics"),
-    "executions": ("runs",),
-    "runs": ("metrics",),
+    "rollouts": ("scores",),
+    "scores": ("metrics",),
     "metrics": ("tables",),
     "language": ("tables",),
     "perception": ("tables",),
@@ -50,7 +50,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
 VALUES = flat(CONFIG)
-OF_ARMS = {"static": "predictions", "embodied": "executions"}
+OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
@@ -69,6 +69,13 @@ OTHER = {
     "perception.encoder.sha256": "0" * 64,
     "training.encoder.crop_px": 96,
     "dualmap.maintained": "preloaded_global",
+    "comparisons.agent": "single_visit",
+    "comparisons.rungs": {"two_visits": "another"},
+    "comparisons.pairs": {"two visits against one": {"arm": "grounding_two_visits"}},
+    "comparisons.pairings": {"two visits against DualMap read as two visits": {"arm": "grounding_two_visits"}},
+    "comparisons.difficulty": {"single_visit": "another"},
+    "paper.static": {"single_visit": "two"},
+    "paper.embodied": {"cow": "one"},
     "cow.centre_only": False,
 }
 
@@ -145,8 +152,8 @@ def test_number_form_key_order_and_the_users_own_sections_rerun_nothing(world):
     assert world.planned(merged(turned, overlay(numbers)) | {"x-notes": {"mine": 1}}) == {}
 
 
-def test_a_further_seed_reruns_the_executions_and_what_follows(world):
-    assert set(world.planned({"evaluation": {"seeds": [0, 1]}})) == and_what_follows({"executions"})
+def test_a_further_seed_reruns_the_rollouts_and_what_follows(world):
+    assert set(world.planned({"evaluation": {"seeds": [0, 1]}})) == and_what_follows({"rollouts"})
 
 
 def test_a_further_scene_runs_its_own_stages_once_and_what_gathers_all(world):

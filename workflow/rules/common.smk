@@ -5,7 +5,7 @@ import sys
 
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.analysis import registry
+from ovman.analysis.registry import compared, in_tables, of_stage
 from ovman.models.settings import Kind, Need, named, of_kind, arms_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
@@ -30,7 +30,7 @@ ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
 PLUGINS = plugins_of(settings)
-# The rules `predictions` and `executions` make the records of these arms; rules of plug-ins make the others'.
+# The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
 OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
 # GPUs that a job with a simulator asks for. There is one (ovman.workflow.snakemake_internals); a job locks it (ovman.workflow.job).
 GPU = int(settings.benchmark.backend == "thor")
@@ -72,10 +72,10 @@ def handed(file):
     return found
 
 
-def executed(wildcards):
-    """An arm's own executions, or those of the arm whose runs it cuts."""
+def rollouts_of(wildcards):
+    """An arm's own rollouts, or those of the arm whose runs it cuts."""
     arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm
-    return expand("results/executions/{arm}/seed{seed}/{scene}.jsonl", arm=arm, seed=SEEDS, scene=SCENES)
+    return expand("results/rollouts/{arm}/seed{seed}/{scene}.jsonl", arm=arm, seed=SEEDS, scene=SCENES)
 
 
 def network_gpu(wildcards):

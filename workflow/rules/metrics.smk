@@ -2,9 +2,9 @@ rule metrics:
     input:
         episodes="results/episodes/main.jsonl",
         predictions=expand("results/predictions/{arm}.jsonl", arm=STATIC),
-        runs=expand("results/runs/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
+        scores=expand("results/scores/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
     output:
-        expand("results/metrics/{name}.csv", name=registry.of_stage("metrics")),
+        expand("results/metrics/{name}.csv", name=of_stage("metrics")),
     log:
         "logs/metrics.log",
     benchmark:

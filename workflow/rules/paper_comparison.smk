@@ -4,7 +4,7 @@ PAPER_COMPARISON = os.path.join(workflow.basedir, "ovman", "report", "paper_comp
 
 rule paper_comparison:
     input:
-        metrics=expand("results/metrics/{name}.csv", name=registry.compared(ARMS)),
+        metrics=expand("results/metrics/{name}.csv", name=compared(ARMS)),
         paper=os.path.join(PAPER_COMPARISON, "paper.yaml"),
         statements=os.path.join(PAPER_COMPARISON, "statements.yaml"),
         explanations=os.path.join(PAPER_COMPARISON, "explanations.yaml"),

@@ -51,7 +51,7 @@ def beside(judgement: Judgement, explanations: Mapping[str, Explanation]) -> str
     explanation = explanations.get(judgement.statement.key)
     if explanation is None:
         if judgement.verdict is Verdict.FAILS:
-            return "Nobody has looked at the frames for this yet."
+            return "No explanation yet: the frames have not been inspected."
         return None
     if explanation.verdict is not judgement.verdict:
         return (

@@ -115,7 +115,7 @@ class Results:
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
         """The judged runs of an embodied arm by seed."""
         found: dict[int, Score] = {}
-        for seed in sorted((self.directory / "runs" / arm).glob("seed*")):
+        for seed in sorted((self.directory / "scores" / arm).glob("seed*")):
             run = self._runs(seed / f"{episode.scene}.jsonl").get(episode.id)
             if run is not None:
                 found[run.seed] = run

@@ -4,7 +4,7 @@ import os
 import shlex
 import sys
 
-__version__ = "0.5.0"
+__version__ = "0.5.0.dev0"
 DISPLAY = ":0"
 """Display name for a client that asks for one. Nothing connects to it."""
 COMMAND = "OVMAN_ENGINE"

@@ -28,7 +28,7 @@ def test_cow_runs_once_for_all_episodes_and_seeds_on_the_gpu(tmp_path):
     rules = planned(World(tmp_path), "cow")
     assert {name: len(jobs) for name, jobs in rules.items() if name.startswith("released")} == {"released_cow": 1}
     assert re.search(r"\bgpu=1$", rules["released_cow"][0][1])
-    assert not any("cow_released" in text for text, _ in rules["executions"])
+    assert not any("cow_released" in text for text, _ in rules["rollouts"])
     tables = rules["tables"][0][0]
     assert "results/notes/released_cow.json" in tables and "released_dualmap" not in tables
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +13,8 @@ from ovman.language.vocabulary import all_nouns
 from ovman.perception.backprojection import Camera
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow.config import load
+from tests.arms import CONFIG
 
-ROOT = Path(__file__).parents[3]
-CONSTANTS = load(ROOT / "config.yaml")
 RUNS, SLACK_M, SIDE_PX = 3, 0.05, 240
 
 
@@ -72,15 +69,15 @@ def draws(frames, seed=0):
 @pytest.fixture(scope="module")
 def scene():
     """Frames of a living room, true masks in them, the boxes of what these show, and the highest point of its walls."""
-    body = replace(Embodiment.of(CONSTANTS), width_px=SIDE_PX, height_px=SIDE_PX)
+    body = replace(Embodiment.of(CONFIG), width_px=SIDE_PX, height_px=SIDE_PX)
     frames, masks, names = [], [], []
-    with Session("FloorPlan203", CONSTANTS, body) as session:
+    with Session("FloorPlan203", CONFIG, body) as session:
         session.reset()
         start = session.pose
         for yaw in range(0, 360, 60):
             event = session.teleport(AgentPose(start.x, start.z, float(yaw)), image=True)
             at = session.camera
-            camera = Camera((at["x"], at["y"], at["z"]), float(yaw), 0.0, CONSTANTS.camera.field_of_view_deg)
+            camera = Camera((at["x"], at["y"], at["z"]), float(yaw), 0.0, CONFIG.camera.field_of_view_deg)
             frames.append(Frame(event.frame, event.depth_frame, camera))
             named = [k for k in sorted(event.instance_masks) if k in session.objects and not k.startswith("Floor|")]
             masks.append(np.array([event.instance_masks[k] for k in named]))
@@ -93,7 +90,7 @@ def scene():
 def observed(scene):
     frames, masks, _, _ = scene
     encoder = Encoder()
-    observer = Observer(Detector(masks), encoder, CONSTANTS.dualmap.observation)
+    observer = Observer(Detector(masks), encoder, CONFIG.dualmap.observation)
     return observer, observer.look(frames, draws(len(frames))), encoder
 
 
@@ -116,7 +113,7 @@ def test_clouds_lie_in_the_true_boxes_of_what_they_show(scene, observed):
 
 def test_observations_have_unit_features_points_of_every_run_and_boxes_around_them(observed):
     observer, shots, encoder = observed
-    constants = CONSTANTS.dualmap.observation
+    constants = CONFIG.dualmap.observation
     seen = [one for shot in shots for one in shot.seen]
     for one, crop in zip(seen, encoder.crops.copy(), strict=True):
         assert one.feature.dtype == np.float32 and np.linalg.norm(one.feature) == pytest.approx(1.0, abs=1e-6)
@@ -145,8 +142,8 @@ def test_runs_draw_different_points_and_a_run_draws_the_same_again(scene, observ
 def test_the_same_view_gives_clouds_of_the_same_density_whatever_its_size(scene):
     frames, masks, _, _ = scene
     halves = [Frame(f.rgb[::2, ::2], f.depth[::2, ::2], f.camera) for f in frames]
-    whole = Observer(Detector(masks), Encoder(), CONSTANTS.dualmap.observation).look(frames, draws(len(frames)))
-    small = Observer(Detector([m[:, ::2, ::2] for m in masks]), Encoder(), CONSTANTS.dualmap.observation)
+    whole = Observer(Detector(masks), Encoder(), CONFIG.dualmap.observation).look(frames, draws(len(frames)))
+    small = Observer(Detector([m[:, ::2, ::2] for m in masks]), Encoder(), CONFIG.dualmap.observation)
     half = small.look(halves, draws(len(frames)))
     points = [sum(len(cloud) for shot in shots for one in shot.seen for cloud in one.clouds) for shots in (whole, half)]
     assert points[1] == pytest.approx(points[0], rel=0.05)
@@ -164,7 +161,7 @@ def test_the_ceiling_is_the_highest_that_is_seen(scene, observed):
 def test_a_frame_in_which_nothing_is_found_shows_nothing(scene):
     frames, _, _, _ = scene
     nothing = np.zeros((0, SIDE_PX, SIDE_PX), bool)
-    shots = Observer(Detector([nothing]), Encoder(), CONSTANTS.dualmap.observation).look(frames[:1], draws(1))
+    shots = Observer(Detector([nothing]), Encoder(), CONFIG.dualmap.observation).look(frames[:1], draws(1))
     assert [shot.seen for shot in shots] == [()]
 
 

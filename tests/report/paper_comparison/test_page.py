@@ -103,7 +103,7 @@ def test_what_fails_is_named_at_the_top_and_marked_below():
     assert (
         below.count("✗\u00a0does\u00a0not\u00a0hold")
         == len(failing)
-        == below.count("Nobody has looked at the frames for this yet.")
+        == below.count("No explanation yet: the frames have not been inspected.")
     )
 
 

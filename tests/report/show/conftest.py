@@ -251,7 +251,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     runs = []
     for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):
-            runs.append(root / "runs" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
+            runs.append(root / "scores" / arm.name / f"seed{seed}" / f"{SCENE}.jsonl")
             runs[-1].parent.mkdir(parents=True)
             runs[-1].write_text("".join(line(_run(arm.name, seed, episode)) for episode in episodes))
     metrics.run(root / "episodes" / "main.jsonl", files, runs, constants, root / "metrics", REFERENCE)

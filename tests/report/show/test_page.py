@@ -166,7 +166,7 @@ def test_everything_is_escaped(tmp_path, made, settings):
         ("nouns.npz", "No embedding of “chair” here"),
         ("predictions", "No evidence of any arm here"),
         ("metrics", "not judged yet"),
-        ("runs", "no run here"),
+        ("scores", "no run here"),
         ("episodes/sightings.jsonl", None),
     ],
 )

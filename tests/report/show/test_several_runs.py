@@ -54,11 +54,11 @@ def results(tmp_path_factory, made, settings):
         "path_length_m": 4.0,
         "actions": 9,
     }
-    place = root / "runs" / NAVIGATOR.name / "seed0" / f"{SCENE}.jsonl"
+    place = root / "scores" / NAVIGATOR.name / "seed0" / f"{SCENE}.jsonl"
     place.parent.mkdir(parents=True)
     place.write_text("".join(json.dumps(run | {"episode": e["id"], "own_success": e["id"] == NAME}) + "\n" for e in episodes))
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
-    files = sorted((root / "predictions").glob("*.jsonl")), sorted((root / "runs").rglob("*.jsonl"))
+    files = sorted((root / "predictions").glob("*.jsonl")), sorted((root / "scores").rglob("*.jsonl"))
     metrics.run(root / "episodes" / "main.jsonl", *files, constants, root / "metrics", ARMS)
     return Results(root, ARMS)
 

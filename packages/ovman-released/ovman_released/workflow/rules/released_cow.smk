@@ -16,7 +16,7 @@ rule released_cow:
     input:
         episodes="results/episodes/main.jsonl",
     output:
-        executions=expand("results/executions/cow_released/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
+        rollouts=expand("results/rollouts/cow_released/seed{seed}/{scene}.jsonl", seed=SEEDS, scene=SCENES),
         note="results/notes/released_cow.json",
     log:
         "logs/released_cow.log",

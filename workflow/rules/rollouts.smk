@@ -1,5 +1,5 @@
 # One job runs a scene under all seeds: the simulator starts once.
-rule executions:
+rule rollouts:
     input:
         episodes="results/episodes/main.jsonl",
         sightings=handed("results/episodes/sightings.jsonl"),
@@ -9,16 +9,16 @@ rule executions:
         nouns=needed(["maps", "dualmap"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
-        **{f"seed{seed}": f"results/executions/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
+        **{f"seed{seed}": f"results/rollouts/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
     log:
-        "logs/executions/{arm}/{scene}.log",
+        "logs/rollouts/{arm}/{scene}.log",
     benchmark:
-        "benchmarks/executions/{arm}/{scene}.tsv"
+        "benchmarks/rollouts/{arm}/{scene}.tsv"
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
     resources:
         gpu=lambda wildcards: max(GPU, network_gpu(wildcards)),
     params:
-        constants=stage_of_arm("executions"),
+        constants=stage_of_arm("rollouts"),
     script:
-        "../scripts/executions.py"
+        "../scripts/rollouts.py"

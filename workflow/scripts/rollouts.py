@@ -1,4 +1,4 @@
-"""Stage `executions`: an embodied arm runs the episodes of a scene, once for each seed."""
+"""Stage `rollouts`: an embodied arm runs the episodes of a scene, once for each seed."""
 
 from ovman.evaluation import rollouts
 from ovman.workflow.job import job

@@ -19,7 +19,7 @@ from tests.arms import CONFIG, with_overlay
 from tests.episodes import of_scene
 
 SCENE = "FloorPlan429"
-SETTINGS = StageSettings.parse(canonical(CONFIG, "executions", "cow"))
+SETTINGS = StageSettings.parse(canonical(CONFIG, "rollouts", "cow"))
 TASK = CONFIG.success
 EPISODES = {episode.id: episode for episode in of_scene(SCENE)}
 
