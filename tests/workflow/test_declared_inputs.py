@@ -52,7 +52,7 @@ def link(source: Path, place: Path) -> None:
 
 def check(world: World, job: Declared, directory: Path) -> None:
     """Run a job where its inputs are and nothing else."""
-    sandbox = World(directory)
+    sandbox = World(directory, world.checkout)
     tours = [Path(name).with_suffix("") for name in (*job.inputs, *job.outputs) if MANIFEST.fullmatch(name)]
     for name in (*job.inputs, *map(str, tours)):
         if not Path(name).is_absolute():
