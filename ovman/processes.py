@@ -6,7 +6,7 @@ import os
 
 
 def alive(process: int) -> bool:
-    """Whether a process of that id runs, whoever started it."""
+    """Whether a process of that id runs."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:

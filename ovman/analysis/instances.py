@@ -60,7 +60,7 @@ class TrueScene:
         return tuple(sorted({o.category for o in self.objects}))
 
     def ids(self, index: np.ndarray, instances: Sequence[str]) -> np.ndarray:
-        """(H, W) int32 of a view: the pixel's object as an index into `objects`, -1 where there is none.
+        """(H, W) int32 of a view: the pixel's object as an index into `objects`, -1 for none.
 
         index (H, W): as the visit's ids image has it, 0 for nothing and k for the k-th of `instances`.
         """

@@ -39,7 +39,7 @@ def run(
     have six decimals, p-values six digits, counts none, what does not apply is empty. Pairs of arms of which one does not exist
     are not compared, and a line says so.
 
-    arms: all arms that there are, those of `constants` if not given; a list of files that is not empty has all arms of its kind.
+    arms: all arms; those of `constants` if not given; a list of files that is not empty has all arms of its kind.
     constants: arms, comparisons, success.radius_m,
     single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
     Raises ValueError in one line that names the file, the arm or the episode and the remedy.

@@ -27,7 +27,7 @@ def wilson_interval(successes: float, trials: int, confidence: float = 0.95) -> 
 
 
 def mcnemar_exact(wins: int, losses: int) -> float:
-    """Two-sided p of the exact McNemar test: `wins` and `losses` are the discordant pairs. 1 where there are none.
+    """Two-sided p of the exact McNemar test: `wins` and `losses` are the discordant pairs. 1 without any.
 
     Raises ValueError for a negative count. Source: McNemar, Psychometrika 12 (1947), with the exact binomial distribution.
     """

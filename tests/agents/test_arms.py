@@ -1,4 +1,4 @@
-"""The section `arms` of config.yaml as a table, and what of an entry a job hangs on."""
+"""The section `arms` of config.yaml as a table, and what of an entry a job depends on."""
 
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ def _device(name: str) -> Any:
 
 
 def _end_with_parent() -> None:
-    """End as soon as whoever holds the other end of standard input has: a run that nobody waits for must not go on."""
+    """End when the other end of standard input closes: an orphaned run must not go on."""
 
     def wait() -> None:
         while os.read(0, 1):
