@@ -131,7 +131,11 @@ def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) ->
     settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     found = checks.perception(tmp_path / "config.yaml")
-    assert found.state is State.ILL and found.says.startswith("perception.detector.weights: there is no file")
+    assert (
+        found.state is State.ILL
+        and found.says.startswith("perception.detector.weights: the file ")
+        and found.says.endswith("is missing")
+    )
     assert "make models" in found.remedy and "\n" not in found.says + found.remedy
     assert checks.perception(tmp_path / "absent.yaml").state is State.ABSENT
 

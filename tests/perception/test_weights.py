@@ -120,7 +120,7 @@ def test_a_file_that_holds_no_weights_is_one_line(tmp_path, name):
 
 
 def test_a_file_that_is_not_there_is_one_line(tmp_path):
-    assert "there is no file" in line(lambda: detector_file(str(tmp_path / "none.safetensors"), False))
+    assert "none.safetensors is missing; `make models`" in line(lambda: detector_file(str(tmp_path / "none.safetensors"), False))
     assert "perception.encoder.weights" in line(lambda: encoder_file("any", str(tmp_path / "none.safetensors"), False))
 
 
