@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.agents.interface import Action, Observation, Relation
+from ovman.agents.interface.observation import Action, Observation
+from ovman.models.relation import Relation
 from ovman.models.settings.benchmark import Primitives
 from ovman.navigation import Cell, Grid, Navigator
 
