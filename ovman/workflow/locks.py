@@ -8,8 +8,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from filelock import FileLock, Timeout
-
 
 def gpu_lock() -> Path:
     """The file that stands for the GPU among all processes of this user."""
@@ -19,6 +17,8 @@ def gpu_lock() -> Path:
 @contextmanager
 def held(path: Path) -> Iterator[None]:
     """This process alone has the lock `path`; waits until it does, and says in the log that it waits."""
+    from filelock import FileLock, Timeout  # a job without a journal or a GPU starts without it
+
     path.parent.mkdir(parents=True, exist_ok=True)
     lock = FileLock(path)
     try:

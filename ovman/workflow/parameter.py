@@ -16,7 +16,6 @@ from ovman.models.settings import Arm, Settings
 from ovman.models.settings.arms import WORDS, ArmJob
 from ovman.models.settings.values import listed
 from ovman.workflow.plugins import stage_of_plugin, with_sections
-from ovman.workflow.provenance import code_digest, module_digest, script_digest
 from ovman.workflow.stages import STAGES, matching
 
 
@@ -45,6 +44,8 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
     arm: the name of the arm that a job is of. Its text has the arm's entry without the words of the tables, the constants that
     the entry names, and the digest of the agent's code; and the same of the arm that it executes.
     """
+    from ovman.workflow.provenance import module_digest  # a job only parses, and starts without the parser of sources
+
     values = flat(settings)
     patterns, code = _stage(settings, stage)
     record: dict[str, Any] = {"stage": stage, "code": code}
@@ -67,6 +68,8 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
 
 def _stage(settings: Settings, stage: str) -> tuple[tuple[str, ...], str]:
     """Patterns of the constants that a stage owns, and the digest of its code; KeyError for no stage."""
+    from ovman.workflow.provenance import code_digest, script_digest
+
     if found := stage_of_plugin(settings, stage):
         plugin, module = found
         return plugin.stages[stage], script_digest(plugin.scripts / f"{stage}.py", module)
