@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations
 from typing import Annotated, Any
 
@@ -98,11 +98,14 @@ def displacement_m(world_1: WorldState, world_2: WorldState, instance_id: str) -
     return math.dist(world_1[instance_id].position, world_2[instance_id].position)
 
 
-_INSTANCES: TypeAdapter[tuple[Instance, ...]] = TypeAdapter(tuple[Instance, ...])
+@cache
+def _instances() -> TypeAdapter[tuple[Instance, ...]]:
+    """Reads instances; made at the first use, so that a job that reads none starts without it."""
+    return TypeAdapter(tuple[Instance, ...])
 
 
 def _world(value: Any) -> WorldState:
-    return value if isinstance(value, WorldState) else WorldState(_INSTANCES.validate_python(value))
+    return value if isinstance(value, WorldState) else WorldState(_instances().validate_python(value))
 
 
 def instance_json(instance: Instance) -> dict[str, Any]:
