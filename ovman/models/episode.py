@@ -15,7 +15,7 @@ from ovman.models.certification import CertificationRun
 from ovman.models.change import Alteration, Change, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.record import Length, Record, RecordError, Text, lines, records
+from ovman.models.record import Length, Record, RecordError, Text, lines
 from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera, Mover, Primitives, Success
@@ -113,7 +113,7 @@ class Episode(Record):
     def load(cls, path: Path) -> list[Self]:
         """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice."""
         episodes: dict[str, Self] = {}
-        for (place, _), episode in zip(records(path), cls.read(path), strict=True):
+        for place, episode in cls.placed(path):
             if episode.id in episodes:
                 raise RecordError(f"{place}: id: {episode.id} is in the file already; remove one of the two")
             episodes[episode.id] = episode

@@ -127,7 +127,13 @@ class Record(BaseModel):
     @classmethod
     def read(cls, path: Path) -> list[Self]:
         """The records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
-        return [cls.parse(text, place) for place, text in _texts(path)]
+        return [record for _, record in cls.placed(path)]
+
+    @classmethod
+    def placed(cls, path: Path) -> Iterator[tuple[str, Self]]:
+        """The records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`."""
+        for place, text in _texts(path):
+            yield place, cls.parse(text, place)
 
     def to_json(self) -> dict[str, Any]:
         """The record as JSON values, rounded, keys in the order of the fields."""
@@ -175,7 +181,6 @@ _EXPECTED = {
     "model_type": ("expected an object", "write {...}"),
     "model_attributes_type": ("expected an object", "write {...}"),
     "dict_type": ("expected an object", "write {...}"),
-    "greater_than_equal": ("expected a number that is not smaller", "write at least the bound"),
 }
 
 

@@ -54,9 +54,14 @@ def path_of(place: Path) -> Path:
 
 def digest_of(place: Path) -> str:
     """Hexadecimal SHA-256 of a file, or of the names and contents of a folder's files."""
-    if not place.is_dir():
-        return _sha256(place)
-    return hashlib.sha256(json.dumps(sorted(_files(place).items())).encode()).hexdigest()
+    return _combined(_files(place))
+
+
+def _combined(files: Mapping[str, str]) -> str:
+    """One digest of the digests of an output's files; that of the output itself where it is a file."""
+    if files.keys() == {""}:
+        return files[""]
+    return hashlib.sha256(json.dumps(sorted(files.items())).encode()).hexdigest()
 
 
 def record(place: Path, rule: str, inputs: Mapping[str, str]) -> None:
@@ -76,10 +81,11 @@ def verified(inputs: Iterable[str]) -> dict[str, str]:
         place = Path(name)
         if not _within_results(place):
             continue
-        if damage := _changed(Path(), place):
+        found = _files(place) if place.exists() else None
+        if damage := _changed(Path(), place, found):
             raise ChangedError(str(damage))
-        if place.exists():
-            digests[name] = digest_of(place)
+        if found is not None:
+            digests[name] = _combined(found)
     return digests
 
 
@@ -88,7 +94,8 @@ def damages(directory: Path) -> Iterator[Damage]:
     known: dict[str, str] = {}
     for path in sorted((directory / FOLDER).rglob("*.json")):
         place = MADE / path.relative_to(directory / FOLDER).with_suffix("")
-        if damage := _changed(directory, place):
+        there = directory / place
+        if damage := _changed(directory, place, _files(there) if there.exists() else None):
             yield damage
             continue
         for name, digest in _read(directory, place).inputs.items():
@@ -100,16 +107,16 @@ def damages(directory: Path) -> Iterator[Damage]:
                 break
 
 
-def _changed(directory: Path, place: Path) -> Damage | None:
+def _changed(directory: Path, place: Path, found: Mapping[str, str] | None) -> Damage | None:
+    """What is wrong with an output. found: the digests of its files, which are read once; None where it is missing."""
     if not (directory / path_of(place)).exists():
         return None
     try:
         expected = _read(directory, place)
     except (ValueError, TypeError):
         return Damage(place, f"its checksums in {path_of(place)} are torn")
-    if not (directory / place).exists():
+    if found is None:
         return Damage(place, "is missing")
-    found = _files(directory / place)
     if found == expected.files:
         return None
     which = next(name for name in sorted({*found, *expected.files}) if found.get(name) != expected.files.get(name))
