@@ -113,7 +113,7 @@ class Episode(Record):
     def load(cls, path: Path) -> list[Self]:
         """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice."""
         episodes: dict[str, Self] = {}
-        for place, episode in cls.placed(path):
+        for place, episode in cls.read_with_places(path):
             if episode.id in episodes:
                 raise RecordError(f"{place}: id: {episode.id} is in the file already; remove one of the two")
             episodes[episode.id] = episode

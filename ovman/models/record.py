@@ -127,10 +127,10 @@ class Record(BaseModel):
     @classmethod
     def read(cls, path: Path) -> list[Self]:
         """The records of a JSONL file in its order. Raises RecordError as `from_json`, and for a line that is not JSON."""
-        return [record for _, record in cls.placed(path)]
+        return [record for _, record in cls.read_with_places(path)]
 
     @classmethod
-    def placed(cls, path: Path) -> Iterator[tuple[str, Self]]:
+    def read_with_places(cls, path: Path) -> Iterator[tuple[str, Self]]:
         """The records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`."""
         for place, text in _texts(path):
             yield place, cls.parse(text, place)
