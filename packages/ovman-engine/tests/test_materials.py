@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 import pytest
@@ -10,13 +11,43 @@ import pytest
 from ovman_engine import shapes
 from ovman_engine.paint import materials, textures
 from ovman_engine.plan import floorplan
+from ovman_engine.shapes import Part
 
 SCENES = floorplan.names()
+RAYS = 6
+"""Rays along each edge of a box that find out which parts are on the outside."""
+
+
+def surface(parts: Sequence[Part], half: np.ndarray) -> Counter[str]:
+    """Area, m2, that each slot covers when the parts are looked at from all six sides of their box, `half` (3,) its half extents.
+
+    A part counts as its box. What another part hides, such as the board behind the field of a front, does not count.
+    """
+    parts = [p for p in parts if p.drawn]
+    turns = np.array([p.rotation for p in parts])
+    centres, sizes = np.array([p.centre for p in parts]), np.array([p.size for p in parts]) / 2
+    cells = (np.stack(np.meshgrid(np.arange(RAYS), np.arange(RAYS)), axis=-1).reshape(-1, 2) + 0.5) / RAYS * 2 - 1
+    found: Counter[str] = Counter()
+    for axis in range(3):
+        others = [a for a in range(3) if a != axis]
+        starts = np.zeros((len(cells), 3))
+        starts[:, others] = cells * half[others]
+        origins = (starts - centres[:, None]) @ turns  # (parts, rays, 3), in the frames of the parts
+        ways = turns[:, None, axis]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ends = (-sizes[:, None] - origins) / ways, (sizes[:, None] - origins) / ways
+        enters, leaves = np.fmin(*ends).max(axis=2), np.fmax(*ends).min(axis=2)
+        met = enters <= leaves
+        nearest = np.where(met, enters, np.inf).argmin(axis=0), np.where(met, leaves, -np.inf).argmax(axis=0)
+        for first in nearest:
+            for part in first[met.any(axis=0)]:
+                found[parts[part].slot] += np.prod(2 * half[others]) / len(cells)
+    return found
 
 
 @pytest.fixture(scope="module")
 def looks() -> list[tuple[str, str, str, np.ndarray]]:
-    """(scene, type, asset or make, display RGB of the slot that covers most) of every object but floors."""
+    """(scene, type, asset or make, display RGB of the slot that covers most of the surface) of every object but floors."""
     found = []
     widest: dict[tuple[str, str], str] = {}
     for name in SCENES:
@@ -25,12 +56,7 @@ def looks() -> list[tuple[str, str, str, np.ndarray]]:
             if o.type == "Floor":
                 continue
             if (o.type, o.asset_id) not in widest:
-                area: Counter = Counter()
-                for part in shapes.compound(o, plan):
-                    if part.drawn:
-                        x, y, z = part.size
-                        area[part.slot] += x * y + y * z + z * x
-                widest[o.type, o.asset_id] = area.most_common(1)[0][0]
+                widest[o.type, o.asset_id] = surface(shapes.compound(o, plan), o.box.half).most_common(1)[0][0]
             colour = materials.palette(o, plan)[widest[o.type, o.asset_id]].colour
             found.append((name, o.type, materials.make(o, plan), np.asarray(colour) ** (1 / 2.2)))
     return found

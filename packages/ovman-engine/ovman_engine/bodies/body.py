@@ -10,7 +10,7 @@ from ovman_engine.bodies.embodiment import DEFAULT, Embodiment
 from ovman_engine.plan.floorplan import Box, SimObject
 
 STAYS_M = 1e-3
-"""Tolerance of `Body.stays`: of the pivot, and of the tips of the body's unit axes."""
+"""Tolerance of `Pose.near`: of the pivot, and of the tips of the body's unit axes."""
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,11 @@ class Pose:
 
     position: np.ndarray
     rotation: np.ndarray
+
+    def near(self, other: Pose) -> bool:
+        """Whether both poses are the same within STAYS_M."""
+        moved = np.abs(self.position - other.position).max()
+        return bool(moved < STAYS_M and np.abs(self.rotation - other.rotation).max() < STAYS_M)
 
 
 @dataclass
@@ -75,8 +80,7 @@ class Body:
     @property
     def stays(self) -> bool:
         """Whether the body is at its recorded pose, within STAYS_M, moved or not."""
-        moved = np.abs(self.pose.position - self.obj.position).max()
-        return bool(moved < STAYS_M and np.abs(self.pose.rotation - self.obj.rotation).max() < STAYS_M)
+        return self.pose.near(Pose(self.obj.position, self.obj.rotation))
 
     @property
     def present(self) -> bool:

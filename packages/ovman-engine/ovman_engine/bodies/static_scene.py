@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 
 from ovman_engine.bodies.carrying import carriers
-from ovman_engine.bodies.embodiment import Embodiment
+from ovman_engine.bodies.embodiment import DEFAULT, Embodiment
 from ovman_engine.bodies.footprint import Boxes
 from ovman_engine.bodies.forms import within
 from ovman_engine.bodies.passage import DEEPER_M
+from ovman_engine.plan.facing import open_yaw, seen_yaw
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
 from ovman_engine.room.building import room_of
 from ovman_engine.shapes import collision, compound
@@ -28,6 +29,14 @@ WIDE_COUNTER_M = 1.2
 """A counter whose box is wider than this both ways is L- or U-shaped, and the agent can stand in the opening."""
 SLENDER = frozenset(["Toilet"])
 """Types whose boxes are mostly empty at the height of the agent's feet: a toilet is a bowl on a foot in front of a tank."""
+ROUND = frozenset(["DiningTable", "Stool"])
+"""Types that may be round, so that the corners of their boxes are empty. Recorded agents come no nearer to lower round tables."""
+STAIRS_DEG = (12.0, 30.0, 48.0, 66.0, 80.0)
+"""A round outline is that of rectangles in it whose corners are at these angles."""
+ROUNDNESS_M = 0.02
+"""A round part that comes so near to the sides of its object's box is the outline of the object."""
+SQUARE = 1 - 1e-6
+"""Cosine above which an axis counts as upright."""
 KEPT = 4
 """Number of floor plans that are cached."""
 
@@ -45,6 +54,7 @@ class StaticScene:
         self.carriers = carriers(plan)
         self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}
         self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
+        self._hollow |= {o.object_id: _stairs(o) for o in plan.objects if _is_round(o, plan)}
 
     @staticmethod
     def of(plan: FloorPlan) -> StaticScene:
@@ -58,8 +68,8 @@ class StaticScene:
         return found
 
     def barriers(self, obj: SimObject, box: Box) -> list[Box]:
-        """Boxes of an object that block the agent if its oriented box is `box`: the box itself, or those of the pieces in a
-        mostly empty box."""
+        """Boxes of an object that block the agent if its oriented box is `box`: the box itself, those of the pieces in a mostly
+        empty box, or those that a round outline holds."""
         pieces = self._hollow.get(obj.object_id)
         return [box] if pieces is None else within(box, pieces)
 
@@ -85,6 +95,16 @@ class StaticScene:
         return dict(zip(solids, np.split(allowed, ends[:-1]) if solids else (), strict=True))
 
     @cached_property
+    def start_yaw_deg(self) -> float:
+        """Yaw of the agent at the start: the one that the recorded visible objects tell, else towards the open room."""
+        told = seen_yaw(self.plan)
+        if told is not None:
+            return told
+        eye = self.plan.start + [0.0, DEFAULT.camera_m(standing=True), 0.0]
+        solid = [o.box for o in self.plan.objects if o.type != "Floor"]
+        return open_yaw(eye, [*solid, *(w.box for w in self.room.walls)])
+
+    @cached_property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Lower and upper corner of the untouched scene, metres."""
         boxes = [o.box.bounds() for o in self.plan.objects]
@@ -107,3 +127,19 @@ def _pieces(obj: SimObject, plan: FloorPlan) -> tuple:
 def _is_hollow(obj: SimObject) -> bool:
     low, high = obj.box.bounds()
     return obj.type in SLENDER or (obj.type == "CounterTop" and min((high - low)[[0, 2]]) > WIDE_COUNTER_M)
+
+
+def _is_round(obj: SimObject, plan: FloorPlan) -> bool:
+    """Whether the object is drawn with a round outline."""
+    if obj.type not in ROUND:
+        return False
+    half = obj.box.half[[0, 2]]
+    parts = (p for p in compound(obj, plan) if p.kind == "cylinder" and p.solid and abs(p.rotation[1, 1]) > SQUARE)
+    return any(np.abs(p.size[[0, 2]] / 2 - half).max() < ROUNDNESS_M for p in parts)
+
+
+def _stairs(obj: SimObject) -> tuple:
+    """Boxes within the elliptic outline of an object, as pieces in the frame of its box."""
+    angles = np.radians(STAIRS_DEG)
+    steps = np.stack([np.cos(angles), np.ones(len(angles)), np.sin(angles)], axis=1)
+    return tuple(("box", np.zeros(3), obj.box.half * step, np.eye(3)) for step in steps)

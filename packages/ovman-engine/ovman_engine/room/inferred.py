@@ -28,6 +28,9 @@ BOUNDS_MARGIN_M = 0.15
 FACE_MARGIN_M = 0.2
 """Distance that the agent keeps from the plane of a wall item: the plane is the middle of the item, and skirting boards stand
 out."""
+SWITCH_MARGIN_M = 0.16
+"""The same for the outermost light switch on a side of a kitchen: its plane is its back, which lies on the wall. In FloorPlan28,
+AI2-THOR 5.0's agent reaches more than 100 positions, so it stands at 0.37 m from the wall of the switch."""
 WALL_ITEMS = frozenset(
     ["Window", "Painting", "LightSwitch", "Mirror", "Blinds", "Poster", "Curtains"]
     + ["HandTowelHolder", "TowelHolder", "ToiletPaperHanger"]
@@ -44,6 +47,8 @@ BESIDE_M = 0.3
 """How far a wall extends to both sides of an item on another plane."""
 BEYOND_M = 0.05
 """An object that reaches this far beyond a plane shows that no wall is there."""
+BEYOND_ROUNDING_M = 1e-6
+"""Rounding of recorded coordinates."""
 OUTSIDE_M = 0.3
 """An object farther outside the recorded floor than this is scenery beyond a window."""
 ELBOW_M = 0.2
@@ -77,7 +82,7 @@ class InferredRoom(Room):
         beyond = (everything[0] - SLAB_M, everything[1] - SLAB_M, everything[2] + SLAB_M, everything[3] + SLAB_M)
         inner = [_wall("wall", b.rectangle(beyond), *heights) for b in blocks]
         bases = _stoves(plan)
-        kept_off = [_wall("wall", b.nearer(FACE_MARGIN_M).rectangle(beyond), *heights) for b in blocks]
+        kept_off = [_wall("wall", b.nearer().rectangle(beyond), *heights) for b in blocks]
         return InferredRoom(
             plan,
             rectangle,
@@ -199,8 +204,17 @@ def _blocks(plan: FloorPlan, rectangle: Rectangle) -> tuple[Block, ...]:
         if stretch is None and item.type in PARTITION_ITEMS:
             stretch, thick = _partition(item, hung, objects, start), PARTITION_M
         if stretch is not None:
-            blocks.append(Block(axis, outwards, plane, *stretch, thick))
+            margin = _margin(item, plan, hung, rectangle)
+            blocks.append(Block(axis, outwards, plane, *stretch, thick, margin))
     return tuple(blocks)
+
+
+def _margin(item: SimObject, plan: FloorPlan, hung: tuple[int, int, float], rectangle: Rectangle) -> float:
+    """How far the agent's body stays from the plane of a wall item."""
+    axis, outwards, plane = hung
+    edge = rectangle[axis] if outwards < 0 else rectangle[2 + axis]
+    outermost = outwards * (plane - edge) > BOUNDS_MARGIN_M - BEYOND_ROUNDING_M
+    return SWITCH_MARGIN_M if item.type == "LightSwitch" and plan.kind == "kitchen" and outermost else FACE_MARGIN_M
 
 
 def _partition(

@@ -42,10 +42,12 @@ class Block:
     high: float
     thick: float = np.inf
     """Infinite, except for a partition, which has room on both sides"""
+    margin_m: float = 0.0
+    """How far before the face the agent's body stops"""
 
-    def nearer(self, margin_m: float) -> Block:
-        """The block with its face moved into the room by `margin_m`; a partition, which is thin, stays."""
-        return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * margin_m)
+    def nearer(self) -> Block:
+        """The block with its face moved into the room by its margin; a partition, which is thin, stays."""
+        return self if np.isfinite(self.thick) else replace(self, plane=self.plane - self.outwards * self.margin_m)
 
     def rectangle(self, beyond: Rectangle) -> Rectangle:
         """Plan rectangle of the block, cut at the sides of `beyond`."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ovman_engine.plan.counters import Rect, without
 from ovman_engine.shapes.part import Part, arc, rod, span, tube
 from ovman_engine.shapes.style import Style
 from ovman_engine.shapes.subject import Subject
@@ -15,6 +16,10 @@ HANDLE_M = 0.028
 """How far handles stand out of a front."""
 PANEL_M = 0.018
 """Thickness of a front."""
+GROOVE_M = 0.006
+"""Width of the groove between the frame of a front and its field."""
+GRIP_M = 0.034
+"""Width of the recess in which a handle lies."""
 
 
 def handle(
@@ -50,23 +55,44 @@ def handle(
             yield rod((*at, face), (*at, z), radius * 0.8, "metal", solid=False)
 
 
-def panel(area: Area, face: float, style: Style, slot: str = "second", thick: float = PANEL_M) -> Iterator[Part]:
-    """A front of `area` standing out to z = `face`: flat, framed or grooved."""
+def panel(
+    area: Area, face: float, style: Style, slot: str = "second", thick: float = PANEL_M, hole: Area | None = None
+) -> Iterator[Part]:
+    """A front of `area` standing out to z = `face`: flat, framed by a groove, or raised; open where a handle lies in `hole`."""
     x0, x1, y0, y1 = area
     back = face - thick
     form = style.choice("front", ("flat", "flat", "framed", "framed", "raised"))
     rail = min(0.05, 0.2 * (x1 - x0), 0.2 * (y1 - y0))
+    field = (x0 + rail, x1 - rail, y0 + rail, y1 - rail)
+    rails = ((x0, x0 + rail, y0, y1), (x1 - rail, x1, y0, y1), (*field[:2], y0, y0 + rail), (*field[:2], y1 - rail, y1))
     if form == "flat" or rail < 0.018:
-        yield span((x0, y0, back), (x1, y1, face), slot, bevel=0.003, solid=False)
+        layers = [(area, face, 0.003)]
     elif form == "framed":
-        yield span((x0 + rail, y0 + rail, back), (x1 - rail, y1 - rail, face - 0.5 * thick), slot, solid=False)
-        for low, high in ((x0, x0 + rail), (x1 - rail, x1)):
-            yield span((low, y0, back), (high, y1, face), slot, bevel=0.002, solid=False)
-        for low, high in ((y0, y0 + rail), (y1 - rail, y1)):
-            yield span((x0 + rail, low, back), (x1 - rail, high, face), slot, bevel=0.002, solid=False)
+        groove = min(GROOVE_M, 0.2 * rail)
+        inner = (field[0] + groove, field[1] - groove, field[2] + groove, field[3] - groove)
+        layers = [(area, face - 0.5 * thick, 0.0), *((one, face, 0.002) for one in rails), (inner, face, 0.002)]
     else:
-        yield span((x0, y0, back), (x1, y1, face - 0.33 * thick), slot, bevel=0.003, solid=False)
-        yield span((x0 + rail, y0 + rail, back), (x1 - rail, y1 - rail, face), slot, bevel=0.006, solid=False)
+        layers = [(area, face - 0.33 * thick, 0.003), (field, face, 0.006)]
+    for (low, high, under, top), front, bevel in layers:
+        if hole is None:
+            yield span((low, under, back), (high, top, front), slot, bevel=bevel, solid=False)
+            continue
+        pieces = without(Rect(low, under, high, top), (Rect(hole[0], hole[2], hole[1], hole[3]),))
+        for left, foot, right, head in pieces:
+            cut = bevel if len(pieces) == 1 else 0.0
+            yield span((left, foot, back), (right, head, front), slot, bevel=cut, solid=False)
+
+
+def pull(
+    area: Area, face: float, style: Style, x: float, y: float, upright: bool, length: float, thick: float = PANEL_M
+) -> Iterator[Part]:
+    """A front of `area` standing out to z = `face`, with a handle centred at (x, y) that lies in a recess and not before it."""
+    wide, high = (GRIP_M / 2, length / 2 + 0.012) if upright else (length / 2 + 0.012, GRIP_M / 2)
+    hole = (max(x - wide, area[0]), min(x + wide, area[1]), max(y - high, area[2]), min(y + high, area[3]))
+    yield from panel(area, face, style, thick=thick, hole=hole)
+    floor = face - 0.9 * thick
+    yield span((hole[0], hole[2], face - thick), (hole[1], hole[3], floor), "dark", solid=False)
+    yield from handle(x, y, floor, style, upright, length, face - floor)
 
 
 def drawers(area: Area, face: float, style: Style, rows: int, columns: int, reach: float = HANDLE_M) -> Iterator[Part]:

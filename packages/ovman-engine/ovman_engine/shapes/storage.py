@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ovman_engine.shapes.fronts import HANDLE_M, PANEL_M, closed_block, doors, drawers, handle, panel
+from ovman_engine.shapes.fronts import HANDLE_M, PANEL_M, closed_block, doors, drawers, pull
 from ovman_engine.shapes.part import Part, about, bar, span
 from ovman_engine.shapes.seating import legs
 from ovman_engine.shapes.subject import Subject
@@ -94,12 +94,15 @@ def shelf(s: Subject) -> Iterator[Part]:
 
 
 def cabinet(s: Subject) -> Iterator[Part]:
-    """A built-in cupboard: body, one or two doors, handles where they are reached: low on wall units, high on base units."""
-    reach = min(HANDLE_M, 0.35 * s.d)
-    face = s.z - reach
+    """A built-in cupboard: body, one or two doors, handles where they are reached: low on wall units, high on base units.
+
+    Doors lie in the front face of the box, handles in recesses of the doors: in AI2-THOR, rays meet doors at the box's face.
+    """
+    thick = min(PANEL_M, 0.3 * s.d)
+    face = s.z - thick
     if s.d < 0.09:
         yield span((-s.x, 0, -s.z), (s.x, s.h, face), "main", bevel=0.002)
-        yield from _leaf(s, face, reach, 1)
+        yield from _leaf(s, thick, 1)
         return
     foot = 0.0 if s.hung or s.h < 0.4 else 0.04
     sunk = min((i.y0 for i in s.inserts if i.kind == "sink"), default=s.h) - 0.005
@@ -111,36 +114,35 @@ def cabinet(s: Subject) -> Iterator[Part]:
         yield span((-s.x, foot, -s.z), (s.x, s.h, face), "main", bevel=0.002)
     if foot:
         yield span((-s.x + 0.002, 0, -s.z), (s.x - 0.002, foot, face - 0.05), "dark", solid=False)
-    yield from _leaf(s, face, reach, 2 if s.w > 0.62 else 1)
+    yield from _leaf(s, thick, 2 if s.w > 0.62 else 1)
 
 
-def _leaf(s: Subject, face: float, reach: float, count: int) -> Iterator[Part]:
+def _leaf(s: Subject, thick: float, count: int) -> Iterator[Part]:
     wide = s.w / count
-    front = face + min(PANEL_M * 0.6, 0.4 * reach)
     for i in range(count):
         x0, x1 = -s.x + i * wide + 0.007, -s.x + (i + 1) * wide - 0.007
         foot = 0.007 if s.hung else min(0.042, 0.1 * s.h)
-        yield from panel((x0, x1, foot, s.h - 0.007), front, s.style, thick=min(PANEL_M, 0.9 * (front + s.z)))
         right = i % 2 == 0 if count > 1 else s.style.chance("opens right", 0.5)
         at = x1 - 0.035 if right else x0 + 0.035
         y = 0.16 * s.h + 0.02 if s.hung else 0.84 * s.h
-        yield from handle(at, y, front, s.style, True, min(0.14, 0.3 * s.h), s.z - front)
+        yield from pull((x0, x1, foot, s.h - 0.007), s.z, s.style, at, y, True, min(0.14, 0.3 * s.h), thick)
 
 
 def drawer(s: Subject) -> Iterator[Part]:
-    """Front, handle and an open tray behind it."""
-    reach = min(HANDLE_M, 0.2 * s.d)
-    face = s.z - reach
+    """Front in the face of the box, a handle in its recess, and an open tray behind it."""
+    front = min(PANEL_M, 0.2 * s.d)
+    face = s.z - front
     thick = 0.012
-    yield span((-s.x + 0.004, 0.004, -s.z), (s.x - 0.004, 0.012, face - PANEL_M), "second")
+    yield span((-s.x + 0.004, 0.004, -s.z), (s.x - 0.004, 0.012, face), "second")
     for sx in (-1, 1):
         low, high = sorted((sx * (s.x - 0.004), sx * (s.x - 0.004 - thick)))
-        yield span((low, 0.004, -s.z), (high, 0.75 * s.h, face - PANEL_M), "second")
+        yield span((low, 0.004, -s.z), (high, 0.75 * s.h, face), "second")
     yield span((-s.x + 0.004, 0.004, -s.z), (s.x - 0.004, 0.75 * s.h, -s.z + thick), "second")
-    yield span((-s.x, 0, face - PANEL_M), (s.x, s.h, face), drawn=False)
-    yield from panel((-s.x, s.x, 0.0, s.h), face, s.style)
-    for offset in (-0.27, 0.27) if s.w > 0.85 else (0.0,):
-        yield from handle(offset * s.w, 0.5 * s.h, face, s.style, False, min(0.16, 0.4 * s.w), reach)
+    yield span((-s.x, 0, face), (s.x, s.h, s.z), drawn=False)
+    at = 0.27 * s.w if s.w > 0.85 else 0.0
+    halves = ((-s.x, 0.0, -at), (0.0, s.x, at)) if at else ((-s.x, s.x, 0.0),)
+    for x0, x1, x in halves:
+        yield from pull((x0, x1, 0.0, s.h), s.z, s.style, x, 0.5 * s.h, False, min(0.16, 0.4 * s.w), front)
 
 
 def safe(s: Subject) -> Iterator[Part]:

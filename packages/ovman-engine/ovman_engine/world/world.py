@@ -47,7 +47,7 @@ class World:
         self.plan, self.seed = plan, seed
         self._static = StaticScene.of(plan)
         self.room = self._static.room
-        self.agent = Agent(plan.start.copy())
+        self.agent = Agent(plan.start.copy(), self._static.start_yaw_deg)
         self.bodies: dict[str, Body] = {o.object_id: Body.of(o) for o in plan.objects}
         self.version = 0
         for part, carrier in self._static.carriers.items():
@@ -102,7 +102,7 @@ class World:
         metres. Refused without effect if it would overlap anything. Raises Unsettled, with the object where it has got to, if it
         has not come to rest or has left the scene.
         """
-        body = self._known(object_id)
+        body = self._movable(object_id)
         point = np.array(position, dtype=float)
         low, high = self.bounds()
         if not _inside(point, low, high):
@@ -134,13 +134,19 @@ class World:
     ) -> None:
         """TeleportObject: puts an object's pivot exactly at `position` (3,), with `rotation` (3, 3) or its own.
 
-        Refused without effect if it would overlap anything, unless `force`.
+        Refused without effect if it would overlap anything, or if it is a part of furniture or the floor, unless `force`. A part
+        that is put elsewhere belongs to its furniture no longer. The ground on which things stand stays where it is.
         """
-        body = self._known(object_id)
+        body = self._listed(object_id) if force else self._movable(object_id)
         pose = Pose(np.array(position, dtype=float), body.pose.rotation if rotation is None else rotation)
-        load = self._load(body)
+        load = [] if body.obj.type == "Floor" else self._load(body)
         if not force and (hit := self._overlap(body, pose, load)) is not None:
             raise Refused(f"{object_id} is colliding with {hit} after teleport.")
+        if body.carrier is not None:
+            if pose.near(body.pose):
+                return
+            body.carrier = None
+            self._dynamics.bodies_changed()
         self._put(body, pose, kinematic, load)
 
     def set_poses(self, poses: Sequence[Mapping[str, Any]], stationary: bool = True) -> None:
@@ -233,10 +239,14 @@ class World:
 
     # Implementation
 
-    def _known(self, object_id: str) -> Body:
+    def _listed(self, object_id: str) -> Body:
         body = self.bodies.get(object_id)
         if body is None or body.removed:
             raise Refused(f"Cannot find object with id {object_id}.")
+        return body
+
+    def _movable(self, object_id: str) -> Body:
+        body = self._listed(object_id)
         if body.carrier is not None or body.obj.type == "Floor":
             raise Refused(f"{object_id} cannot be moved: it is a part of {body.carrier or 'the room'}.")
         return body
