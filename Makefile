@@ -19,7 +19,7 @@ help:
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
-	@echo "make release results/ into data/ovman-embedded-v1, with card, checksums and picture"
+	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture"
 	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
@@ -46,10 +46,9 @@ show: $(READY)
 	@.venv/bin/ovman show "$(EPISODE)"
 
 release: tables
-	@$(SNAKEMAKE) -- results/figures/relations.png results/results.md
-	@cp results/figures/relations.png docs/relations.png
-	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/budget.png results/figures/memory.png docs/figures/
-	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v1
+	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
+	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
+	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2
 
 test: $(READY)
 	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder

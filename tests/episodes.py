@@ -16,7 +16,7 @@ from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster
 
 ROOT = Path(__file__).parents[1]
-DATA = ROOT / "data" / "ovman-embedded-v1"
+DATA = ROOT / "data" / "ovman-embedded-v2"
 EPISODES, SIGHTINGS = DATA / "episodes" / "main.jsonl", DATA / "episodes" / "sightings.jsonl"
 TARGET, OTHER = "a", "b"
 

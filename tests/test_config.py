@@ -109,7 +109,18 @@ def test_what_stages_says_exists():
 
 
 def test_the_tables_own_what_they_show():
-    shown = {*KEYS, "arms", "comparisons.agent", "comparisons.difficulty", "evaluation.confidence", "evaluation.near_miss_m"}
+    memory = {"comparisons.memory.arm", "comparisons.memory.baseline"}
+    shown = memory | {
+        *KEYS,
+        "arms",
+        "splits",
+        "comparisons.agent",
+        "comparisons.rungs",
+        "comparisons.difficulty",
+        "comparisons.shortcuts",
+        "evaluation.confidence",
+        "evaluation.near_miss_m",
+    }
     assert set(owned("tables", list(VALUES))) == shown
 
 
@@ -127,11 +138,9 @@ def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owne
 
 
 def test_the_order_of_a_mapping_counts():
-    mappings = [name for name, value in VALUES.items() if isinstance(value, list) and name != "arms"]
-    assert mappings == [f"comparisons.{name}" for name in ("rungs", "pairs", "pairings", "difficulty")] + [
-        "paper.static",
-        "paper.embodied",
-    ]
+    mappings = [name for name, value in VALUES.items() if isinstance(value, list) and name not in ("arms", "splits")]
+    names = ("rungs", "pairs", "pairings", "readings", "difficulty", "shortcuts")
+    assert mappings == [f"comparisons.{name}" for name in names] + ["paper.static", "paper.embodied"]
     for name in mappings:
         section, last = name.split(".")
         value = getattr(getattr(CONFIG, section), last)
@@ -296,7 +305,7 @@ def test_a_mark_of_the_byte_order_and_json_with_tabs_are_read_as_snakemake_reads
         ({"tour.waypoints": 10**9}, "config.yaml: tour.waypoints is 1000000000; it must be less than or equal to 1000 (W, "),
         (
             {"benchmark.split.moved": 10**6},
-            "config.yaml: benchmark.split.moved is 1000000, but candidates.draws.moved x scenes are 3 x 20 = 60; lower it or ",
+            "config.yaml: benchmark.split.moved is 1000000, but candidates.draws.moved x scenes are 4 x 20 = 80; lower it or ",
         ),
         ({"candidates.draws.moved": 1}, "config.yaml: benchmark.split.moved is 33, but candidates.draws.moved x scenes are 1 x "),
         (
@@ -308,7 +317,6 @@ def test_a_mark_of_the_byte_order_and_json_with_tabs_are_read_as_snakemake_reads
             {"primitives.turn_deg": 45.0},
             "config.yaml: primitives.heading_tolerance_deg is 15.0, which is less than half of primitives.turn_deg (45.0): some ",
         ),
-        ({"mover.step_m": 2.5}, "config.yaml: mover.step_m is 2.5, which is longer than mover.lane_min_m (2.0); lower it or "),
         ({"dualmap.local_map.split_frames": 10}, "config.yaml: dualmap.local_map.split_frames is 10, but the 10 keyframes of "),
     ],
 )

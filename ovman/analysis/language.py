@@ -22,19 +22,22 @@ from ovman.models.record import line, lines
 from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 
-SENTENCES, RELATION_INFERRED, INFERRED, METRICS = "sentences.jsonl", "relation_inferred", "inferred", "language.csv"
+SENTENCES, METRICS = "sentences.jsonl", "language.csv"
+RELATION_INFERRED, NOUN_INFERRED, INFERRED = "relation_inferred", "noun_inferred", "inferred"
 
 
 class What(StrEnum):
     """What a row counts. Of the sentences: OBJECT, RELATION and BOTH, read right; READ_AS, what each relation was read as. Of the
     episodes: successes of the two-visit agent with the query SUPPLIED, with the noun supplied and RELATION_INFERRED from the
-    sentence, and with both INFERRED; there a sentence that is not parsed is a failure."""
+    sentence, with NOUN_INFERRED and the relation supplied, and with both INFERRED. There a sentence that is not parsed is a
+    failure."""
 
     OBJECT = "object"
     RELATION = "relation"
     BOTH = "both"
     SUPPLIED = "supplied"
     RELATION_INFERRED = "relation_inferred"
+    NOUN_INFERRED = "noun_inferred"
     INFERRED = "inferred"
     READ_AS = "read_as"
 
@@ -44,7 +47,7 @@ class LanguageRate:
     """relation: the one that was meant, or "all". read_as: of READ_AS rows, a relation or the name of a failure; else None.
 
     count of n; low, high: Wilson's interval at ``confidence``. wins, losses: episodes that succeed unlike with the query
-    supplied, p of their exact McNemar test; None but for the two inferred rows. origin: where the sentences are from.
+    supplied, p of their exact McNemar test; None but for the three inferred rows. origin: where the sentences are from.
     """
 
     what: What
@@ -71,7 +74,7 @@ def run(
     constants: Settings,
     output_dir: Path,
 ) -> None:
-    """Writes the sentences, the predictions of both inferred arms and "language.csv" into output_dir.
+    """Writes the sentences, the predictions of the inferred arms and "language.csv" into output_dir.
 
     supplied_file: the predictions of the arm comparisons.agent. constants: comparisons.agent, success.radius_m,
     evaluation.confidence and those of the reference agent. Raises ValueError in one line.
@@ -82,6 +85,7 @@ def run(
     perceived = read_perceived(maps_files, nouns_file)
     supplied = Prediction.read(supplied_file)
     relation_inferred = inferred(RELATION_INFERRED, episodes, asked, perceived, constants, said_noun=False)
+    noun_inferred = inferred(NOUN_INFERRED, episodes, asked, perceived, constants, said_noun=True, said_relation=False)
     both_inferred = inferred(INFERRED, episodes, asked, perceived, constants, said_noun=True)
     cases = [Case.of(episode) for episode in episodes]
     rates = language_rates(
@@ -89,6 +93,7 @@ def run(
         {
             What.SUPPLIED: successes(cases, supplied, constants),
             What.RELATION_INFERRED: successes(cases, relation_inferred, constants),
+            What.NOUN_INFERRED: successes(cases, noun_inferred, constants),
             What.INFERRED: successes(cases, both_inferred, constants),
         },
         constants.evaluation.confidence,
@@ -97,6 +102,7 @@ def run(
     output_dir.mkdir(parents=True, exist_ok=True)
     (output_dir / SENTENCES).write_text("".join(line(one.to_json()) for one in asked), encoding="utf-8")
     (output_dir / f"{RELATION_INFERRED}.jsonl").write_text(lines(relation_inferred), encoding="utf-8")
+    (output_dir / f"{NOUN_INFERRED}.jsonl").write_text(lines(noun_inferred), encoding="utf-8")
     (output_dir / f"{INFERRED}.jsonl").write_text(lines(both_inferred), encoding="utf-8")
     frames.write(output_dir / METRICS, LanguageRate, rates)
     right = sum(one.object_right and one.relation_right for one in asked)
@@ -111,11 +117,12 @@ def inferred(
     constants: Settings,
     *,
     said_noun: bool,
+    said_relation: bool = True,
 ) -> list[Prediction]:
     """What the two-visit agent answers to the queries as they were understood.
 
     name: what follows the agent's name in that of the arm. said_noun: whether the noun is the one that was understood, or the
-    category's own, supplied.
+    category's own, supplied; said_relation: likewise of the relation. A sentence that was not understood gives neither.
     """
     arm = f"{constants.comparisons.agent}_{name}"
     predictions = []
@@ -123,7 +130,8 @@ def inferred(
         match one.understood:
             case Parsed(noun_phrase, relation):
                 phrase = noun_phrase if said_noun else episode.noun
-                outcome, evidence = answer(phrase, relation, episode.visits, perceived[episode.scene], constants)
+                asked_for = relation if said_relation else episode.relation
+                outcome, evidence = answer(phrase, asked_for, episode.visits, perceived[episode.scene], constants)
                 predictions.append(Prediction.of(one.episode, arm, 0, outcome, evidence))
             case ParseFailure():
                 predictions.append(Prediction.of(one.episode, arm, 0, NOT_UNDERSTOOD))
@@ -167,7 +175,7 @@ def language_rates(
     return rows
 
 
-_INFERRED = (What.RELATION_INFERRED, What.INFERRED)
+_INFERRED = (What.RELATION_INFERRED, What.NOUN_INFERRED, What.INFERRED)
 
 
 def _succeeds(of: Mapping[str, bool], one: Asked) -> bool:

@@ -8,16 +8,21 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
+from ovman.analysis.mover import MoverDistance, mover
 from ovman.analysis.navigation import Navigation, navigation
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, read_cases, static_outcomes
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
+from ovman.analysis.readings import HandedOver, readings
 from ovman.analysis.registry import of_stage
+from ovman.analysis.rescued import Rescued, rescued
 from ovman.analysis.scenes import SceneRate, scenes
+from ovman.analysis.shortcuts import Shortcut, shortcuts
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
+from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind, Settings, arms_of
@@ -41,7 +46,7 @@ def run(
 
     arms: all arms; those of `constants` if not given; a list of files that is not empty has all arms of its kind.
     constants: arms, comparisons, success.radius_m,
-    single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m.
+    single_visit.samples, benchmark.seed, evaluation.confidence, evaluation.near_miss_m, candidates.delta_min_m.
     Raises ValueError in one line that names the file, the arm or the episode and the remedy.
     """
     arms = arms_of(constants.arms) if arms is None else arms
@@ -84,10 +89,14 @@ def run(
         "navigation": frames.csv_text(Navigation, navigations),
         "difficulty": frames.csv_text(Difficulty, difficulty(static, confidence)),
         "budget": frames.csv_text(Step, budget(rates, compared, constants.comparisons.rungs)),
+        "readings": frames.csv_text(HandedOver, readings(static, arms, constants.comparisons.readings, confidence)),
         "pairings": frames.csv_text(Pairing, paired),
+        "shortcuts": frames.csv_text(Shortcut, shortcuts(cases, static, embodied, radius)),
         "own_task": frames.csv_text(OwnTask, own_task(embodied)),
         "seeds": frames.csv_text(Pass, passes(static, embodied)),
+        "rescued": frames.csv_text(Rescued, rescued(static, runs, arms, radius)),
         "scenes": frames.csv_text(SceneRate, scenes(static, embodied, confidence)),
+        "mover": frames.csv_text(MoverDistance, mover(Episode.load(episodes_file), radius, constants.candidates.delta_min_m)),
     }
     for name in of_stage("metrics"):
         (output_dir / f"{name}.csv").write_text(made[name], encoding="utf-8", newline="\n")

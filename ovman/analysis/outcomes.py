@@ -24,7 +24,8 @@ EXPECTED = "expected"
 class Case:
     """What judging a prediction needs of an episode. answer: floor-plane (x, z) in metres, for MOVING where the mover was last
     seen; instances: how many instances the category has; others: where the instances of the category other than the target were
-    recorded in the visit that the answer belongs to, the first for past relations and the second for current ones."""
+    recorded in the visit that the answer belongs to, the first for past relations and the second for current ones; neighbour_m:
+    how far the nearest of them, in that visit or in the second, is from the answer, None where there is none."""
 
     id: str
     scene: str
@@ -33,11 +34,16 @@ class Case:
     instances: int
     answer: tuple[float, float]
     others: tuple[tuple[float, float], ...] = ()
+    neighbour_m: float | None = None
 
     @classmethod
     def of(cls, episode: Episode) -> Case:
         """What judging needs of an episode."""
         world = episode.world_1 if episode.relation.past else episode.world_2
+        others, later = (
+            tuple(i.position for i in here if i.category == episode.category and i.id != episode.target)
+            for here in (world, episode.world_2)
+        )
         return cls(
             id=episode.id,
             scene=episode.scene,
@@ -45,7 +51,8 @@ class Case:
             category=episode.category,
             instances=episode.instances_in_category,
             answer=episode.answer,
-            others=tuple(i.position for i in world if i.category == episode.category and i.id != episode.target),
+            others=others,
+            neighbour_m=min((math.dist(place, episode.answer) for place in others + later), default=None),
         )
 
 

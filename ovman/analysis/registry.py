@@ -17,7 +17,7 @@ class Metric:
     """One file of metrics. name: its stem. stage: the stage that makes it.
 
     table: the table that shows it, None where none does. static: it follows from predictions alone, so `static_tables` shows it.
-    compared: the comparison with the paper reads it. need: it is made only where an arm has this need.
+    compared: the comparison with the paper reads it. drawn: figures show it. need: it is made only where an arm has this need.
     """
 
     name: str
@@ -25,6 +25,7 @@ class Metric:
     table: str | None = None
     static: bool = False
     compared: bool = False
+    drawn: bool = False
     need: Need | None = None
 
     @property
@@ -36,23 +37,41 @@ class Metric:
 METRICS: tuple[Metric, ...] = (
     Metric("static_outcomes"),
     Metric("embodied_outcomes"),
-    Metric("static_rates", table="static", static=True, compared=True),
+    Metric("static_rates", table="static", static=True, compared=True, drawn=True),
     Metric("embodied_rates", table="embodied", compared=True),
     Metric("rejections", stage="episodes", table="rejections"),
     Metric("taxonomy", table="taxonomy", static=True, compared=True),
     Metric("significance", table="significance", compared=True),
     Metric("navigation", table="navigation", compared=True),
-    Metric("difficulty", table="difficulty", static=True, compared=True),
-    Metric("budget", table="budget", static=True, compared=True),
+    Metric("difficulty", table="difficulty", static=True, compared=True, drawn=True),
+    Metric("budget", table="budget", static=True, compared=True, drawn=True),
+    Metric("readings", table="readings", static=True, compared=True),
     Metric("pairings", table="pairings", static=True, compared=True),
+    Metric("shortcuts", table="shortcuts", static=True),
+    Metric("rescued", table="rescued", compared=True),
     Metric("own_task", table="own_task", compared=True),
     Metric("seeds", table="seeds", compared=True),
     Metric("scenes", table="scenes"),
+    Metric("mover", table="mover", compared=True),
     Metric("language", stage="language", table="language", compared=True),
     Metric("perception", stage="perception", table="perception", compared=True),
     Metric("backprojection", stage="backprojection", table="backprojection", compared=True),
+    Metric("sensitivity", stage="sensitivity", table="sensitivity", compared=True, drawn=True),
+    Metric("gate_sweep", stage="probes", table="gate_sweep", compared=True, drawn=True),
+    Metric("read_as", stage="probes", table="read_as", compared=True),
+    Metric("fragments", stage="fragments", table="fragments", compared=True),
+    Metric("appearance", stage="appearance", table="appearance", compared=True),
     Metric("dualmap", stage="dualmap_objects", table="dualmap", compared=True, need=Need.DUALMAP),
 )
+
+
+def of_split(split: str) -> tuple[Metric, ...]:
+    """The metrics of a split beside the benchmark's own."""
+    return (
+        Metric(f"{split}_outcomes", stage="split_metrics"),
+        Metric(f"{split}_rates", stage="split_metrics", table=split),
+        Metric(f"{split}_rejections", stage="episodes", table=f"{split}_rejections"),
+    )
 
 
 def of_stage(stage: str) -> tuple[str, ...]:
@@ -60,9 +79,10 @@ def of_stage(stage: str) -> tuple[str, ...]:
     return tuple(metric.name for metric in METRICS if metric.stage == stage)
 
 
-def in_tables(arms: Iterable[Arm]) -> tuple[str, ...]:
-    """The names of the metrics that tables show, of those that are made for these arms."""
-    return tuple(metric.name for metric in _made_for(arms) if metric.table is not None)
+def in_tables(arms: Iterable[Arm], splits: Iterable[str] = ()) -> tuple[str, ...]:
+    """The names of the metrics that tables show, of those that are made for these arms and these splits beside the main one."""
+    metrics = (*_made_for(arms), *(metric for split in splits for metric in of_split(split)))
+    return tuple(metric.name for metric in metrics if metric.table is not None)
 
 
 def in_static_tables() -> tuple[str, ...]:
@@ -75,9 +95,18 @@ def compared(arms: Iterable[Arm]) -> tuple[str, ...]:
     return tuple(metric.name for metric in _made_for(arms) if metric.compared)
 
 
-def table_of(metric: str) -> str:
-    """The name of the table that shows a metric. Raises ValueError for one that no table shows."""
-    shown = {one.name: one.table for one in METRICS if one.table is not None}
+def drawn(arms: Iterable[Arm]) -> tuple[str, ...]:
+    """The names of the metrics that figures show, of those that are made for these arms."""
+    return tuple(metric.name for metric in _made_for(arms) if metric.drawn)
+
+
+def table_of(metric: str, splits: Iterable[str] = ()) -> str:
+    """The name of the table that shows a metric. Raises ValueError for one that no table shows.
+
+    splits: the names of those beside the benchmark's own.
+    """
+    of_splits = (one for split in splits for one in of_split(split))
+    shown = {one.name: one.table for one in (*METRICS, *of_splits) if one.table is not None}
     if metric not in shown:
         raise ValueError(f"no table shows {metric}; those that are shown are {', '.join(shown)}")
     return shown[metric]

@@ -36,6 +36,24 @@ def mcnemar_exact(wins: int, losses: int) -> float:
     return float(mcnemar([[0, wins], [losses, 0]], exact=True).pvalue)
 
 
+def auroc(positive: Sequence[float], negative: Sequence[float]) -> float:
+    """The probability that a score of `positive` exceeds one of `negative`, ties counting one half: the area under the ROC curve.
+
+    Exact: from the ranks of all scores, in n log n. NaN where either is empty. Raises ValueError for a score that is no number.
+    Source: Hanley and McNeil, Radiology 143 (1982).
+    """
+    scores = np.concatenate([np.asarray(positive, np.float64), np.asarray(negative, np.float64)])
+    if np.isnan(scores).any():
+        raise ValueError("a score is no number")
+    n, m = len(positive), len(negative)
+    if not n or not m:
+        return math.nan
+    values, place, counts = np.unique(scores, return_inverse=True, return_counts=True)
+    # Twice the mean rank of each value: whole numbers, so that no order of summation changes the result.
+    twice = 2 * np.cumsum(counts) - counts + 1
+    return float((int(twice[place[:n]].sum()) - n * (n + 1)) / (2 * n * m))
+
+
 def poisson_binomial(probabilities: Sequence[float]) -> np.ndarray:
     """P[X = k] for k = 0 .. n, float64 (n + 1,): X successes of independent trials with the given probabilities (n,), exact.
 

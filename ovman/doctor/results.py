@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.settings import Settings
+from ovman.models.settings import Settings, splits_of
 from ovman.models.visit_files import check_visits
 from ovman.workflow import checksums, journal
 
@@ -58,6 +58,8 @@ def check_output(results: Results, path: Path) -> Iterator[str]:
 
 def check_split(results: Results, path: Path) -> Iterator[str]:
     """Relations of which the split has fewer episodes than the settings ask for."""
+    if path.stem not in splits_of(results.settings.splits):
+        return
     found: Counter[str] = Counter()
     try:
         for line in (results.directory / path).read_text(encoding="utf-8").splitlines():
@@ -65,21 +67,26 @@ def check_split(results: Results, path: Path) -> Iterator[str]:
     except (ValueError, KeyError, TypeError):
         yield f"{path}: is torn; make it again: snakemake --cores 2 --force -- {path}"
         return
-    benchmark = results.settings.benchmark
-    short = [f"{relation} {found[relation]} of {wanted}" for relation, wanted in benchmark.split if found[relation] < wanted]
+    benchmark, splits = results.settings.benchmark, results.settings.splits
+    asked, where, draws = benchmark.split, "benchmark.split", "candidates.draws"
+    if path.stem in splits:
+        asked, where, draws = splits[path.stem].episodes, f"splits.{path.stem}.episodes", f"splits.{path.stem}.draws"
+    short = [f"{relation} {found[relation]} of {wanted}" for relation, wanted in asked if found[relation] < wanted]
     if short and not benchmark.allow_short_split:
-        remedy = "raise candidates.draws or lower benchmark.split, then `make tables`"
-        yield f"{path}: has fewer episodes than benchmark.split asks for ({', '.join(short)}); {remedy}"
+        remedy = f"raise {draws} or lower {where}, then `make tables`"
+        yield f"{path}: has fewer episodes than {where} asks for ({', '.join(short)}); {remedy}"
 
 
 NO_OUTPUTS = frozenset({"checksums", "journal", "visits", "pages", "report.html"})
 """What in results/ is no output of a rule."""
-PER_SCENE = {"scenes": ".json", "trials": ".jsonl", "detections": ".npz", "maps": ".npz", "walks": ".npz"}
+PER_SCENE = {"scenes": ".json", "trials": ".jsonl"} | dict.fromkeys(
+    ("detections", "labels", "maps", "maintained", "walks", "walk_labels"), ".npz"
+)
 """Folders of results/ with a file for every scene, and how their names end."""
 CHECKS: Mapping[str, Check] = {
     "journal/**/*.jsonl": check_journal,
     "visits/*.json": check_tours,
-    "episodes/main.jsonl": check_split,
+    "episodes/*.jsonl": check_split,
     "**/*": check_output,
 }
 """By the pattern of the files that each looks at, below results/."""
@@ -101,13 +108,7 @@ def check(results: Results) -> Iterator[str]:
 
 def missing_scenes(results: Results) -> Iterator[str]:
     """Scenes of the settings of which a file of a stage is not there, while other scenes' are."""
-    for folder, suffix in (
-        ("scenes", ".json"),
-        ("trials", ".jsonl"),
-        ("detections", ".npz"),
-        ("maps", ".npz"),
-        ("walks", ".npz"),
-    ):
+    for folder, suffix in PER_SCENE.items():
         there = {path.stem for path in (results.directory / checksums.MADE / folder).glob(f"*{suffix}")}
         for scene in results.settings.benchmark.scenes:
             path = checksums.MADE / folder / f"{scene}{suffix}"

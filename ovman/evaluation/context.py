@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,11 +12,12 @@ import numpy as np
 from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
+from ovman.evaluation.privileged_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.models.episode import Episode
 from ovman.models.settings import Arm, Need, Settings, Source
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.models.world_state import WorldState
+from ovman.perception.labels import Labels
 from ovman.perception.object_map import ObjectMap
 from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, constants_of
@@ -56,7 +57,8 @@ class RolloutContext:
 class EpisodeContext:
     """A `PredictionContext` of an episode.
 
-    sightings: None for an arm that is given neither its grounding nor positions.
+    sightings: None for an arm that is given neither its grounding by positions nor positions. labels: of the detections of the
+    scene's visits by their names; None for an arm that is not given its grounding by them.
     """
 
     rng: np.random.Generator
@@ -66,6 +68,7 @@ class EpisodeContext:
     arm: Arm
     store: ObservationStore
     sightings: Sightings | None = None
+    labels: Mapping[str, Labels] | None = None
 
     @property
     def reachable(self) -> np.ndarray:
@@ -103,16 +106,26 @@ class EpisodeContext:
         """See `PredictionContext.networks`."""
         return self.store.networks
 
-    def true_objects(self, which: str, p: np.ndarray) -> tuple[int, ...]:
+    def true_objects(self, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
         """See `PredictionContext.true_objects`."""
-        sightings = self._privileged(self.arm.grounding, "grounding")[which]
+        if self.arm.reads_labels:
+            return grounding_by_labels(self.episode.category, objects.members, self._labels(visits), self.arm.reading)
+        sightings = self._privileged(self.arm.grounding, "grounding")
         min_mask_px, radius_m = self.settings.admissibility.min_mask_px, self.episode.protocol.success.radius_m
-        return grounding_by_truth(recorded_positions(sightings, min_mask_px), p, radius_m)
+        meant = [grounding_by_truth(recorded_positions(sightings[which], min_mask_px), objects.p, radius_m) for which in visits]
+        return tuple(sorted({index for of_visit in meant for index in of_visit}))
 
     def world(self, which: str) -> WorldState:
         """See `PredictionContext.world`."""
         sightings = self._privileged(self.arm.positions, "positions")[which]
         return recorded_world(sightings, self.episode.category, self.settings.admissibility.min_mask_px)
+
+    def _labels(self, visits: Sequence[str]) -> list[Labels]:
+        if self.labels is None or any(self.visits[which] not in self.labels for which in visits):
+            raise ValueError(
+                f"arms.{self.arm.name} is given its grounding: it needs the labels of {self.episode.scene}; make them"
+            )
+        return [self.labels[self.visits[which]] for which in visits]
 
     def _privileged(self, source: Source, what: str) -> VisitPair[tuple[Sighting, ...]]:
         if source is not Source.HANDED:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
-FILES: Mapping[Need, str] = {Need.MAPS: "maps", Need.DUALMAP: "dualmap"}
+FILES: Mapping[Need, str] = {Need.MAPS: "maps", Need.MAINTAINED: "maintained", Need.DUALMAP: "dualmap"}
 """By need: the workflow's name of the file that was made of a scene."""
 
 
@@ -49,7 +49,7 @@ class ObservationStore:
 
     arm: whose agents; what its entry does not need is refused in one line. settings: section perception, for an arm that needs
     networks. field_of_view_deg: of the tours' camera, vertical. visits: directory of the scene's recorded visits. files: what was
-    made of the scene, by the names that the workflow has for it ("maps", "nouns", "dualmap").
+    made of the scene, by the names that the workflow has for it ("maps", "nouns", "maintained", "dualmap").
     """
 
     def __init__(
@@ -118,8 +118,9 @@ class ObservationStore:
         if self._needs(Need.MAPS):
             found["maps"] = [[_numbers(cluster) for cluster in self.perceived.maps[name]] for name in visits]
             found["noun"] = self.noun(phrase).tolist()
-        if self._needs(Need.DUALMAP):
-            found["dualmap"] = self.made(Need.DUALMAP, _digest)
+        for need in (Need.MAINTAINED, Need.DUALMAP):
+            if self._needs(need):
+                found[need] = self.made(need, _digest)
         if self._needs(Need.NETWORKS):
             found["networks"] = self._looked_at_by
         return found

@@ -1,6 +1,7 @@
 """Stage `predictions`: what the static arms answer to the released episodes, from the recorded observations. Pure.
 
-An arm that is given its grounding or positions reads the file of sightings; no other arm opens it.
+An arm that is given positions reads the file of sightings, one that is given its grounding the labels of its map's detections, or
+the sightings where its reading is by positions; no other arm opens them.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from ovman.models.prediction import Evidence, Predicted, Prediction
 from ovman.models.record import lines
 from ovman.models.settings import Arm
 from ovman.models.sighting import Sightings
+from ovman.perception.labels import Labels, read_labels
 from ovman.workflow import seeds
 from ovman.workflow.parameter import StageSettings
 
@@ -31,11 +33,13 @@ def predict(
     store: ObservationStore,
     sightings: Sightings | None = None,
     run: int = 0,
+    labels: Mapping[str, Labels] | None = None,
 ) -> tuple[Predicted, Evidence | None]:
     """What a static arm answers to the query of an episode, and from which evidence.
 
-    store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding or positions; run: 0 for the
-    first of the arm's runs. AgentError, in one line, where the arm's function fails or returns no prediction.
+    store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding by positions, or positions;
+    labels: of the detections of the scene's visits, for one that is given its grounding by them; run: 0 for the first of the
+    arm's runs. AgentError, in one line, where the arm's function fails or returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
@@ -45,6 +49,7 @@ def predict(
         arm=arm,
         store=store,
         sightings=sightings if arm.reads_sightings else None,
+        labels=labels if arm.reads_labels else None,
     )
     answer = function(arm.name, arm.agent)
     with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
@@ -76,17 +81,19 @@ def run(
     """Write the predictions of an arm for all released episodes, run after run.
 
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
-    perceived, by the workflow's names: under "maps" and "dualmap" one file a scene, named after it, under "nouns" one. Prints
-    how long it took from the files to the predictions.
+    perceived, by the workflow's names: under "maps", "maintained" and "dualmap" one file a scene, named after it, and likewise
+    under "labels" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the predictions.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)
+    labels = {file.stem: read_labels(file) for file in files.get("labels", ())} if arm.reads_labels else {}
     stores: dict[tuple[str, float], ObservationStore] = {}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
             store = store_of(arm, episode, settings, visits, files, stores)
-            outcome, evidence = predict(arm, episode, settings, store, sightings.get(episode.id), number)
+            seen, shown = sightings.get(episode.id), labels.get(episode.scene)
+            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown)
             predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
     output.write_text(lines(predictions), encoding="utf-8")
     took, worked = time.perf_counter() - began, time.process_time() - worked

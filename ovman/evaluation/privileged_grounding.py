@@ -11,7 +11,43 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import distances, positions
+from ovman.models.settings import Reading
 from ovman.models.sighting import Sighting
+from ovman.perception.labels import Labels
+
+
+def grounding_by_labels(
+    category: str, members: Sequence[np.ndarray], labels: Sequence[Labels], reading: Reading
+) -> tuple[int, ...]:
+    """The sorted indices of the map objects that the category means by what their detections truly show.
+
+    members: of each object the numbers of its detections, counted through the tours of `labels` one after the other. MAJORITY:
+    the objects of whose detections, of those that show an instance at all, most show this category; ties go to the category with
+    the larger masks in sum, then to the first in the alphabet. ANY: objects with one detection of it. ValueError for NEAREST,
+    which positions decide, and for a number that no detection has. Source: Table static, "over its own map objects".
+    """
+    if reading is Reading.NEAREST:
+        raise ValueError("the reading nearest is by true positions, not by labels")
+    names = np.concatenate([np.zeros(0, str), *(np.array([*one.categories, ""])[one.category] for one in labels)])
+    pixels = np.concatenate([np.zeros(0, np.int64), *(one.pixels for one in labels)])
+    if any(len(own) and int(own.max()) >= len(names) for own in members):
+        raise ValueError(f"the map has a detection beyond the {len(names)} of its tours; make the stages of its labels again")
+    if reading is Reading.ANY:
+        return tuple(i for i, own in enumerate(members) if category in names[own])
+    return tuple(i for i, own in enumerate(members) if commonest(names[own], pixels[own]) == category)
+
+
+def commonest(names: np.ndarray, pixels: np.ndarray) -> str | None:
+    """The category that most of an object's detections show; None where none shows an instance.
+
+    names (T,): the category of each, "" for none; pixels (T,): sizes of their masks.
+    """
+    sums: dict[str, tuple[int, int]] = {}
+    for name, size in zip(names.tolist(), pixels.tolist(), strict=True):
+        if name:
+            count, area = sums.get(name, (0, 0))
+            sums[name] = count + 1, area + size
+    return min(sums, key=lambda name: (-sums[name][0], -sums[name][1], name), default=None)
 
 
 def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tuple[int, ...]:

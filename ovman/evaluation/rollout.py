@@ -92,7 +92,7 @@ def begin(session: Session, episode: Runnable, settings: Settings, rng: np.rando
 
     world = World(session, episode.alterations("second"), settings.mover, rng, None if every_object else of_category)
     if episode.mover is not None:
-        world.send_mover_to(episode.mover.along_m, episode.mover.direction)
+        world.send_mover_to(episode.mover)
     return world
 
 

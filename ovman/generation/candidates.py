@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from ovman.generation import placement
 from ovman.generation.placement import FreeFloor
+from ovman.generation.roaming import roam
+from ovman.generation.script import Script
 from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration, Lane
+from ovman.models.change import Alteration
 from ovman.models.geometry import Point, Spawn
+from ovman.models.query import Query
 from ovman.models.record import DEGREE_DECIMALS, lines
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene, SceneObject
 from ovman.models.settings import Settings
-from ovman.sim.change import AGENT_RADIUS_M
 from ovman.workflow import seeds
 
-SHARE_OF_LANES = 4
-"""A mover gets one of the nearest quarter of the lanes that it could take."""
-LANE_SAMPLING_M = 0.1
-"""Distance between the points of a lane that a spawn keeps clear of, metres."""
+GONE_OR_THERE = frozenset((Relation.APPEARED, Relation.REMOVED))
+"""Relations of an instance that is in one of the visits, always in the same place."""
 
 
 def eligible(scene: Scene) -> Mapping[str, list[SceneObject]]:
@@ -46,35 +46,56 @@ def targets(by_category: Mapping[str, list[SceneObject]], rng: np.random.Generat
         turn += 1
 
 
-def _displacement(
-    scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator
-) -> Alteration | None:
-    found = placement.spots(scene, item, floor, distance_m, rng)
+def once(order: Iterator[SceneObject], number: int) -> Iterator[SceneObject]:
+    """The `number` instances of an endless sequence of them, each where it first comes."""
+    seen: set[str] = set()
+    while len(seen) < number:
+        item = next(order)
+        if item.id not in seen:
+            seen.add(item.id)
+            yield item
+
+
+def displacement(
+    scene: Scene,
+    item: SceneObject,
+    floor: FreeFloor,
+    distance_m: float,
+    uncrowded: Callable[[Alteration], bool],
+    rng: np.random.Generator,
+) -> Alteration | Rejection:
+    """`item` put onto free floor or a surface `distance_m` metres away or more, the answer uncrowded; or why it cannot be."""
+    everywhere = [
+        Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
+        for spot in placement.spots(scene, item, floor, distance_m, rng)
+    ]
+    found = list(filter(uncrowded, everywhere))
     if not found:
-        return None
-    spot = found[int(rng.integers(min(len(found), 8)))]
-    return Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
+        return Rejection.CROWDED if everywhere else Rejection.NO_PLACEMENT
+    return found[int(rng.integers(min(len(found), 8)))]
 
 
-def _motion(scene: Scene, item: SceneObject, floor: FreeFloor, minimum_m: float, rng: np.random.Generator) -> Alteration | None:
-    found = placement.lanes(item, floor, minimum_m)
-    if not found:
-        return None
-    lane = found[int(rng.integers(max(1, len(found) // SHARE_OF_LANES)))]
-    height_m = round(scene.floor_y + placement.ABOVE_SURFACE_M, 4)
-    return Alteration(kind="motion", instance=item.id, height_m=height_m, lane=lane)
+def motion(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Alteration | Rejection:
+    """`item` set off from where it stands, in steps of `step_m` metres; why it cannot be."""
+    found = roam(scene, item, floor, step_m)
+    return Rejection.CANNOT_MOVE if found is None else Alteration(kind="motion", instance=item.id, roam=found)
 
 
-def _beside(lane: Lane, item: SceneObject, clearance_m: float) -> list[tuple[Point, float]]:
-    """The beginning of a lane with the spawn clearance, and points along it that the agent's body must leave to the mover."""
-    body_m = AGENT_RADIUS_M + np.hypot(item.size.x, item.size.z) / 2
-    along = np.arange(0.0, lane.length_m + LANE_SAMPLING_M, LANE_SAMPLING_M).clip(max=lane.length_m)
-    return [(lane.at(0.0), clearance_m), *((lane.at(metres), body_m + LANE_SAMPLING_M) for metres in along)]
-
-
-def _spawn(floor: FreeFloor, keep_from: list[tuple[Point, float]], headings: int, rng: np.random.Generator) -> Spawn | None:
-    """A reachable position at least so many metres from each of the points of `keep_from`; None if no position is."""
-    free = [(x, z) for x, z in floor.cells if all(np.hypot(x - kx, z - kz) >= metres for (kx, kz), metres in keep_from)]
+def spawn_away(
+    floor: FreeFloor,
+    keep_from: list[tuple[Point, float]],
+    headings: int,
+    rng: np.random.Generator,
+    boxes: Sequence[tuple[Point, Point, float]] = (),
+) -> Spawn | None:
+    """A reachable position at least so many metres from each of the points of `keep_from`, and farther than so many metres from
+    the rectangle of half extents `half` around a point of `boxes`; None if no position is."""
+    free = [
+        (x, z)
+        for x, z in floor.cells
+        if all(np.hypot(x - kx, z - kz) >= metres for (kx, kz), metres in keep_from)
+        and all(np.hypot(max(abs(x - kx) - hx, 0.0), max(abs(z - kz) - hz, 0.0)) > metres for (kx, kz), (hx, hz), metres in boxes)
+    ]
     if not free:
         return None
     x, z = free[int(rng.integers(len(free)))]
@@ -98,29 +119,34 @@ def draw(
     rng = seeds.generator(constants.benchmark.seed, "candidate", scene.scene, relation.value, index)
     changed = distractor if distractor is not None else item
     floor = FreeFloor.of(scene, changed, constants.primitives.step_m)
-    first: tuple[Alteration, ...] = ()
-    second: tuple[Alteration, ...] = ()
+    script = Script(scene, Query(item.category, relation), item.id)
+    apart_m, clearance_m = constants.candidates.crowding_m, constants.candidates.spawn_clearance_m
+    gone = Alteration(kind="disable", instance=item.id)
+    first: tuple[Alteration, ...] = (gone,) if relation is Relation.APPEARED else ()
+    second: tuple[Alteration, ...] = (gone,) if relation is Relation.REMOVED else ()
     refused: Rejection | None = None
-    clearance_m = constants.candidates.spawn_clearance_m
-    keep_from: list[tuple[Point, float]] = [((item.position.x, item.position.z), clearance_m)]
-    if relation is Relation.APPEARED:
-        first = (Alteration(kind="disable", instance=item.id),)
-    elif relation is Relation.REMOVED:
-        second = (Alteration(kind="disable", instance=item.id),)
+    if relation is Relation.MOVING:
+        drawn = motion(scene, changed, floor, constants.mover.step_m)
+    elif first or second:
+        drawn = Rejection.CROWDED if script.crowded(first, second, apart_m) else gone
     else:
-        if relation is Relation.MOVING:
-            alteration = _motion(scene, changed, floor, constants.mover.lane_min_m, rng)
-        else:
-            alteration = _displacement(scene, changed, floor, constants.candidates.delta_min_m, rng)
-        if alteration is None:
-            refused = Rejection.NO_LANE if relation is Relation.MOVING else Rejection.NO_PLACEMENT
-        else:
-            second = (alteration,)
-            if alteration.placement is not None:
-                keep_from.append((alteration.placement, clearance_m))
-            elif alteration.lane is not None:
-                keep_from += _beside(alteration.lane, changed, clearance_m)
-    spawn = _spawn(floor, keep_from, constants.tour.headings, rng)
+        drawn = displacement(
+            scene, changed, floor, constants.candidates.delta_min_m, lambda made: not script.crowded((), (made,), apart_m), rng
+        )
+    if isinstance(drawn, Rejection):
+        refused = drawn
+    elif drawn is not gone:
+        second = (drawn,)
+    keep_from: list[tuple[Point, float]] = [((item.position.x, item.position.z), clearance_m)]
+    boxes: list[tuple[Point, Point, float]] = []
+    for alteration in second:
+        if alteration.placement is not None:
+            keep_from.append((alteration.placement, clearance_m))
+    if relation is not Relation.MOVING:
+        at, beyond_m = script.answer(first, second), constants.candidates.spawn_beyond_m
+        half = (item.size.x / 2, item.size.z / 2) if relation.current else (0.0, 0.0)
+        boxes = [(at, half, beyond_m), (floor.nearest(at), (0.0, 0.0), beyond_m)]
+    spawn = spawn_away(floor, keep_from, constants.tour.headings, rng, boxes)
     if spawn is None and refused is None:
         refused = Rejection.NO_SPAWN
     return Candidate(
@@ -140,26 +166,31 @@ def draw(
 def candidates(scene: Scene, constants: Settings) -> list[Candidate]:
     """All candidates of a scene, relation after relation; a relation that no category can serve has none.
 
-    APPEARED and REMOVED draw the same targets: one is the other with its visits swapped, so each recorded tour serves both.
+    Every relation draws its targets itself. APPEARED and REMOVED draw an instance once: it is gone or there, and a second draw
+    would be the same pair of tours.
     """
     by_category = eligible(scene)
     drawn = []
     for relation in Relation:
-        drawn_as = Relation.APPEARED if relation is Relation.REMOVED else relation
-        rng = seeds.generator(constants.benchmark.seed, "targets", scene.scene, drawn_as.value)
+        rng = seeds.generator(constants.benchmark.seed, "targets", scene.scene, relation.value)
         # With a third instance that stays, the stable one would not be unique (Eq. 2).
         pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
         if not pool:
             continue
-        for index, item in zip(range(getattr(constants.candidates.draws, relation.value)), targets(pool, rng), strict=False):
+        order = once(targets(pool, rng), sum(map(len, pool.values()))) if relation in GONE_OR_THERE else targets(pool, rng)
+        for index, item in zip(range(getattr(constants.candidates.draws, relation.value)), order, strict=False):
             others = [o for o in pool[item.category] if o.id != item.id]
             drawn.append(draw(scene, relation, index, item, others[0] if relation is Relation.STABLE else None, constants))
     return drawn
 
 
 def run(scene_file: Path, constants: Settings, output: Path) -> None:
-    """Write the candidates of the scene in `scene_file`, a JSON line each."""
+    """Write the candidates of the scene in `scene_file` for all splits, a JSON line each."""
+    from ovman.generation import multi  # draws with this module's functions
+
     (scene,) = Scene.read(scene_file)
     drawn = candidates(scene, constants)
+    for split in constants.splits.values():
+        drawn += multi.candidates(scene, split, constants)
     output.write_text(lines(drawn), encoding="utf-8")
     print(f"{scene_file.stem}: {len(drawn)} candidates", flush=True)

@@ -1,16 +1,15 @@
-"""Where an object can be put: free floor, the tops of furniture, and straight lanes for movers.
+"""Where an object can be put: free floor and the tops of furniture.
 
 Pure geometry on the record of a scene, floor plane in metres. It only proposes; the simulator has the last word.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.models.change import Lane
+from ovman.models.geometry import Point
 from ovman.models.scene import Scene, SceneObject
 from ovman.sim.change import AGENT_RADIUS_M
 
@@ -43,8 +42,6 @@ FLUSH_M = 0.02
 """An object that ends at most this far below a surface is sunk into it, such as a sink or a burner."""
 JITTER_M = 0.1
 """Largest distance of a spot from its cell, along x and along z, metres."""
-LONGEST_LANE_M = 4.0
-"""Lanes are cut to this length, metres."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +89,11 @@ class FreeFloor:
             inside[k] = to_cell.min(axis=1) <= AGENT_RADIUS_M + self.step_m / 2
         fitting: np.ndarray = clear & inside.all(axis=1)
         return fitting
+
+    def nearest(self, at: Point) -> Point:
+        """The position that the agent can reach nearest to a point, metres; of equally near ones the first."""
+        x, z = self.cells[int(np.hypot(*(self.cells - np.asarray(at)).T).argmin())]
+        return float(x), float(z)
 
 
 @dataclass(frozen=True)
@@ -163,22 +165,3 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
 def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:
     """Places for `item`: furniture goes to the floor, small objects go to furniture, or to the floor if no furniture fits."""
     return surface_spots(scene, item, distance_m, rng) or floor_spots(scene, item, floor, distance_m, rng)
-
-
-def lanes(item: SceneObject, floor: FreeFloor, minimum_m: float) -> Sequence[Lane]:
-    """Straight lanes along the lattice, at least `minimum_m` long, on which `item` meets nothing; from nearest to farthest."""
-    step = floor.step_m
-    fitting = {(round(x / step), round(z / step)) for x, z in floor.cells[floor.fits(floor.cells)]}
-    longest = int(LONGEST_LANE_M / step)
-    found = []
-    for i, j in sorted(fitting):
-        for di, dj in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-            length = 0
-            while length < longest and (i + (length + 1) * di, j + (length + 1) * dj) in fitting:
-                length += 1
-            if length * step >= minimum_m:
-                found.append(Lane(x_0=i * step, z_0=j * step, x_1=(i + length * di) * step, z_1=(j + length * dj) * step))
-    here = item.position
-    return sorted(
-        found, key=lambda lane: (np.hypot(lane.x_0 - here.x, lane.z_0 - here.z), lane.x_0, lane.z_0, lane.x_1, lane.z_1)
-    )

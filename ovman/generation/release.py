@@ -15,6 +15,7 @@ import numpy as np
 
 from ovman.evaluation.scoring import judged
 from ovman.generation.audit import COLUMNS, audit
+from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.language import noun, sentence
 from ovman.models.certification import Certification, CertificationRun, OracleRun
 from ovman.models.change import Alteration, Change
@@ -23,7 +24,7 @@ from ovman.models.record import Record, lines
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
-from ovman.models.settings import Settings
+from ovman.models.settings import MAIN, Settings
 from ovman.models.settings.benchmark import Success
 from ovman.models.sighting import Sightings
 from ovman.models.trial import Trial, TrialMeasurement, Verdict
@@ -33,7 +34,7 @@ T = TypeVar("T")
 
 
 class ShortSplitError(ValueError):
-    """Fewer episodes were certified than benchmark.split asks for; one line with the counts and the remedies."""
+    """Fewer episodes were certified than the settings of the split ask for; one line with the counts and the remedies."""
 
     says_all = True
 
@@ -55,7 +56,7 @@ def episode(trial: Trial, runs: Sequence[OracleRun], scene: Scene, settings: Set
     world_1, world_2 = known(measured.world_1), known(measured.world_2)
     return Episode(
         id=candidate.id,
-        split="main",
+        split=candidate.split,
         backend=settings.benchmark.backend,
         scene=candidate.scene,
         relation=relation,
@@ -64,7 +65,11 @@ def episode(trial: Trial, runs: Sequence[OracleRun], scene: Scene, settings: Set
         sentence=sentence(relation, word),
         target=candidate.target,
         distractor=candidate.distractor,
-        changes=tuple(_change(relation, measured, alteration) for alteration in candidate.first + candidate.second),
+        changes=tuple(
+            _change(measured, alteration, first)
+            for first, alterations in ((True, candidate.first), (False, candidate.second))
+            for alteration in alterations
+        ),
         tour=EpisodeTour(waypoints=scene.waypoints, headings=settings.tour.headings),
         visits=known(measured.visits),
         mover=None if measured.mover is None else measured.mover.start,
@@ -105,18 +110,18 @@ def _certified(run: OracleRun, relation: Relation, success: Success) -> Certific
     return CertificationRun(**terms, success=judged(run, relation, success))
 
 
-def _change(relation: Relation, measured: TrialMeasurement, alteration: Alteration) -> Change:
-    """What happened to an instance between the visits. Gone before the first visit is "enable": it is there in the second."""
+def _change(measured: TrialMeasurement, alteration: Alteration, first: bool) -> Change:
+    """What happened to an instance between the visits. What is gone in the first visit is "enable": it is there in the second."""
     where = known(measured.changed)[alteration.instance]
     return Change(
         instance=alteration.instance,
-        kind="enable" if relation is Relation.APPEARED else alteration.kind,
+        kind="enable" if first else alteration.kind,
         before=where.before,
         after=where.after,
         path=known(measured.mover).path if alteration.kind == "motion" else None,
         placement=alteration.placement,
         height_m=alteration.height_m,
-        lane=alteration.lane,
+        roam=alteration.roam,
     )
 
 
@@ -142,34 +147,50 @@ def run(
     episodes_out: Path,
     sightings_out: Path,
     rejections_out: Path,
+    split: str = MAIN,
 ) -> None:
-    """Write the released episodes, their sightings and the audit of rejections.
+    """Write the released episodes of a split, their sightings and the audit of rejections.
 
     ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
     """
     scenes = {scene.scene: scene for scene in _read(Scene, scene_files)}
-    trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files)}
+    trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files) if trial.candidate.split == split}
     verdicts = {verdict.id: verdict for verdict in _read(Verdict, admissible_files)}
     runs = {record.id: record.runs for record in _read(Certification, certified_files)}
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
+    asked, where, draws = settings.benchmark.split, "benchmark.split", "candidates.draws"
+    names: tuple[str, ...] = ("split",)
+    if split != MAIN:
+        asked, where, draws = settings.splits[split].episodes, f"splits.{split}.episodes", f"splits.{split}.draws"
+        names = ("split", split)
+    certified = [k for k, against in rejections.items() if against is None]
+    wishes = {relation: getattr(asked, relation.value) for relation in Relation}
+    if split == MAIN:
+        pairs = {k: tour_pair(trials[k]) for k in certified}
+        apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, "split", "pairs"))
+    else:  # a pair of tours with several changes serves several queries
+        pairs, apart = {}, certified
     released: list[str] = []
     short: list[str] = []
     for relation in Relation:
         pool: dict[str, list[str]] = {}
-        for k, against in rejections.items():
-            if against is None and relation_of[k] is relation:
+        for k in apart:
+            if relation_of[k] is relation:
                 pool.setdefault(trials[k].candidate.scene, []).append(k)
-        wanted: int = getattr(settings.benchmark.split, relation.value)
-        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, "split", relation.value))
-        certified = sum(map(len, pool.values()))
-        print(f"{relation.value}: {len(chosen)} released of {certified} certified, {wanted} wanted", flush=True)
+        wanted = wishes[relation]
+        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value))
+        there = sum(map(len, pool.values()))
+        print(
+            f"{split}, {relation.value}: {len(chosen)} released of {there} certified and independent, {wanted} wanted", flush=True
+        )
         if len(chosen) < wanted and not settings.benchmark.allow_short_split:
-            short.append(f"{relation.value} {certified} of {wanted}")
+            short.append(f"{relation.value} {there} of {wanted}")
         released += chosen
     if short:
-        remedy = "raise candidates.draws, lower benchmark.split, or set benchmark.allow_short_split to true"
-        raise ShortSplitError(f"benchmark.split asks for more episodes than were certified ({', '.join(short)}); {remedy}")
+        remedy = f"raise {draws}, lower {where}, or set benchmark.allow_short_split to true"
+        raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
+    rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
     order = {scene: i for i, scene in enumerate(settings.benchmark.scenes)}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(

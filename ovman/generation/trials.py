@@ -101,15 +101,19 @@ class Trials:
         try:
             world = self._world(candidate.second, candidate.id)
         except SimulatorError as error:
-            draft.ended, draft.message = Rejection.PLACEMENT_REFUSED, str(error)
+            moving = candidate.relation is Relation.MOVING
+            draft.ended = Rejection.CANNOT_MOVE if moving else Rejection.PLACEMENT_REFUSED
+            draft.message = str(error)
             return
         self._placed(candidate, world, spawn, draft)
         if candidate.relation is Relation.MOVING:
             self._observed(candidate, draft)
             start = _made(draft.mover)
             world = self._world(candidate.second, candidate.id)
-            world.send_mover_to(start.along_m, start.direction)
-            self._ground(candidate, spawn, _made(world.mover).position, draft)
+            world.send_mover_to(start.start)
+            # Where a run begins, the mover is neither where it stood nor in the way.
+            draft.spawn_clearance_m = {candidate.target: round(math.dist(start.position, (spawn.x, spawn.z)), 4)}
+            self._ground(candidate, spawn, start.position, draft)
             return
         origin = self._position[candidate.target]
         place = world.placed.get(candidate.target, origin) if candidate.relation.current else origin
@@ -150,6 +154,9 @@ class Trials:
         draft.component_cells = len(region.component)
         draft.reachable_box = ReachableBox(x=(min(xs), max(xs)), z=(min(zs), max(zs)))
         to_navigable_m = _reach(region, answer, draft)
+        if candidate.relation.current:
+            box_m = measurement.box_distance_m(spawn.x, spawn.z, session.objects[candidate.target])
+            draft.spawn_to_box_m = round(box_m, 4)
         if to_navigable_m > constants.measurement.answer_to_navigable_m:
             draft.ended = Bound.BEYOND_MEASUREMENT
         elif candidate.relation.current:
@@ -175,9 +182,9 @@ class Trials:
             for a in candidate.second
             if a.kind == "displace"
         }
-        if candidate.relation is Relation.APPEARED:
-            origin = self._position[candidate.target]
-            drift_m[candidate.target] = round(visit.drift_m(after, candidate.target, (origin.x, origin.z)), 4)
+        for alteration in candidate.first:  # gone in visit 1, in visit 2 where the untouched scene has it
+            origin = self._position[alteration.instance]
+            drift_m[alteration.instance] = round(visit.drift_m(after, alteration.instance, (origin.x, origin.z)), 4)
         draft.drift_m = drift_m
         draft.mover = after.mover
 

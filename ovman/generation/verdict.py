@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,11 +10,10 @@ from ovman.models.candidate import Candidate
 from ovman.models.query import Query
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.trial import Trial, TrialMeasurement, Verdict
 from ovman.models.world_state import WorldState
-from ovman.task import admissible
+from ovman.task import admissible, category_pick, crowding
 from ovman.task.world import recorded_world, true_world
 
 
@@ -26,18 +26,22 @@ def reasons(trial: Trial, constants: Settings) -> Iterator[Rejection]:
     if isinstance(measured.ended, Rejection):
         yield measured.ended
         return
-    yield from _against_geometry(trial.candidate, measured, constants)
+    yield from against_geometry(trial.candidate, measured, constants)
     if measured.sightings is not None:
-        yield from _against_observations(trial.candidate, measured, constants)
+        yield from against_observations(trial.candidate, measured, constants)
+        yield from against_drift(measured, constants)
 
 
-def _against_geometry(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
+def against_geometry(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
+    """Reasons of lines 3 and 4 of Algorithm 1. ValueError for a trial that was not measured so far."""
     displaced = {a.instance for a in candidate.second if a.kind == "displace"}
     displacement_m = [metres for k, metres in (measured.displacement_m or {}).items() if k in displaced]
     if any(metres < constants.candidates.delta_min_m for metres in displacement_m):
         yield Rejection.DISPLACEMENT_BELOW_MINIMUM
     if any(metres < constants.candidates.spawn_clearance_m for metres in (measured.spawn_clearance_m or {}).values()):
         yield Rejection.SPAWN_TOO_CLOSE
+    if _at_answer(candidate, measured, constants.candidates.spawn_beyond_m):
+        yield Rejection.SPAWN_AT_ANSWER
     if measured.spawn_free_moves == 0:
         yield Rejection.SPAWN_IMMOBILE
     if measured.answer_to_navigable_m is None:
@@ -48,30 +52,57 @@ def _against_geometry(candidate: Candidate, measured: TrialMeasurement, constant
         yield Rejection.ANSWER_NOT_VISIBLE
 
 
-def _against_observations(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
+def against_observations(candidate: Candidate, measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
+    """Reasons of line 6 of Algorithm 1, for a trial whose tours were recorded."""
     assert measured.sightings is not None and measured.world_1 is not None and measured.world_2 is not None
     limits, relation = constants.admissibility, candidate.relation
+    query = Query(candidate.category, relation)
+    assert measured.answer is not None
+    at, apart_m = measured.answer, constants.candidates.crowding_m
+    if crowding(measured.world_1, measured.world_2, query, candidate.target, at, apart_m):
+        yield Rejection.CROWDED
     changed = frozenset(a.instance for a in candidate.first + candidate.second)
     first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
     second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
-    if not all(_recorded(k, relation, first, second) for k in changed):
+    if not all(_recorded(candidate, k, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
-    query = Query(candidate.category, relation)
+    # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
+    visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
+    for recorded, there in visits:
+        n = len(there.category(query.category))
+        if n and category_pick(recorded, query, at, apart_m) > 1 / n + limits.above_chance:
+            yield Rejection.ABOVE_CHANCE
+            break
     for world_1, world_2 in ((first, second), (measured.world_1, true_world(measured.world_2, measured.mover))):
         against = admissible(world_1, world_2, query, changed, constants, candidate.target)
         if against is not None:
             yield against.reason
-    if any(metres > limits.drift_tolerance_m for metres in (measured.drift_m or {}).values()):
+
+
+def against_drift(measured: TrialMeasurement, constants: Settings) -> Iterator[Rejection]:
+    """The reason of line 7 of Algorithm 1."""
+    if any(metres > constants.admissibility.drift_tolerance_m for metres in (measured.drift_m or {}).values()):
         yield Rejection.DRIFTED
 
 
-def _recorded(instance: str, relation: Relation, first: WorldState, second: WorldState) -> bool:
-    """Whether a changed instance is recorded in the tour, or tours, that define the relation."""
-    if relation is Relation.APPEARED or relation is Relation.MOVING:
+def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float) -> bool:
+    """Whether the spawn is within `beyond_m` of what a stop is judged by: the answer, nu(answer), the target's box where it is.
+
+    Whether the target is in sight does not matter: an agent need only turn on the spot to see it.
+    """
+    if candidate.spawn is None:
+        return False
+    spawn = candidate.spawn.x, candidate.spawn.z
+    away_m = [math.dist(spawn, point) for point in (measured.answer, measured.nearest_navigable) if point is not None]
+    return min([*away_m, math.inf if measured.spawn_to_box_m is None else measured.spawn_to_box_m]) <= beyond_m
+
+
+def _recorded(candidate: Candidate, instance: str, first: WorldState, second: WorldState) -> bool:
+    """Whether a changed instance is recorded in the tour, or tours, that define its change."""
+    if any(alteration.instance == instance for alteration in candidate.first):
         return instance in second.ids
-    if relation is Relation.REMOVED:
-        return instance in first.ids
-    return instance in first.ids and instance in second.ids
+    kind = next(alteration.kind for alteration in candidate.second if alteration.instance == instance)
+    return (kind == "motion" or instance in first.ids) and (kind == "disable" or instance in second.ids)
 
 
 def verdict(trial: Trial, constants: Settings) -> Verdict:

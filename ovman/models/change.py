@@ -2,42 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any, Literal, Self
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import Annotated, Any, Literal, Self
 
-import numpy as np
-from pydantic import SerializerFunctionWrapHandler, model_serializer, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ovman.models.geometry import Point, Position
-from ovman.models.record import Length, Record, Text
+from ovman.models.record import METRE_DECIMALS, Record, Text
+
+HeadingDeg = Literal[0, 90, 180, 270]
+"""A heading along the axes of the world, degrees; 0 along +z, 90 along +x."""
+Cell = tuple[int, int]
+"""(column, row): steps along x and along z from where a mover stood at first."""
 
 
-class Lane(Record):
-    """A straight lane on the floor plane from (x_0, z_0) to (x_1, z_1), metres."""
+class Roam(Record):
+    """The floor that a mover roams: free points of the square lattice through (x, z), where the instance stands at first.
 
-    x_0: float
-    z_0: float
-    x_1: float
-    z_1: float
+    step_m: spacing of the lattice, metres. rows: (row, first, last): `row` steps along z the points from `first` to `last` steps
+    along x are free, both included.
+    """
 
-    @property
-    def length_m(self) -> float:
-        """Length in metres."""
-        return float(np.hypot(self.x_1 - self.x_0, self.z_1 - self.z_0))
+    x: float
+    z: float
+    step_m: Annotated[float, Field(gt=0)]
+    rows: tuple[tuple[int, int, int], ...]
 
-    def at(self, along_m: float) -> Point:
-        """The point `along_m` metres from the lane's beginning."""
-        share = along_m / self.length_m
-        return self.x_0 + share * (self.x_1 - self.x_0), self.z_0 + share * (self.z_1 - self.z_0)
+    @model_validator(mode="after")
+    def _has_its_origin(self) -> Self:
+        if (0, 0) not in self.cells:
+            raise ValueError("rows hold no (0, 0), where the instance stands")
+        return self
 
-    def along(self, x: float, z: float) -> float:
-        """Metres from the lane's beginning to the point of the lane nearest to (x, z)."""
-        dx, dz = self.x_1 - self.x_0, self.z_1 - self.z_0
-        share = ((x - self.x_0) * dx + (z - self.z_0) * dz) / (dx * dx + dz * dz)
-        return float(np.clip(share, 0.0, 1.0)) * self.length_m
+    @classmethod
+    def over(cls, x: float, z: float, step_m: float, cells: Collection[Cell]) -> Self:
+        """The floor of these free cells, (0, 0) among them."""
+        rows: list[list[int]] = []
+        for row, column in sorted((row, column) for column, row in cells):
+            if rows and rows[-1][0] == row and rows[-1][2] == column - 1:
+                rows[-1][2] = column
+            else:
+                rows.append([row, column, column])
+        return cls(x=x, z=z, step_m=step_m, rows=tuple((row, first, last) for row, first, last in rows))
+
+    @cached_property
+    def cells(self) -> frozenset[Cell]:
+        """The free points of the lattice."""
+        return frozenset((column, row) for row, first, last in self.rows for column in range(first, last + 1))
+
+    def at(self, cell: Cell) -> Point:
+        """Floor-plane position of a point of the lattice, metres, rounded as records round it."""
+        x, z = self.x + self.step_m * cell[0], self.z + self.step_m * cell[1]
+        return round(x, METRE_DECIMALS), round(z, METRE_DECIMALS)
+
+    def cell(self, point: Point) -> Cell:
+        """The point of the lattice that is nearest to (x, z)."""
+        return round((point[0] - self.x) / self.step_m), round((point[1] - self.z) / self.step_m)
 
 
-_NEEDED: Mapping[str, tuple[str, ...]] = {"displace": ("placement", "height_m"), "motion": ("lane", "height_m")}
+_NEEDED: Mapping[str, tuple[str, ...]] = {"displace": ("placement", "height_m"), "motion": ("roam",)}
 """Fields without which the simulator cannot bring a change of that kind about."""
 
 
@@ -50,16 +74,16 @@ def _require(record: Record, instance: str, kind: str, names: tuple[str, ...]) -
 class Alteration(Record):
     """One instance that is not as in the untouched scene.
 
-    kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (put on `lane`, then moving).
+    kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (over `roam`, from where it stands).
     placement: where the centre of the instance's box is put, metres. height_m: the height from which the simulator looks down
-    for a surface, at the placement or at the beginning of the lane. In files, keys without a value are left out.
+    for a surface at the placement. In files, keys without a value are left out.
     """
 
     kind: Literal["displace", "disable", "motion"]
     instance: Text
     placement: Point | None = None
     height_m: float | None = None
-    lane: Lane | None = None
+    roam: Roam | None = None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -74,26 +98,23 @@ class Alteration(Record):
 class MoverStart(Record):
     """Where a run finds the mover: at the end of the recorded tour of visit 2.
 
-    along_m: metres from the beginning of its lane; direction: 1 away from the beginning, -1 back.
+    position: of the centre of its box, metres, a point of its lattice; heading_deg: which way it goes on.
     """
 
     instance: Text
-    along_m: Length
-    direction: Literal[1, -1]
+    position: Point
+    heading_deg: HeadingDeg
 
 
-class MoverRecord(Record):
+class MoverRecord(MoverStart):
     """The mover of a recorded tour. path: its floor-plane positions in metres, agent step by agent step; else as `MoverStart`."""
 
-    instance: Text
     path: tuple[Point, ...]
-    along_m: Length
-    direction: Literal[1, -1]
 
     @property
     def start(self) -> MoverStart:
         """Its state at the end of the tour."""
-        return MoverStart(instance=self.instance, along_m=self.along_m, direction=self.direction)
+        return MoverStart(instance=self.instance, position=self.position, heading_deg=self.heading_deg)
 
 
 class Change(Record):
@@ -101,7 +122,7 @@ class Change(Record):
 
     kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as `Alteration.kind`. before, after: where
     the instance was at the end of visit 1 and of visit 2, None where it is absent. path: floor-plane positions of a mover, agent
-    step by agent step. placement, height_m, lane: how the simulator brings the change about, as `Alteration` has them.
+    step by agent step. placement, height_m, roam: how the simulator brings the change about, as `Alteration` has them.
     """
 
     instance: Text
@@ -111,7 +132,7 @@ class Change(Record):
     path: tuple[Point, ...] | None
     placement: Point | None
     height_m: float | None
-    lane: Lane | None
+    roam: Roam | None
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -129,5 +150,5 @@ class Change(Record):
         if self.kind == "enable":
             return Alteration(kind="disable", instance=self.instance)
         return Alteration(
-            kind=self.kind, instance=self.instance, placement=self.placement, height_m=self.height_m, lane=self.lane
+            kind=self.kind, instance=self.instance, placement=self.placement, height_m=self.height_m, roam=self.roam
         )

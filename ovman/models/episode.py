@@ -1,4 +1,4 @@
-"""An episode, "ovman-episode/2": all that is needed to bring it about, tour it, ask it, run it and judge it.
+"""An episode, "ovman-episode/3": all that is needed to bring it about, tour it, ask it, run it and judge it.
 
 What only diagnostic arms may know lies beside it, in `ovman.models.sighting.Sightings`.
 """
@@ -23,7 +23,7 @@ from ovman.models.sighting import VisitPair
 from ovman.models.trial import ReachableBox
 from ovman.models.world_state import Instance, RecordedWorld, WorldState
 
-SCHEMA = "ovman-episode/2"
+SCHEMA = "ovman-episode/3"
 
 
 class EpisodeTour(Record):
@@ -59,7 +59,7 @@ class Episode(Record):
     placement. Raises RecordError, one line, for a record that contradicts itself.
     """
 
-    schema_id: Literal["ovman-episode/2"] = Field("ovman-episode/2", alias="schema")
+    schema_id: Literal["ovman-episode/3"] = Field("ovman-episode/3", alias="schema")
     id: Text
     split: Text
     backend: Literal["embedded", "thor"]
@@ -91,7 +91,7 @@ class Episode(Record):
     def _consistent(self) -> Self:
         scene, _, rest = self.id.partition("/")
         relation, _, number = rest.partition("/")
-        if (scene, relation) != (self.scene, self.relation) or not number.isdigit():
+        if (scene, relation) != (self.scene, self.relation) or not number.removeprefix(f"{self.split}-").isdigit():
             raise ValueError(f"id is {self.id!r}; write {self.scene}/{self.relation}/ and a number")
         if self.instances_in_category < 2:
             raise ValueError(f"instances_in_category is {self.instances_in_category}; a query needs a category with at least 2")

@@ -16,6 +16,7 @@ class AbstentionReason(StrEnum):
     """Why an agent gives no answer; the value is what a prediction record holds."""
 
     NO_CANDIDATE = "no_candidate"  # the set that the rule looks in is empty, and so is its fallback
+    NO_COUNTERPART = "no_counterpart"  # several candidates, and nothing in the other visit to tell them apart by
     DISPLACEMENT_BELOW_TAU = "displacement_below_tau"  # MOVED, FORMER: all matched, and no pair moved far enough
     DISPLACEMENT_ABOVE_TAU = "displacement_above_tau"  # STABLE: even the steadiest pair moved
     NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold

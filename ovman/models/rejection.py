@@ -13,6 +13,7 @@ class RejectionStage(StrEnum):
     GEOMETRY = "geometry"  # line 4: reachable, mobile, visible
     OBSERVATION = "observation"  # lines 6 and 7: what the tours recorded
     CERTIFICATION = "certification"  # lines 8 and 9: the oracle's runs
+    RELEASE = "release"  # lines 10 to 12: what is certified, but not independent of what is released
     SIMULATOR = "simulator"  # no verdict of the benchmark: the simulator failed
 
 
@@ -20,15 +21,18 @@ class Rejection(StrEnum):
     """The reasons in the order in which they are looked for: of several, the first is the one that is counted."""
 
     NO_PLACEMENT = "no_placement"
-    NO_LANE = "no_lane"
+    CANNOT_MOVE = "cannot_move"
     NO_SPAWN = "no_spawn"
     PLACEMENT_REFUSED = "placement_refused"
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
     SPAWN_TOO_CLOSE = "spawn_too_close"
+    SPAWN_AT_ANSWER = "spawn_at_answer"
     SPAWN_IMMOBILE = "spawn_immobile"
     ANSWER_UNREACHABLE = "answer_unreachable"
     ANSWER_NOT_VISIBLE = "answer_not_visible"
+    CROWDED = "crowded"
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
+    ABOVE_CHANCE = "above_chance"
     REFERENT_ABSENT = "referent_absent"
     REFERENT_AMBIGUOUS = "referent_ambiguous"
     REFERENT_NOT_TARGET = "referent_not_target"
@@ -36,6 +40,7 @@ class Rejection(StrEnum):
     DRIFTED = "drifted"
     FEASIBILITY_FAILED = "feasibility_failed"
     CERTIFICATION_FAILED = "certification_failed"
+    SHARED_TOURS = "shared_tours"
     SIMULATOR_ERROR = "simulator_error"
 
     @property
@@ -46,15 +51,18 @@ class Rejection(StrEnum):
 
 _STAGES = {
     Rejection.NO_PLACEMENT: RejectionStage.DRAW,
-    Rejection.NO_LANE: RejectionStage.DRAW,
+    Rejection.CANNOT_MOVE: RejectionStage.DRAW,
     Rejection.NO_SPAWN: RejectionStage.DRAW,
     Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
     Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
     Rejection.SPAWN_TOO_CLOSE: RejectionStage.PLACEMENT,
+    Rejection.SPAWN_AT_ANSWER: RejectionStage.GEOMETRY,
     Rejection.SPAWN_IMMOBILE: RejectionStage.GEOMETRY,
     Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
     Rejection.ANSWER_NOT_VISIBLE: RejectionStage.GEOMETRY,
+    Rejection.CROWDED: RejectionStage.GEOMETRY,
     Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
+    Rejection.ABOVE_CHANCE: RejectionStage.OBSERVATION,
     Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
     Rejection.REFERENT_AMBIGUOUS: RejectionStage.OBSERVATION,
     Rejection.REFERENT_NOT_TARGET: RejectionStage.OBSERVATION,
@@ -62,5 +70,6 @@ _STAGES = {
     Rejection.DRIFTED: RejectionStage.OBSERVATION,
     Rejection.FEASIBILITY_FAILED: RejectionStage.CERTIFICATION,
     Rejection.CERTIFICATION_FAILED: RejectionStage.CERTIFICATION,
+    Rejection.SHARED_TOURS: RejectionStage.RELEASE,
     Rejection.SIMULATOR_ERROR: RejectionStage.SIMULATOR,
 }

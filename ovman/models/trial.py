@@ -41,7 +41,8 @@ class Displaced(Record):
 class TrialMeasurement(Record):
     """What was measured of a trial, as far as it came; fields that it did not come to are None and left out of files.
 
-    ended: why it ended early, None where it did not. placed: where the simulator put what was placed. spawn_free_moves: quarters
+    ended: why it ended early, None where it did not. placed: where the simulator put what was placed. spawn_to_box_m:
+    from the spawn to the box of the target, None where it is gone in visit 2. spawn_free_moves: quarters
     of a turn in which the spawn can be left. reachable_box: in visit 2. visible_px: mask of the target from nu(a) by pitch.
     visits: names of the recorded tours. sightings: of the category's instances in both tours. world_1, world_2: every present
     instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the placement.
@@ -52,6 +53,7 @@ class TrialMeasurement(Record):
     placed: Mapping[str, Position] | None = None
     displacement_m: Mapping[str, Length] | None = None
     spawn_clearance_m: Mapping[str, Length] | None = None
+    spawn_to_box_m: Length | None = None
     spawn_free_moves: Count | None = None
     component_cells: Count | None = None
     reachable_box: ReachableBox | None = None

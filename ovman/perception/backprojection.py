@@ -72,6 +72,27 @@ def median_points(depth: np.ndarray, masks: np.ndarray, camera: Camera) -> np.nd
     return medians
 
 
+def extents(depth: np.ndarray, masks: np.ndarray, camera: Camera, share: float) -> np.ndarray:
+    """How far the world points of N masks (N, H, W) bool of one frame reach, (N, 3) metres, axis-aligned: the longer and the
+    shorter side on the floor plane, and the height.
+
+    A side spans the middle `share` of the points along its axis, over the pixels that have depth, so that a few pixels of a mask
+    that belong to what is behind the object do not count. NaN for a mask without depth.
+    """
+    height, width = depth.shape
+    lens, axes, flat = _lens(height, width, camera.field_of_view_deg), camera.axes(), depth.ravel()
+    there = flat > 0
+    sides = np.full((len(masks), 3), np.nan)
+    for found, mask in zip(sides, masks.reshape(len(masks), height * width), strict=True):
+        inside = np.flatnonzero(mask & there)
+        if len(inside):
+            ends = [round((len(inside) - 1) * (1 + sign * share) / 2) for sign in (-1, 1)]
+            low, high = np.partition(axes @ (lens[:, inside] * flat[inside]), ends, axis=1)[:, ends].T
+            x, y, z = high - low
+            found[:] = max(x, z), min(x, z), y
+    return sides
+
+
 def single_ray_point(depth: np.ndarray, mask: np.ndarray, camera: Camera) -> np.ndarray:
     """The point (3,) on the ray through the middle of a mask at its median depth. ValueError for an empty mask.
 

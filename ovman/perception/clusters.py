@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -26,13 +26,15 @@ class Cluster:
     """One object of a map: (p, f, T) of the paper.
 
     position (2,): x and z of the median of its points, metres; feature (K,): mean of its embeddings, of unit length;
-    track (T, 2): x and z of its detections in the order of the tour; views (T,): their views.
+    track (T, 2): x and z of its detections in the order of the tour; views (T,): their views; members (T,): their numbers among
+    all detections of the map.
     """
 
     position: np.ndarray
     feature: np.ndarray
     track: np.ndarray
     views: np.ndarray
+    members: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @property
     def last_seen(self) -> int:
@@ -50,22 +52,23 @@ def clusters(detections: Sequence[Detection], radius_m: float) -> tuple[Cluster,
         raise ValueError(f"radius_m must be positive, not {radius_m}")
     if any(a.view > b.view for a, b in zip(detections, detections[1:], strict=False)):
         raise ValueError("detections come in the order of the tour")
-    members: list[list[Detection]] = []
+    members: list[list[int]] = []
     centres: list[np.ndarray] = []
-    for detection in detections:
+    for number, detection in enumerate(detections):
         here = detection.point[[0, 2]]
         gaps = np.linalg.norm(np.array(centres) - here, axis=1) if centres else np.array([np.inf])
         nearest = int(gaps.argmin())
         if gaps[nearest] <= radius_m:
-            members[nearest].append(detection)
-            centres[nearest] = np.median([d.point[[0, 2]] for d in members[nearest]], axis=0)
+            members[nearest].append(number)
+            centres[nearest] = np.median([detections[k].point[[0, 2]] for k in members[nearest]], axis=0)
         else:
-            members.append([detection])
+            members.append([number])
             centres.append(here)
-    return tuple(_cluster(group, centre) for group, centre in zip(members, centres, strict=True))
+    return tuple(_cluster(detections, numbers, centre) for numbers, centre in zip(members, centres, strict=True))
 
 
-def _cluster(group: Sequence[Detection], centre: np.ndarray) -> Cluster:
+def _cluster(detections: Sequence[Detection], numbers: Sequence[int], centre: np.ndarray) -> Cluster:
+    group = [detections[k] for k in numbers]
     feature = np.mean([d.feature for d in group], axis=0)
     length = np.linalg.norm(feature)
     return Cluster(
@@ -73,4 +76,5 @@ def _cluster(group: Sequence[Detection], centre: np.ndarray) -> Cluster:
         feature=feature / length if length > 0 else feature,
         track=np.array([d.point[[0, 2]] for d in group]),
         views=np.array([d.view for d in group]),
+        members=np.array(numbers, np.int64),
     )

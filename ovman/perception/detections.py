@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ovman.models.settings import Settings
 from ovman.perception import networks, tour, tour_files
@@ -14,20 +15,35 @@ from ovman.perception.detected import Detected
 from ovman.perception.records import write_detections
 from ovman.perception.store import Store
 
+if TYPE_CHECKING:
+    from ovman.perception.detector import Detector
+    from ovman.perception.encoder import Encoder
+
 SIGHT = (networks, tour, tour_files)
 """The modules that, with their imports, determine what is detected."""
 
 
-def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, output: Path) -> None:
-    """Writes the detections of `visits` (name -> directory of its recording), in their order.
+Networks = Callable[[], tuple["Detector", "Encoder"]]
+"""Gives the networks, loaded at the first call."""
 
-    code: digests of the code of SIGHT; kept: directory of a `Store`, which takes new detections. The networks are loaded at
+
+def networks_of(constants: Settings) -> Networks:
+    """The networks of section perception, loaded at the first call of what is returned. It raises WeightsError."""
+    perception = constants.perception
+    return cache(lambda: (networks.detector_of(perception), networks.encoder_of(perception)))
+
+
+def looked_at(
+    visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, loaded: Networks
+) -> dict[str, Detected]:
+    """The detections of `visits` (name -> directory of its recording), in their order.
+
+    code: digests of the code of SIGHT; kept: directory of a `Store`, which takes new detections. The networks are asked for at
     the first tour that the store does not have. Raises WeightsError, TourError.
     """
     perception, store = constants.perception, Store(kept)
     field_of_view_deg = constants.camera.field_of_view_deg
     seen_by = json.dumps([list(code), networks.looked_at_by(perception)], sort_keys=True)
-    loaded = cache(lambda: (networks.detector_of(perception), networks.encoder_of(perception)))
 
     def look(directory: Path, content: str) -> Detected:
         return tour.detections(
@@ -44,4 +60,9 @@ def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], ke
         seen[name], known = store.kept(content, partial(look, directory, content))
         took = "seen before" if known else f"{time.process_time() - began:.1f} s of the processor"
         print(f"{name}: {len(seen[name])} detections, {took}", flush=True)
-    write_detections(output, seen)
+    return seen
+
+
+def run(visits: Mapping[str, Path], constants: Settings, code: Sequence[str], kept: Path, output: Path) -> None:
+    """Writes the detections of `visits`. The rest is as for ``looked_at``."""
+    write_detections(output, looked_at(visits, constants, code, kept, networks_of(constants)))

@@ -14,7 +14,7 @@ from ovman.perception.array_file import read_array, read_arrays, write_arrays
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, PackedMasks
 
-DETECTIONS, MAPS, NOUNS = "ovman-detections/2", "ovman-maps/2", "ovman-nouns/2"
+DETECTIONS, MAPS, NOUNS = "ovman-detections/2", "ovman-maps/3", "ovman-nouns/2"
 _ARRAYS = ("view", "point", "feature", "pixels", "confidence")
 
 
@@ -59,6 +59,7 @@ def write_maps(path: Path, maps: Mapping[str, Sequence[Cluster]]) -> None:
         "points": np.array([len(c.track) for c in every], np.int64),
         "track": np.concatenate([np.zeros((0, 2)), *(c.track for c in every)]),
         "views": np.concatenate([np.zeros(0, np.int64), *(c.views for c in every)]).astype(np.int64),
+        "members": np.concatenate([np.zeros(0, np.int64), *(_members(c) for c in every)]).astype(np.int64),
     }
     write_arrays(path, MAPS, arrays)
 
@@ -68,9 +69,9 @@ def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
     arrays = read_arrays(path, MAPS)
     ends = np.cumsum(arrays["points"])
     starts = (ends - arrays["points"]).tolist()
-    track, views = arrays["track"], arrays["views"]
+    track, views, members = arrays["track"], arrays["views"], arrays["members"]
     every = [
-        Cluster(position, feature, track[start:end], views[start:end])
+        Cluster(position, feature, track[start:end], views[start:end], _known(members[start:end]))
         for position, feature, start, end in zip(arrays["position"], arrays["feature"], starts, ends.tolist(), strict=True)
     ]
     last = np.cumsum(arrays["clusters"]).tolist()
@@ -78,6 +79,18 @@ def read_maps(path: Path) -> dict[str, tuple[Cluster, ...]]:
         name: tuple(every[end - count : end])
         for name, count, end in zip(arrays["visits"].tolist(), arrays["clusters"].tolist(), last, strict=True)
     }
+
+
+_UNKNOWN = -1
+
+
+def _members(cluster: Cluster) -> np.ndarray:
+    return cluster.members if len(cluster.members) else np.full(len(cluster.track), _UNKNOWN)
+
+
+def _known(members: np.ndarray) -> np.ndarray:
+    known: np.ndarray = members[members != _UNKNOWN]
+    return known
 
 
 def write_nouns(path: Path, nouns: Mapping[str, np.ndarray]) -> None:

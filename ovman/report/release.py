@@ -19,7 +19,10 @@ from ovman.report.tables.table import pipe_table
 from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
-TREES = {name: name for name in ("scenes", "trials", "certified", "predictions", "metrics", "tables")} | {"scores": "runs"}
+"""What no release lacks."""
+TREES = {name: name for name in ("scenes", "episodes", "trials", "certified", "predictions", "metrics", "tables")} | {
+    "scores": "runs"
+}
 """Folders of results/, and their names in the release."""
 HIDDEN = "."
 NEAR_M = 1.0
@@ -94,6 +97,7 @@ def card(results: Path) -> str:
             trials=trials,
             kinds=", ".join(f"{n} {k}{'s' if n > 1 else ''}" for k, n in Counter(kind.values()).most_common()),
             by_relation=_table([*relations, "all"], [_counts(episodes, lambda e: "")[0][1:]], 0),
+            further=_table(["split", *relations, "all"], _counts(_further(results), lambda e: e.split)),
             by_scene=_table(["scene", *relations, "all"], _counts(episodes, lambda e: f"{e.scene} ({kind[e.scene]})")),
             by_category=_table(["category", *relations, "all"], _counts(episodes, lambda e: e.category)),
             rejections=_table(["stage", "reason", *relations, "all"], _rejections(rejected), 2),
@@ -104,6 +108,12 @@ def card(results: Path) -> str:
             shortest=f"{shortest[0]:.2f}, {shortest[len(shortest) // 2]:.2f} and {shortest[-1]:.2f}",
         )
     )
+
+
+def _further(results: Path) -> list[Episode]:
+    """The episodes of the splits beside the main one, each of which has a file of sightings of its own."""
+    names = sorted(path.name.replace("_sightings", "") for path in (results / "episodes").glob("*_sightings.jsonl"))
+    return [episode for name in names for episode in Episode.load(results / "episodes" / name)]
 
 
 def _beside(episode: Episode) -> bool:

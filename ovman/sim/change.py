@@ -8,14 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.change import Alteration
+from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Position
 from ovman.models.settings.benchmark import Mover as MoverParams
 from ovman.sim.mover import Mover
-from ovman.sim.session import Session
+from ovman.sim.session import Session, SimulatorError
 
 AGENT_RADIUS_M = 0.2
 """Radius of AI2-THOR's default agent, metres."""
+STANDS_M = 0.02
+"""An instance farther than this from where its walk is to begin does not stand there."""
+LIFTED_M = 0.01
+"""So high above where it stands an instance does not touch the floor."""
 
 
 def position(metadata: Mapping[str, Any]) -> Position:
@@ -70,13 +74,12 @@ class World:
             self._session.step("DisableObject", objectId=alteration.instance)
         elif alteration.kind == "displace":
             assert alteration.placement is not None and alteration.height_m is not None
-            self._place(alteration.instance, alteration.placement, alteration.height_m, kinematic=False)
+            self._place(alteration.instance, alteration.placement, alteration.height_m)
         else:
-            assert alteration.lane is not None and alteration.height_m is not None
-            self._place(alteration.instance, (alteration.lane.x_0, alteration.lane.z_0), alteration.height_m, kinematic=True)
-            self._set_off(alteration.instance, Mover(alteration.lane))
+            assert alteration.roam is not None
+            self._set_off(alteration.instance, Mover.setting_off(alteration.roam, self._rng))
 
-    def _place(self, instance: str, point: Point, height_m: float, kinematic: bool) -> None:
+    def _place(self, instance: str, point: Point, height_m: float) -> None:
         metadata = self._session.objects[instance]
         pivot, centre = metadata["position"], metadata["axisAlignedBoundingBox"]["center"]
         self._session.step(
@@ -84,45 +87,56 @@ class World:
             objectId=instance,
             position={"x": point[0] + pivot["x"] - centre["x"], "y": height_m, "z": point[1] + pivot["z"] - centre["z"]},
             rotation=metadata["rotation"],
-            forceKinematic=kinematic,
+            forceKinematic=False,
         )
         self.placed[instance] = position(self._session.objects[instance])
 
     def _set_off(self, instance: str, mover: Mover) -> None:
         metadata = self._session.objects[instance]
         pivot, box = metadata["position"], metadata["axisAlignedBoundingBox"]
+        stands, begins = (box["center"]["x"], box["center"]["z"]), mover.position
+        if math.dist(stands, begins) > STANDS_M:
+            raise SimulatorError(f"{self._session.scene}: {instance} stands at {stands}, not at {begins}, where its walk begins")
         self.mover, self.mover_id = mover, instance
         self._rotation = metadata["rotation"]
         self._pivot_y = pivot["y"]
         self._offset = (pivot["x"] - box["center"]["x"], pivot["z"] - box["center"]["z"])
         self._clearance_m = AGENT_RADIUS_M + math.hypot(box["size"]["x"], box["size"]["z"]) / 2
+        if not any(self._teleport(mover.roam.at(cell), lifted_m=LIFTED_M) for cell in mover.neighbours()):
+            raise SimulatorError(f"{self._session.scene}: {instance} cannot move from where it stands: every way is barred")
         self._move(mover)
 
-    def _move(self, mover: Mover) -> None:
-        x, z = mover.position
-        self._session.step(
+    def _teleport(self, point: Point, lifted_m: float = 0.0) -> bool:
+        """Put the mover's centre at a point, whatever is there; lifted off the floor, only where it touches nothing."""
+        x, z = point
+        event = self._session.step(
             "TeleportObject",
+            allowed=lifted_m > 0.0,
             objectId=self.mover_id,
-            position={"x": x + self._offset[0], "y": self._pivot_y, "z": z + self._offset[1]},
+            position={"x": x + self._offset[0], "y": self._pivot_y + lifted_m, "z": z + self._offset[1]},
             rotation=self._rotation,
-            forceAction=True,
+            forceAction=lifted_m == 0.0,
             forceKinematic=True,
         )
-        self.mover = mover
-        self.path.append((round(x, 4), round(z, 4)))
+        return bool(event.metadata["lastActionSuccess"])
 
-    def send_mover_to(self, along_m: float, direction: int) -> None:
-        """Put the mover where a recorded visit left it, `along_m` metres along its lane; its path starts anew there."""
+    def _move(self, mover: Mover) -> None:
+        self._teleport(mover.position)
+        self.mover = mover
+        self.path.append(mover.position)
+
+    def send_mover_to(self, start: MoverStart) -> None:
+        """Put the mover where a recorded visit left it; its path starts anew there."""
         assert self.mover is not None
         self.path = []
-        self._move(Mover(self.mover.lane, along_m, direction))
+        self._move(self.mover.resumed(start))
 
     def after_action(self) -> None:
         """Let the mover take its step. To be called after every action of the agent."""
         if self.mover is not None:
             here = self._session.pose
             after = self.mover.advance(self._params, self._rng, (here.x, here.z), self._clearance_m)
-            if after.position == self.mover.position:
+            if after.cell == self.mover.cell:
                 self.mover = after
                 self.path.append(self.path[-1])
             else:

@@ -68,6 +68,7 @@ def look(session: Session, world: World, pose: AgentPose) -> Any:
     """The event of the agent's view from `pose`, after the mover, if the world has one, has taken its step."""
     if world.mover is None:
         return session.teleport(pose, image=True)
+    session.step("UnpausePhysicsAutoSim")  # a walk stops time between its views; every view takes the same time
     session.teleport(pose)
     world.after_action()
     return session.step("Pass", image=True)
@@ -140,9 +141,9 @@ def _mover(world: World) -> MoverRecord | None:
     assert world.mover_id is not None
     return MoverRecord(
         instance=world.mover_id,
+        position=world.mover.position,
+        heading_deg=world.mover.heading_deg,
         path=tuple(world.path),
-        along_m=round(world.mover.along_m, 4),
-        direction=1 if world.mover.direction > 0 else -1,
     )
 
 

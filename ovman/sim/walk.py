@@ -2,14 +2,16 @@
 
 A walk passes the views of the recorded tour in their order. At a waypoint it turns once around, a frame a turn; to the next one
 it follows a shortest path on the navigation grid, a frame a step, looking where it goes. World time stands still except at the
-tour's own views: the mover takes its step at exactly those, so that a walk ends in the state that the recorded visit ended in.
+tour's own views: the mover takes its step at exactly those, and physics stops between them where there is a mover, so that a walk
+ends in the state that the recorded visit ended in.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +37,8 @@ class Frame:
     """One frame of a walk.
 
     rgb: (H, W, 3) uint8; depth: (H, W) float32 metres along the optical axis; camera: of both, in Unity's world frame; pose:
-    where the agent stands; view: which view of the recorded tour this is, None between them.
+    where the agent stands; view: which view of the recorded tour this is, None between them; masks: the instances of a body that
+    sees them, as the client keeps them (`instances`).
     """
 
     rgb: np.ndarray
@@ -43,6 +46,20 @@ class Frame:
     camera: Camera
     pose: AgentPose
     view: int | None
+    masks: Any = None
+
+
+def instances(masks: Any) -> tuple[np.ndarray, dict[int, str]]:
+    """(H, W) int64 of a frame's instance masks: a number a pixel; and the ids of the instances by these numbers.
+
+    The room's shell has numbers without an id. No mask is made of any instance, which takes longer than drawing the frame.
+    """
+    numbers = masks.instance_segmentation_frame_uint32.astype(np.int64) & _COLOUR
+    colours: Mapping[str, Sequence[int]] = masks.instance_colors
+    return numbers, {red | green << 8 | blue << 16: name for name, (red, green, blue, *_) in colours.items()}
+
+
+_COLOUR = 0xFFFFFF
 
 
 def frames(
@@ -57,10 +74,12 @@ def frames(
     grid: Grid | None = None
 
     def seen(pose: AgentPose, number: int | None = None) -> Frame:
+        if number is None and world.mover is not None:
+            session.step("PausePhysicsAutoSim")
         event = session.teleport(pose, image=True) if number is None else visit.look(session, world, pose)
         at = session.camera
         camera = Camera((at["x"], at["y"], at["z"]), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
-        return Frame(event.frame, event.depth_frame, camera, pose, number)
+        return Frame(event.frame, event.depth_frame, camera, pose, number, event.instance_masks or None)
 
     first = before = views[0]
     for number, pose in enumerate(views):
@@ -106,8 +125,9 @@ def check(session: Session, world: World, recorded: Visit) -> None:
     """Raise WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
     where = f"{session.scene}: the walk of {recorded.visit}"
     was, now = recorded.mover, world.mover
-    if was is not None and (now is None or (round(now.along_m, 4), now.direction) != (was.along_m, was.direction)):
-        raise WalkError(f"{where} left the mover at {now}, not where the visit did ({was.along_m}); record the visits again")
+    if was is not None and (now is None or (now.position, now.heading_deg) != (was.position, was.heading_deg)):
+        left = None if now is None else now.position
+        raise WalkError(f"{where} left the mover at {left}, not where the visit did ({was.position}); record the visits again")
     session.step("ResetObjectFilter")
     objects = session.objects
     for instance, ended in recorded.positions[-1].items():

@@ -7,6 +7,7 @@ from ovman.models.relation import Relation
 from ovman.models.world_state import Instance, WorldState, displacement_m
 from ovman.task.admissibility import Inadmissible, admissible
 from ovman.task.answer import answer
+from ovman.task.crowding import category_pick, crowding
 from ovman.task.referents import holds, referents
 from ovman.task.success import spl, success, visible
 
@@ -21,6 +22,8 @@ __all__ = [
     "WorldState",
     "admissible",
     "answer",
+    "category_pick",
+    "crowding",
     "displacement_m",
     "holds",
     "referents",

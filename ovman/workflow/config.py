@@ -15,8 +15,9 @@ from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from ovman.models.settings import Arm, Settings
+from ovman.models.settings import Arm, Kind, Need, Settings, Split
 from ovman.models.settings.comparisons import contradictions as of_comparisons
+from ovman.models.settings.sensitivity import contradictions as of_sensitivity
 from ovman.workflow.parameter import flat
 from ovman.workflow.plugins import PluginError, plugin, with_sections
 from ovman.workflow.settings_files import ConfigError, read, read_sections, shown
@@ -35,6 +36,9 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_motion(settings)
     yield from _of_arms(settings.arms, settings.plugins, flat(settings))
     yield from of_comparisons(settings.comparisons, settings.arms)
+    yield from _of_splits(settings.splits, settings.arms)
+    yield from of_sensitivity(settings.sensitivity, settings.measurement)
+    yield from _of_appearance(settings.appearance.agent, settings.arms)
 
 
 def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
@@ -65,26 +69,45 @@ def _of_counts(settings: Settings) -> Iterator[Contradiction]:
         if episodes > draws * scenes:
             says = f"candidates.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
             yield ("benchmark", "split", relation), f"is {episodes}, but {says}"
+    for name, split in settings.splits.items():
+        for relation, episodes in split.episodes:
+            if episodes > (draws := getattr(split.draws, relation)) * scenes:
+                says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
+                yield ("splits", name, "episodes", relation), f"is {episodes}, but {says}"
     if not any(episodes for _, episodes in benchmark.split):
         yield ("benchmark", "split"), "asks for no episode; give at least one relation a number above 0"
 
 
 def _of_motion(settings: Settings) -> Iterator[Contradiction]:
-    """The agent can face every direction, and the mover has a step to take."""
-    primitives, mover = settings.primitives, settings.mover
+    """The agent can face every direction."""
+    primitives = settings.primitives
     turn, tolerance = primitives.turn_deg, primitives.heading_tolerance_deg
     if 360.0 % turn:
         yield ("primitives", "turn_deg"), f"is {turn}, which does not divide 360; write a divisor of 360, such as 30"
     elif tolerance < turn / 2:
         says = f"half of primitives.turn_deg ({turn}): some headings could not be reached; write at least {turn / 2}"
         yield ("primitives", "heading_tolerance_deg"), f"is {tolerance}, which is less than {says}"
-    if mover.step_m > mover.lane_min_m:
-        says = f"mover.lane_min_m ({mover.lane_min_m}); lower it or ask for longer lanes"
-        yield ("mover", "step_m"), f"is {mover.step_m}, which is longer than {says}"
     local = settings.dualmap.local_map
     if local.split_frames >= local.split_window:
         says = f"the {local.split_window} keyframes of dualmap.local_map.split_window never hold more; lower it"
         yield ("dualmap", "local_map", "split_frames"), f"is {local.split_frames}, but {says}"
+
+
+def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradiction]:
+    if agent not in arms or arms[agent].kind is not Kind.STATIC or Need.MAPS not in arms[agent].needs or arms[agent].expected:
+        says = "which is no static arm that answers from maps of both visits; name one"
+        yield ("appearance", "agent"), f"is {agent}, {says}"
+
+
+def _of_splits(splits: Mapping[str, Split], arms: Mapping[str, Arm]) -> Iterator[Contradiction]:
+    """Arms of a split answer from what is made for all splits. An arm that does not exist is left out of its splits, too."""
+    for name, split in splits.items():
+        for number, arm in enumerate(split.arms):
+            place = ("splits", name, "arms", str(number))
+            if arm in arms and arms[arm].kind is not Kind.STATIC:
+                yield place, f"is {arm}, which is embodied; name a static arm"
+            elif arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
+                yield place, f"is {arm}, whose records are made of benchmark.split alone; name another static arm"
 
 
 def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:
@@ -247,7 +270,8 @@ def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
     """The nearest setting to a wrong name: in its own section first, then anywhere."""
     model, wrong = _models(path[:-1], settings), path[-1]
     here = list(model.model_fields) if model is not None else []
-    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in _names(settings)}
+    # Of settings of one name, the first is meant: a later section varies what an earlier one sets.
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in reversed([*_names(settings)])}
     for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
         near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
         if near:

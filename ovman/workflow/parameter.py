@@ -123,6 +123,15 @@ class StageSettings(Settings):
         """The text that the settings were parsed from."""
         return self._canonical
 
+    def with_values(self, values: Mapping[str, Any]) -> StageSettings:
+        """The same with other values of some constants, by dotted name. AttributeError for one that the stage does not own."""
+        record = json.loads(self._canonical)
+        for name in values:
+            if name not in record["constants"]:
+                raise AttributeError(f"stage {self._stage!r} does not own the constant {name!r} and cannot change it")
+        record["constants"] |= values
+        return StageSettings.parse(json.dumps(record, sort_keys=True, separators=(",", ":")))
+
     @property
     def arm(self) -> ArmJob:
         """The arm that the job is of. AttributeError for a stage whose jobs are of no arm."""

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 # benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
 _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
-    _GAIT := ("mover.step_m", "mover.pause_probability", "mover.turn_probability")
+    _GAIT := ("mover.pause_probability", "mover.turn_probability")
 )
 _DETECTING = tuple(f"perception.detector.{name}" for name in ("architecture", "side_px", "confidence", "min_mask_px"))
 _METRICS = (
@@ -17,11 +17,26 @@ _METRICS = (
     "comparisons.rungs",
     "comparisons.pairs",
     "comparisons.pairings",
+    "comparisons.readings",
     "benchmark.seed",
     "success.radius_m",
     "single_visit.samples",
     "evaluation.confidence",
     "evaluation.near_miss_m",
+    "candidates.delta_min_m",
+)
+_JUDGING = (
+    "candidates.delta_min_m",
+    "candidates.spawn_clearance_m",
+    "candidates.spawn_beyond_m",
+    "candidates.crowding_m",
+    "admissibility.tau_m",
+    "admissibility.min_mask_px",
+    "admissibility.validity_radius_m",
+    "admissibility.drift_tolerance_m",
+    "admissibility.motion_m",
+    "admissibility.above_chance",
+    "success.visible_px",
 )
 STAGES: Mapping[str, tuple[str, ...]] = {
     "simulator": ("benchmark.backend",),
@@ -29,27 +44,20 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "candidates": (
         "benchmark.seed",
         "candidates.*",
+        "splits",
         "tour.headings",
-        "mover.lane_min_m",
+        "mover.step_m",
         "primitives.step_m",
     ),
     "trials": (*_SIMULATOR, *_GAIT, "benchmark.seed", "tour.headings", "measurement.*", "success.sweep_deg"),
-    "admissible": (
-        "candidates.delta_min_m",
-        "candidates.spawn_clearance_m",
-        "admissibility.tau_m",
-        "admissibility.min_mask_px",
-        "admissibility.validity_radius_m",
-        "admissibility.drift_tolerance_m",
-        "admissibility.motion_m",
-        "success.visible_px",
-    ),
+    "admissible": _JUDGING,
     "certified": (*_RUNNING, "admissibility.runs"),
     "episodes": (
         "benchmark.seed",
         "benchmark.backend",
         "benchmark.scenes",
         "benchmark.split.*",
+        "splits",
         "tour.headings",
         "camera.*",
         "primitives.*",
@@ -82,7 +90,15 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "encoder": ("training.seed", "training.encoder.*"),
     "models": ("training.*", "benchmark.scenes"),
     "detections": ("camera.field_of_view_deg", "perception.*"),
+    "cues": (
+        "camera.field_of_view_deg",
+        "appearance.hue_bins",
+        "appearance.saturation_bins",
+        "appearance.extent_share",
+    ),
+    "labels": (),
     "maps": ("maps.*",),
+    "maintained": ("maps.*",),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
     # The seed, the camera, the primitives, the mover and the success test of what follows are those of each episode.
     "walks": ("perception.*", "dualmap.runs", "dualmap.walk.*", "dualmap.observation.*"),
@@ -93,7 +109,8 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "rollouts": ("admissibility.min_mask_px",),
     "scores": (),
     "metrics": _METRICS,
-    "static_tables": (*_METRICS, "comparisons.difficulty"),
+    "split_metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "static_tables": (*_METRICS, "comparisons.difficulty", "comparisons.shortcuts"),
     "language": (
         "comparisons.agent",
         "grounding.*",
@@ -103,8 +120,59 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "evaluation.confidence",
     ),
     "perception": ("perception.detector.min_mask_px",),
+    # The episodes of these are made as those of the stage episodes are.
+    "readmitted": (
+        *_JUDGING,
+        "sensitivity.*",
+        "benchmark.seed",
+        "benchmark.backend",
+        "tour.headings",
+        "camera.*",
+        "primitives.*",
+        "mover.*",
+        "success.*",
+    ),
+    "readmitted_maps": ("camera.field_of_view_deg", "perception.*", "maps.*"),
+    # And of each arm the constants that its entry in section `arms` names.
+    "readmitted_predictions": ("admissibility.min_mask_px",),
+    "sensitivity": (
+        *_JUDGING,
+        "sensitivity.*",
+        "comparisons.memory.*",
+        "benchmark.seed",
+        "success.radius_m",
+        "single_visit.samples",
+    ),
+    # And the constants that the entry of comparisons.memory.arm names.
+    "probes": (
+        "comparisons.memory.arm",
+        "gate_sweep.*",
+        "association.gate_m",
+        "candidates.delta_min_m",
+        "admissibility.min_mask_px",
+        "success.radius_m",
+        "evaluation.confidence",
+    ),
+    "fragments": ("comparisons.memory.arm", "success.radius_m", "perception.detector.min_mask_px"),
     "backprojection": ("camera.field_of_view_deg", "perception.detector.min_mask_px"),
+    "appearance": (
+        "appearance.agent",
+        "appearance.least_extent_m",
+        "appearance.weight_step",
+        "appearance.equal_scales",
+        "appearance.least_pairs",
+        "association.*",
+        "admissibility.tau_m",
+        "success.radius_m",
+        "evaluation.confidence",
+    ),
     "figures": ("camera.*", "admissibility.min_mask_px"),
+    "charts": (
+        "arms",
+        "comparisons.agent",
+        "comparisons.difficulty",
+        "paper.*",
+    ),
     "paper_comparison": (
         "arms",
         "comparisons.agent",
@@ -118,12 +186,18 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
+        "splits",
         "comparisons.agent",
+        "comparisons.memory.*",
+        "comparisons.rungs",
         "comparisons.difficulty",
+        "comparisons.shortcuts",
         "tour.*",
         "success.*",
         "candidates.delta_min_m",
         "candidates.spawn_clearance_m",
+        "candidates.spawn_beyond_m",
+        "candidates.crowding_m",
         "association.*",
         "grounding.*",
         "maps.*",

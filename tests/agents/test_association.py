@@ -158,3 +158,20 @@ def test_wrong_input_is_named(arguments, message):
 def test_a_gate_is_positive():
     with pytest.raises(ValueError, match="gate_m"):
         associate([(0, 0)], [(0, 0)], gate_m=0.0, feature_scale_m=SCALE)
+
+
+@settings(max_examples=40, derandomize=True, deadline=None)
+@given(points(), points(), st.integers(0, 99))
+def test_a_disagreement_stands_for_that_of_the_features(p_1, p_2, seed):
+    f_1, f_2 = unit_features(len(p_1), seed), unit_features(len(p_2), seed + 1)
+    same = np.clip(1.0 - f_1 @ f_2.T, 0.0, None)
+    given_ = associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE, disagreement=same)
+    assert given_ == close(p_1, p_2, f_1, f_2)
+    far = np.full((len(p_1), len(p_2)), GATE / SCALE)
+    assert associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE, disagreement=far).pairs == ()
+
+
+@pytest.mark.parametrize(("disagreement", "says"), [([[0.0, 1.0]], "shape"), ([[-0.1]], "below 0"), ([[np.nan]], "not finite")])
+def test_a_disagreement_that_is_none_is_refused(disagreement, says):
+    with pytest.raises(ValueError, match=says):
+        associate([(0, 0)], [(0, 0)], gate_m=GATE, feature_scale_m=SCALE, disagreement=disagreement)

@@ -96,6 +96,18 @@ def test_an_empty_home_abstains(relation):
     assert ask(relation, [], []) == Abstention(AbstentionReason.NO_CANDIDATE)
 
 
+@settings(max_examples=60, derandomize=True, deadline=None)
+@given(homes.filter(lambda home: len(home) > 0))
+def test_where_the_other_visit_shows_nothing_one_candidate_is_answered_and_several_are_not_told_apart(home):
+    for relation, p_1, p_2 in (
+        *((relation, [], home) for relation in (Relation.MOVED, Relation.APPEARED)),
+        *((relation, home, []) for relation in (Relation.FORMER, Relation.REMOVED)),
+    ):
+        expected = Answer(*home[0]) if len(home) == 1 else Abstention(AbstentionReason.NO_COUNTERPART)
+        assert ask(relation, p_1, p_2) == expected
+        assert isinstance(ask(relation, p_2, p_1), Abstention)
+
+
 def test_the_farthest_unmatched_instance_is_taken():
     p_1, p_2 = [(0.0, 0.0)], [(0.1, 0.0), (2.0, 0.0), (5.0, 0.0)]
     assert ask(Relation.APPEARED, p_1, p_2) == Answer(5.0, 0.0)

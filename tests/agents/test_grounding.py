@@ -8,8 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.agents.reference.grounding import grounded, similarities
-from ovman.evaluation.privileged_grounding import grounding_by_truth, recorded_positions
+from ovman.evaluation.privileged_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
+from ovman.models.settings import Reading
 from ovman.models.sighting import Sighting
+from ovman.perception.labels import NOTHING, Labels
 
 BAND = 0.03
 vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
@@ -97,3 +99,43 @@ def test_only_masks_that_count_are_recorded():
     sightings = [Sighting(view=v, instance="k", px=px, x=float(v), z=0.0) for v, px in enumerate((299, 300, 5000))]
     assert recorded_positions(sightings, 300).tolist() == [[1.0, 0.0], [2.0, 0.0]]
     assert grounding_by_truth(recorded_positions([], 300), [(0.0, 0.0)], 1.0) == ()
+
+
+CATEGORIES = ("Chair", "Lamp", "Sofa")
+labels = st.lists(st.tuples(st.integers(NOTHING, 2), st.integers(1, 9)), max_size=12).map(
+    lambda rows: Labels(CATEGORIES, np.array([k for k, _ in rows], int), np.array([size for _, size in rows], int))
+)
+
+
+@settings(derandomize=True, max_examples=80, deadline=None)
+@given(labels, labels, st.integers(1, 4), st.sampled_from(CATEGORIES), st.randoms(use_true_random=False))
+def test_an_object_is_of_one_category_by_majority_and_of_all_that_it_shows_by_any(first, second, objects, category, random):
+    owner = [random.randrange(objects) for _ in range(len(first) + len(second))]
+    members = [np.array([k for k, own in enumerate(owner) if own == i], int) for i in range(objects)]
+
+    def meant(reading: Reading, name: str = category) -> set[int]:
+        return {*grounding_by_labels(name, members, [first, second], reading)}
+
+    assert meant(Reading.MAJORITY) <= meant(Reading.ANY)
+    shown = [*first.category.tolist(), *second.category.tolist()]
+    assert meant(Reading.ANY) == {own for own, k in zip(owner, shown, strict=True) if k == CATEGORIES.index(category)}
+    every = [i for name in CATEGORIES for i in meant(Reading.MAJORITY, name)]
+    assert len(every) == len({*every}), "one category an object"
+    assert {*every} == {i for name in CATEGORIES for i in meant(Reading.ANY, name)}, "and one wherever it shows something"
+
+
+def test_the_commonest_category_is_by_detections_then_by_area_and_masks_of_nothing_do_not_count():
+    names = np.array(["Lamp", "Chair", "Chair", "", "", ""])
+    assert commonest(names, np.array([900, 10, 10, 5, 5, 5])) == "Chair"
+    assert commonest(names[:2], np.array([900, 10])) == "Lamp" and commonest(names[:2], np.array([10, 900])) == "Chair"
+    assert commonest(names[:2], np.array([10, 10])) == "Chair"
+    assert commonest(names[3:], np.array([5, 5, 5])) is None and commonest(names[:0], np.array([])) is None
+
+
+def test_numbers_go_on_in_the_second_tour_and_one_that_no_detection_has_is_refused():
+    first, second = (Labels(CATEGORIES, np.array([k]), np.array([1])) for k in (0, 1))
+    assert grounding_by_labels("Lamp", [np.array([0]), np.array([1])], [first, second], Reading.MAJORITY) == (1,)
+    with pytest.raises(ValueError, match="beyond the 1 of its tours"):
+        grounding_by_labels("Lamp", [np.array([1])], [first], Reading.MAJORITY)
+    with pytest.raises(ValueError, match="nearest is by true positions"):
+        grounding_by_labels("Lamp", [], [first], Reading.NEAREST)

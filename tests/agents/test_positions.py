@@ -28,9 +28,9 @@ from ovman.models.episode import Episode
 from ovman.models.sighting import Sightings
 from ovman.models.world_state import Instance, WorldState
 from ovman.task.world import recorded_world
-from tests.arms import CONFIG, ROOT
+from tests.arms import CONFIG
+from tests.episodes import DATA
 
-DATA = ROOT / "data" / "ovman-embedded-v1"
 TAU, SPREAD, GATE = CONFIG.admissibility.tau_m, CONFIG.association.track_spread_m, CONFIG.association.gate_m
 GRID = np.array([(0.25 * i, 0.25 * j) for i in range(17) for j in range(17)])
 
@@ -143,7 +143,7 @@ def test_of_unmatched_instances_the_farthest_and_then_the_one_of_smallest_x_then
     spots = [(3.0, 0.0), (0.0, 3.0), (-1.0, 0.0)]
     assert decided(Relation.APPEARED, [(0.0, 0.0)], spots, none) == Answer(0.0, 3.0)
     assert decided(Relation.APPEARED, [(0.0, 0.0)], spots, Association((), (), (0, 2))) == Answer(3.0, 0.0)
-    assert decided(Relation.APPEARED, [], spots, none) == Answer(-1.0, 0.0)
+    assert decided(Relation.APPEARED, [], spots, none).reason == "no_counterpart"
     gone = Association((), (0, 1, 2), ())
     assert (
         decided(Relation.REMOVED, spots, [(0.0, 0.0)], gone)

@@ -103,6 +103,8 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
         "object": 6, "relation": 3, "both": 3,
     }  # fmt: skip
     assert [int(rate_of(rows, what)["count"]) for what in ("supplied", "relation_inferred", "inferred")] == [18, 3, 3]
+    # What is read as another relation is answered by the one that is meant where that is supplied.
+    assert int(rate_of(rows, "noun_inferred")["count"]) == 6
     whole = rate_of(rows, "inferred")
     assert (whole["wins"], whole["losses"]) == ("0", "15") and float(whole["p"]) == pytest.approx(2 * 0.5**15)
     read_as = {(row["relation"], row["read_as"]): int(row["count"]) for row in rows if row["what"] == "read_as"}
@@ -120,8 +122,9 @@ def test_only_the_supplied_noun_saves_an_episode_whose_noun_means_another_thing_
     sofa = {phrase: np.array(FEATURES["Sofa"]) for phrase in nouns("Chair")[1:]}
     monkeypatch.setitem(globals(), "NOUNS", NOUNS | sofa)
     _, rows = written(tmp_path, held_out(tmp_path, moved="go to the {noun} that was moved"))
-    supplied, inferred = (int(rate_of(rows, what, "moved")["count"]) for what in ("relation_inferred", "inferred"))
-    assert supplied == 3 and inferred < 3
+    whats = ("relation_inferred", "noun_inferred", "inferred")
+    supplied, noun_inferred, inferred = (int(rate_of(rows, what, "moved")["count"]) for what in whats)
+    assert supplied == 3 and noun_inferred == inferred < 3
 
 
 def asked(relation: Relation, understood: Parsed | ParseFailure, number: int) -> Asked:
@@ -159,4 +162,4 @@ def test_the_table_shows_every_rate_and_what_sentences_are_read_as(tmp_path):
         "made for a test",
     ):
         assert shown in text
-    assert len(table.rows) == 6 + len({row["read_as"] for row in rows} - {""})
+    assert len(table.rows) == 7 + len({row["read_as"] for row in rows} - {""})

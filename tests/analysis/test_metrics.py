@@ -23,6 +23,7 @@ CONSTANTS = SimpleNamespace(
     success=SimpleNamespace(radius_m=1.0),
     single_visit=SimpleNamespace(samples=2000),
     benchmark=SimpleNamespace(seed=0),
+    candidates=SimpleNamespace(delta_min_m=1.5),
     evaluation=SimpleNamespace(confidence=0.95, near_miss_m=2.0),
     comparisons=CONFIG.comparisons,
 )

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from scipy.stats import binom, binomtest, norm, poisson_binom
 from statsmodels.stats.multitest import multipletests
 
-from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
+from ovman.analysis.statistics import auroc, holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 
 PROPERTY = settings(max_examples=60, derandomize=True, deadline=None)
 COUNTS = st.integers(1, 400).flatmap(lambda trials: st.tuples(st.integers(0, trials), st.just(trials)))
@@ -194,3 +194,20 @@ def test_holm_on_a_family_worked_by_hand():
     assert holm([]) == ()
     with pytest.raises(ValueError, match="no p-value"):
         holm([0.5, 1.5])
+
+
+SCORES = st.lists(st.one_of(st.integers(-2, 2).map(float), st.floats(-1e6, 1e6), st.just(math.inf)), min_size=1, max_size=12)
+
+
+@PROPERTY
+@given(SCORES, SCORES)
+def test_auroc_is_the_share_of_pairs_in_order_with_ties_at_half(positive, negative):
+    halves = sum(2 * (p > n) + (p == n) for p in positive for n in negative)
+    assert auroc(positive, negative) == halves / (2 * len(positive) * len(negative))
+    assert auroc(positive, negative) + auroc(negative, positive) == pytest.approx(1.0, abs=1e-15)
+
+
+def test_auroc_of_nothing_is_no_number_and_of_no_number_is_refused():
+    assert math.isnan(auroc([], [1.0])) and math.isnan(auroc([1.0], []))
+    with pytest.raises(ValueError, match="no number"):
+        auroc([math.nan], [1.0])

@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from ovman.models.prediction import Abstention, AbstentionReason, Answer, Evidence, Prediction, UniformBox, UniformPick
 from ovman.models.record import RecordError, lines
+from ovman.models.settings import Kind, of_kind
+from tests.arms import ARMS
 from tests.episodes import DATA
 
 finite = st.floats(-50, 50, allow_nan=False)
@@ -39,8 +41,9 @@ def test_a_record_says_all_that_was_predicted(outcome, seed, evidence):
 
 
 def test_released_predictions_are_read_and_written_to_the_same_bytes():
-    files = sorted((DATA / "predictions").iterdir())
-    assert len(files) == 10
+    static = {arm.name for arm in of_kind(ARMS, Kind.STATIC)}
+    files = sorted((DATA / "predictions").rglob("*.jsonl"))
+    assert {file.stem for file in files if file.parent.name == "predictions"} == static
     for file in files:
         predictions = Prediction.read(file)
         assert lines(predictions).encode() == file.read_bytes(), file.name

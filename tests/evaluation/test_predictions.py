@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from ovman.evaluation import predictions
 from ovman.evaluation.supervision import AgentError
 from ovman.models.prediction import Prediction
 from ovman.perception.clusters import Cluster
+from ovman.perception.labels import Labels, write_labels
 from ovman.perception.records import write_maps, write_nouns
 from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, canonical
@@ -21,14 +24,17 @@ from tests.episodes import DATA, EPISODES, SIGHTINGS, released, sightings
 
 
 def predicted(arm: str, output: Path, maps: list[Path], nouns: Path, seen: Path | None = SIGHTINGS) -> None:
-    files = {"maps": maps, "nouns": [nouns]}
+    files = {"maps": maps, "nouns": [nouns], "labels": sorted((nouns.parent / "labels").iterdir())}
     settings = StageSettings.parse(canonical(CONFIG, "predictions", arm))
     predictions.run(settings.arm, EPISODES, settings, output, seen, DATA / "visits", files)
 
 
 @pytest.fixture(scope="module")
 def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
-    """Maps with one cluster an instance, where it was last recorded, with a feature for each category; and the nouns."""
+    """Maps with one cluster an instance, where it was last recorded, with a feature for each category; and the nouns.
+
+    Beside the nouns lie labels that say of each detection what it shows.
+    """
     directory, episodes = tmp_path_factory.mktemp("perceived"), released()
     nouns = {episode.category: episode.noun for episode in episodes}
     feature = dict(zip(sorted(nouns), np.eye(len(nouns)), strict=True))
@@ -40,14 +46,25 @@ def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
                 place, track = np.array(k.position), np.array(k.track)
                 found[k.id] = Cluster(place, feature[episode.category], track, np.arange(len(track)))
     files = []
+    (directory / "labels").mkdir()
+    categories = tuple(sorted(nouns))
     for scene, visits in scenes.items():
         files.append(directory / f"{scene}.npz")
-        write_maps(files[-1], {name: list(found.values()) for name, found in visits.items()})
+        numbered, labels = {}, {}
+        for name, found in visits.items():
+            ends = np.cumsum([len(one.track) for one in found.values()])
+            numbered[name] = [
+                replace(one, members=np.arange(end - len(one.track), end)) for one, end in zip(found.values(), ends, strict=True)
+            ]
+            shown = np.concatenate([np.zeros(0, int), *(np.full(len(one.track), one.feature.argmax()) for one in found.values())])
+            labels[name] = Labels(categories, shown, np.full(len(shown), 500))
+        write_maps(files[-1], numbered)
+        write_labels(directory / "labels" / f"{scene}.npz", labels)
     write_nouns(directory / "nouns.npz", {nouns[category]: vector for category, vector in feature.items()})
     return files, directory / "nouns.npz"
 
 
-@pytest.mark.parametrize("arm", ["two_visits", "grounding_two_visits"])
+@pytest.mark.parametrize("arm", ["two_visits", *(f"grounding_two_visits{reading}" for reading in ("", "_any", "_nearest"))])
 def test_true_maps_lead_to_the_answers_of_positions_handed_over(perceived, tmp_path, arm):
     predicted(arm, tmp_path / "out.jsonl", *perceived)
     handed = {p.episode: p for p in Prediction.read(DATA / "predictions" / "positions_two_visits.jsonl")}
@@ -78,11 +95,22 @@ def test_a_scene_without_maps_and_a_visit_without_a_map_are_named(perceived, tmp
         predicted("two_visits", tmp_path / "out.jsonl", [tmp_path / files[0].name, *files[1:]], nouns)
 
 
-@pytest.mark.parametrize("arm", ["positions_two_visits", "grounding_two_visits"])
+@pytest.mark.parametrize("arm", ["positions_two_visits", "grounding_two_visits_nearest"])
 def test_only_an_arm_that_is_given_the_truth_opens_the_sightings(perceived, tmp_path, arm):
     with pytest.raises(ValueError, match=f"arms.{arm} is given its grounding or positions: it needs the file of sightings"):
         predicted(arm, tmp_path / "out.jsonl", *perceived, seen=None)
-    predicted("two_visits", tmp_path / "out.jsonl", *perceived, seen=tmp_path / "there is no such file")
+    for other in ("two_visits", "grounding_two_visits"):
+        predicted(other, tmp_path / "out.jsonl", *perceived, seen=tmp_path / "there is no such file")
+
+
+def test_only_an_arm_whose_grounding_is_handed_over_by_its_detections_is_given_what_they_show(perceived, tmp_path):
+    (tmp_path / "labels").mkdir()
+    nouns = Path(shutil.copy(perceived[1], tmp_path / "nouns.npz"))
+    for arm in ("two_visits", "grounding_two_visits_nearest"):
+        predicted(arm, tmp_path / "out.jsonl", perceived[0], nouns)
+    for arm in ("grounding_two_visits", "grounding_two_visits_any"):
+        with pytest.raises(AgentError, match=f"arms.{arm} is given its grounding: it needs the labels of FloorPlan"):
+            predicted(arm, tmp_path / "out.jsonl", perceived[0], nouns)
 
 
 def test_no_network_library_is_loaded():

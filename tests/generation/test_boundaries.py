@@ -18,12 +18,13 @@ from ovman.models.record import lines
 from ovman.models.rejection import Rejection, RejectionStage
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
+from ovman.models.settings import MAIN
 from ovman.models.sighting import Sighting
 from ovman.models.trial import Bound, Trial
 from ovman.models.world_state import Instance, WorldState
-from tests.arms import CONFIG, ROOT
+from tests.arms import CONFIG
+from tests.episodes import DATA
 
-DATA = ROOT / "data" / "ovman-embedded-v1"
 SCENES = ("FloorPlan1", "FloorPlan201", "FloorPlan429")
 ADMISSIBILITY, CANDIDATES, SUCCESS = CONFIG.admissibility, CONFIG.candidates, CONFIG.success
 BELOW, ABOVE = 0.9999, 1.0001
@@ -31,12 +32,15 @@ TRIALS = {trial.candidate.id: trial for scene in SCENES for trial in Trial.read(
 RUNS = {record.id: record.runs for scene in SCENES for record in Certification.read(DATA / "certified" / f"{scene}.jsonl")}
 RELATIONS = list(Relation)
 DISPLACING = [Relation.MOVED, Relation.FORMER, Relation.STABLE]
+SHORTCUTS = (Rejection.CROWDED, Rejection.ABOVE_CHANCE)
+"""What a bystander that is pushed towards the answer brings about as well."""
 CURRENT = [relation for relation in Relation if relation.current]
 
 
 def admitted(relation: Relation) -> Trial:
     """An admissible trial of a relation."""
-    return next(t for k, t in TRIALS.items() if k in RUNS and t.candidate.relation is relation)
+    certified = (t for k, t in TRIALS.items() if k in RUNS and t.candidate.relation is relation)
+    return next(t for t in certified if verdict(t, CONFIG).rejected is None)
 
 
 def measured(trial: Trial, **fields: Any) -> Trial:
@@ -115,6 +119,48 @@ def test_a_target_that_was_not_measured_is_not_visible_whatever_is_asked_for() -
         assert unseen == ([Rejection.ANSWER_NOT_VISIBLE] if relation.current else [])
 
 
+# --- the anti-shortcut rule and the spawn ---------------------------------------------------------
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_an_instance_at_the_crowding_distance_crowds_in_the_answers_visit_and_in_the_second(relation: Relation) -> None:
+    trial, radius_m = admitted(relation), CANDIDATES.crowding_m
+    answer, measurement = trial.measured.answer, trial.measured
+    assert answer is not None and measurement.world_1 is not None and measurement.world_2 is not None
+    for visit, counts in (("world_1", relation.past), ("world_2", True)):
+        for metres, near in ((radius_m, True), (ABOVE * radius_m, False)):
+            stranger = Instance("Stranger|1", trial.candidate.category, answer[0] + metres, answer[1])
+            world = WorldState((*getattr(measurement, visit), stranger))
+            against = list(reasons(measured(trial, **{visit: world}), CONFIG))
+            assert (Rejection.CROWDED in against) is (near and counts), (visit, metres)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_a_pick_among_fewer_recorded_instances_may_exceed_chance_by_the_limit(relation: Relation) -> None:
+    """The target is the only one that was recorded in the visit of the answer: a pick finds it for certain."""
+    trial = admitted(relation)
+    assert trial.measured.sightings is not None
+    visit = "first" if relation.past else "second"
+    alone = tuple(s for s in trial.measured.sightings[visit] if s.instance == trial.candidate.target)
+    lonely = measured(trial, sightings=trial.measured.sightings.model_copy(update={visit: alone}))
+    assert Rejection.ABOVE_CHANCE in reasons(lonely, CONFIG)
+    lenient = CONFIG.model_copy(update={"admissibility": ADMISSIBILITY.model_copy(update={"above_chance": 1.0})})
+    assert Rejection.ABOVE_CHANCE not in reasons(lonely, lenient)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
+def test_no_spawn_is_where_a_stop_would_succeed(relation: Relation) -> None:
+    trial, beyond_m = admitted(relation), CANDIDATES.spawn_beyond_m
+    spawn = trial.candidate.spawn
+    assert spawn is not None
+    for name in ("answer", "nearest_navigable"):
+        for metres, near in ((beyond_m - 1e-6, True), (ABOVE * beyond_m, False)):
+            against = judged(trial, **{name: (spawn.x, spawn.z + metres)})
+            assert (Rejection.SPAWN_AT_ANSWER in against) is near
+    assert judged(trial, spawn_to_box_m=beyond_m) == [Rejection.SPAWN_AT_ANSWER]
+    assert judged(trial, spawn_to_box_m=ABOVE * beyond_m) == judged(trial, spawn_to_box_m=None) == []
+
+
 # --- observation ----------------------------------------------------------------------------------
 
 
@@ -175,8 +221,9 @@ def pushed(trial: Trial, metres: float) -> WorldState:
 def test_the_true_states_are_judged_beside_the_recorded_ones(relation: Relation) -> None:
     """A bystander that is pushed while nobody looks has moved."""
     trial = admitted(relation)
-    assert judged(trial, world_2=pushed(trial, 0.9 * ADMISSIBILITY.tau_m)) == []
-    assert judged(trial, world_2=pushed(trial, 1.1 * ADMISSIBILITY.tau_m)) == [Rejection.BYSTANDER_MOVED]
+    less, more = (measured(trial, world_2=pushed(trial, share * ADMISSIBILITY.tau_m)) for share in (0.9, 1.1))
+    assert [r for r in reasons(less, CONFIG) if r not in SHORTCUTS] == []
+    assert [r for r in reasons(more, CONFIG) if r not in SHORTCUTS] == [Rejection.BYSTANDER_MOVED]
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
@@ -193,7 +240,8 @@ def test_a_bystander_that_the_tours_saw_move_has_moved(relation: Relation) -> No
     in_both = {s.instance for s in second if s.px >= ADMISSIBILITY.min_mask_px} & {
         s.instance for s in trial.measured.sightings.first if s.px >= ADMISSIBILITY.min_mask_px
     }
-    against = judged(trial, sightings=trial.measured.sightings.model_copy(update={"second": second}))
+    altered = measured(trial, sightings=trial.measured.sightings.model_copy(update={"second": second}))
+    against = [r for r in reasons(altered, CONFIG) if r not in SHORTCUTS]
     assert against == ([Rejection.BYSTANDER_MOVED] if in_both - changed - {trial.candidate.target} else [])
 
 
@@ -202,7 +250,8 @@ def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
     trial = admitted(relation)
     candidate = trial.candidate.model_copy(update={"target": other(trial).id})
     against = list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
-    assert against and set(against) == {Rejection.REFERENT_NOT_TARGET}
+    # The instance that was scripted stands at the answer, which crowds that of the other.
+    assert Rejection.REFERENT_NOT_TARGET in against and set(against) <= {Rejection.REFERENT_NOT_TARGET, Rejection.CROWDED}
 
 
 # --- the verdict as a whole -----------------------------------------------------------------------
@@ -366,7 +415,9 @@ def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) ->
 
 
 def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_that_falls_short(tmp_path: Path) -> None:
-    certified = {r: sum(k in RUNS and t.candidate.relation is r for k, t in TRIALS.items()) for r in Relation}
+    of_split = {k: t for k, t in TRIALS.items() if k in RUNS and t.candidate.split == MAIN}
+    admitted = {k: t for k, t in of_split.items() if verdict(t, CONFIG).rejected is None}
+    certified = {r: sum(t.candidate.relation is r for t in admitted.values()) for r in Relation}
     moved, stable = certified[Relation.MOVED], certified[Relation.STABLE]
     write_split(tmp_path, moved=moved, stable=stable)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable

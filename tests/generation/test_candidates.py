@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from itertools import islice, pairwise
 
 import numpy as np
-import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from ovman.generation.candidates import LANE_SAMPLING_M, _beside, _spawn, candidates, eligible, targets
+from ovman.generation.candidates import candidates, eligible, spawn_away, targets
 from ovman.generation.placement import FreeFloor
-from ovman.models.change import Lane
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
-from ovman.sim.change import AGENT_RADIUS_M
 from tests.arms import CONFIG
 from tests.generation.test_placement import thing
 
@@ -27,30 +27,16 @@ def room(*objects, cells=12) -> Scene:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("length_m", [0.55, 1.0, 2.03, 2.1])
-def test_the_body_of_a_mover_is_left_its_whole_lane(length_m):
-    """A point at least every LANE_SAMPLING_M, both ends among them, and the clearance at the beginning."""
-    item = thing("chair|1", "Chair", 0.0, 0.0, size=(0.6, 1.0, 0.8))
-    lane = Lane(x_0=1.0, z_0=2.0, x_1=1.0, z_1=2.0 + length_m)
-    (beginning, clearance_m), *body = _beside(lane, item, 1.5)
-    assert (beginning, clearance_m) == ((1.0, 2.0), 1.5)
-    along = [z - 2.0 for (_, z), _ in body]
-    assert along[0] == 0.0 and along[-1] == pytest.approx(length_m)
-    assert all(0.0 <= b - a <= LANE_SAMPLING_M + 1e-9 for a, b in pairwise(along))
-    assert [metres for _, metres in body] == pytest.approx([AGENT_RADIUS_M + 0.5 + LANE_SAMPLING_M] * len(body))
-    assert {x for (x, _), _ in body} == {1.0}
-
-
 def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
     item = thing("chair|1", "Chair", 9.0, 9.0)
     floor = FreeFloor.of(room(item, cells=3), item, 0.25)
     rng = np.random.default_rng(0)
-    found = {(s.x, s.z) for _ in range(60) if (s := _spawn(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
+    found = {(s.x, s.z) for _ in range(60) if (s := spawn_away(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
     assert found == {(0.5, 0.0), (0.0, 0.5), (0.5, 0.25), (0.25, 0.5)}
-    headings = {s.yaw_deg for _ in range(60) if (s := _spawn(floor, [], 3, rng))}
+    headings = {s.yaw_deg for _ in range(60) if (s := spawn_away(floor, [], 3, rng))}
     assert headings == {0.0, 120.0, 240.0}
-    assert {s.yaw_deg for _ in range(90) if (s := _spawn(floor, [], 7, rng))} == {round(360 / 7 * k, 2) for k in range(7)}
-    assert _spawn(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
+    assert {s.yaw_deg for _ in range(90) if (s := spawn_away(floor, [], 7, rng))} == {round(360 / 7 * k, 2) for k in range(7)}
+    assert spawn_away(floor, [((0.25, 0.25), 0.4)], 4, rng) is None
 
 
 def test_two_movable_instances_make_a_category_eligible():
@@ -87,14 +73,14 @@ def test_stable_takes_categories_of_two_and_moves_the_other():
 
 
 def test_what_cannot_be_drawn_is_named():
-    """A room of four cells has no free place, no lane, and no spawn away from the target."""
-    small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 0.25, 0.25), cells=2)
+    """A room of four cells has no free place, no way to go, and no spawn away from the target."""
+    small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 0.25, 9.0), cells=2)
     refused = {c.relation: c.refused for c in candidates(small, CONFIG)}
     assert refused == {
         Relation.MOVED: Rejection.NO_PLACEMENT,
         Relation.FORMER: Rejection.NO_PLACEMENT,
         Relation.STABLE: Rejection.NO_PLACEMENT,
-        Relation.MOVING: Rejection.NO_LANE,
+        Relation.MOVING: Rejection.CANNOT_MOVE,
         Relation.APPEARED: Rejection.NO_SPAWN,
         Relation.REMOVED: Rejection.NO_SPAWN,
     }
@@ -104,11 +90,50 @@ def test_heights_have_four_decimals():
     scene = room(*(thing(f"a|{k}", "A", 0.3 + k, 0.5, size=(0.2, 0.2, 0.2)) for k in range(3)), cells=16)
     scene = scene.model_copy(update={"floor_y": 0.123456})
     heights = {(a.kind, a.height_m) for c in candidates(scene, CONFIG) for a in c.first + c.second}
-    assert {("displace", 0.1735), ("motion", 0.1735), ("disable", None)} == heights
+    assert {("displace", 0.1735), ("motion", None), ("disable", None)} == heights
 
 
-def test_appeared_and_removed_are_each_other_with_the_visits_swapped():
-    drawn = candidates(room(*(thing(f"a|{k}", "A", 0.3 + k, 0.5) for k in range(3))), CONFIG)
-    came = [(c.target, c.first) for c in drawn if c.relation is Relation.APPEARED]
-    went = [(c.target, c.second) for c in drawn if c.relation is Relation.REMOVED]
-    assert came == went and all(a.kind == "disable" and a.instance == k for k, (a,) in came)
+def test_appeared_and_removed_draw_an_instance_once_each_in_an_order_of_its_own():
+    things = [thing(f"{c}|{k}", c, 0.3 + 1.5 * k, 0.5) for c in "ab" for k in range(4)]
+    drawn = candidates(room(*things), CONFIG)
+    came, went = ([c.target for c in drawn if c.relation is relation] for relation in (Relation.APPEARED, Relation.REMOVED))
+    assert sorted(came) == sorted(went) == sorted(item.id for item in things) and came != went
+    fewer = candidates(room(*things), drawing(appeared=3, removed=0))
+    assert [c.target for c in fewer if c.relation in (Relation.APPEARED, Relation.REMOVED)] == came[:3]
+    for c in drawn:
+        assert len(c.first + c.second) == 1 or c.refused is not None or c.relation is Relation.MOVING
+        assert all(a.kind == "disable" and a.instance == c.target for a in c.first)
+
+
+def drawing(**draws):
+    """The settings with other draws, none of the relations that are not named."""
+    drawn = CONFIG.candidates.draws.model_copy(update={r.value: draws.get(r.value, 0) for r in Relation})
+    return CONFIG.model_copy(update={"candidates": CONFIG.candidates.model_copy(update={"draws": drawn})})
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 20), st.integers(0, 20)), min_size=2, max_size=5, unique=True))
+def test_what_is_drawn_is_neither_crowded_nor_trivial_as_far_as_it_is_known(places):
+    """Of what is not refused, no other instance is near the answer, and no spawn is where a run would succeed."""
+    things = [thing(f"a|{k}", "A", 0.25 * i, 0.25 * j, size=(0.2, 0.3, 0.2)) for k, (i, j) in enumerate(places)]
+    scene, limits = room(*things, cells=24), CONFIG.candidates
+    for c in candidates(scene, drawing(moved=3, former=4, stable=3, appeared=9, removed=9)):
+        at = {o.id: (o.position.x, o.position.z) for o in things}
+        later = at | {a.instance: a.placement for a in c.second if a.placement is not None}
+        answer = at[c.target] if c.relation.past else later[c.target]
+        here = (at, later) if c.relation.past else (later,)
+        near = [k for world in here for k, p in world.items() if k != c.target and math.dist(p, answer) <= limits.crowding_m]
+        if c.refused is None:
+            assert near == [] and math.dist((c.spawn.x, c.spawn.z), answer) > limits.spawn_beyond_m
+            nearest = min(scene.reachable, key=lambda cell: math.dist(cell, answer))
+            assert math.dist((c.spawn.x, c.spawn.z), nearest) > limits.spawn_beyond_m
+        elif c.relation in (Relation.APPEARED, Relation.REMOVED):
+            assert (c.refused is Rejection.CROWDED) == (near != [])
+
+
+def test_a_spawn_is_farther_from_a_box_than_a_run_may_stop():
+    item = thing("bed|1", "Bed", 9.0, 9.0)
+    floor = FreeFloor.of(room(item, cells=3), item, 0.25)
+    rng, box = np.random.default_rng(0), [((0.0, 0.0), (0.25, 0.0), 0.25)]
+    found = {(s.x, s.z) for _ in range(90) if (s := spawn_away(floor, [], 4, rng, box))}
+    assert found == {(0.0, 0.5), (0.25, 0.5), (0.5, 0.5)} | {(0.5, 0.25)}

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.generation.candidates import eligible, targets
-from ovman.generation.placement import FreeFloor, floor_spots, lanes, surface_spots
+from ovman.generation.placement import FreeFloor, floor_spots, surface_spots
 from ovman.models.geometry import Position
 from ovman.models.scene import Scene, SceneObject
 
@@ -88,16 +88,6 @@ def test_small_things_go_on_furniture_clear_of_what_stands_there(scene):
     assert all(max(abs(s.x - 2.0), abs(s.z - 2.0)) > 0.2 for s in found)
     wide = scene.objects[0].model_copy(update={"size": Position(x=0.8, y=1.0, z=0.8)})
     assert surface_spots(scene, wide, 1.5, np.random.default_rng(0)) == []
-
-
-def test_a_mover_fits_everywhere_on_its_lane(scene):
-    item = scene.objects[0]
-    floor = floor_for(scene, item)
-    found = lanes(item, floor, 2.0)
-    assert found
-    for lane in found:
-        assert lane.length_m >= 2.0
-        assert floor.fits(np.array([lane.at(a) for a in np.arange(0, lane.length_m, 0.25)])).all()
 
 
 def test_only_categories_with_two_movable_instances_are_eligible_and_each_instance_comes_once_per_turn(scene):

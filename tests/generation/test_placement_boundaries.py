@@ -11,11 +11,9 @@ from ovman.generation.placement import (
     FLUSH_M,
     JITTER_M,
     LARGEST_ON_SURFACE_M,
-    LONGEST_LANE_M,
     FreeFloor,
     _clears,
     floor_spots,
-    lanes,
     spots,
     surface_spots,
 )
@@ -186,24 +184,3 @@ def test_small_things_fall_back_to_the_floor():
     assert found and {s.height_m for s in found} == {ABOVE_SURFACE_M}
     on_table = spots(room(item, table(x=2.0, z=2.0)), item, floor, 1.0, np.random.default_rng(0))
     assert {s.height_m for s in on_table} == {round(0.7 + ABOVE_SURFACE_M, 4)}
-
-
-def corridor(cells: int) -> FreeFloor:
-    return alone(cells=np.array([(STEP * i, 0.0) for i in range(cells)]))
-
-
-def test_a_lane_of_the_minimum_is_long_enough_and_no_lane_is_longer_than_the_longest():
-    item = thing("a", "Chair", 1.0, 0.0, POINT)
-    assert lanes(item, corridor(8), 2.0) == []
-    assert [(lane.x_0, lane.x_1) for lane in lanes(item, corridor(9), 2.0)] == [(0.0, 2.0), (2.0, 0.0)]
-    longest = max(lane.length_m for lane in lanes(item, corridor(40), 2.0))
-    assert longest == LONGEST_LANE_M
-    assert {(lane.z_0, lane.z_1) for lane in lanes(item, corridor(12), 2.0)} == {(0.0, 0.0)}
-
-
-def test_lanes_go_all_four_ways_and_come_from_nearest_to_farthest_then_by_their_ends():
-    cells = np.array([(STEP * i, STEP * j) for i in range(9) for j in range(9) if 0 in (i, j)])
-    item = thing("a", "Chair", 0.0, 0.5, POINT)
-    found = lanes(item, alone(cells=cells), 2.0)
-    ends = [(lane.x_0, lane.z_0, lane.x_1, lane.z_1) for lane in found]
-    assert ends == [(0.0, 0.0, 0.0, 2.0), (0.0, 0.0, 2.0, 0.0), (0.0, 2.0, 0.0, 0.0), (2.0, 0.0, 0.0, 0.0)]

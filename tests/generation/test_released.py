@@ -11,9 +11,9 @@ from ovman.models.candidate import Candidate
 from ovman.models.certification import Certification
 from ovman.models.record import lines
 from ovman.models.trial import Trial, Verdict
-from tests.arms import CONFIG, ROOT
+from tests.arms import CONFIG
+from tests.episodes import DATA
 
-DATA = ROOT / "data" / "ovman-embedded-v1"
 KINDS = {"scenes": ".json", "trials": ".jsonl", "certified": ".jsonl"}
 SCENES = sorted(file.stem for file in (DATA / "trials").iterdir())
 SOME = SCENES[::4]
@@ -48,4 +48,4 @@ def test_trials_and_certifications_give_the_episodes_their_sightings_and_the_aud
     expected = (DATA / "episodes/main.jsonl", DATA / "episodes/sightings.jsonl", DATA / "metrics/rejections.csv")
     assert [file.read_bytes() for file in made] == [file.read_bytes() for file in expected]
     said = capsys.readouterr().out.splitlines()
-    assert "moved: 33 released of 45 certified, 33 wanted" in said and len(said) == 6
+    assert "main, moved: 33 released of 51 certified and independent, 33 wanted" in said and len(said) == 6

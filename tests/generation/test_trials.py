@@ -20,7 +20,7 @@ from ovman.sim import controller
 from ovman.workflow.parameter import stage_settings
 from tests.workflow.test_reruns import CONFIG
 
-SCENE = "FloorPlan401"
+SCENE = "FloorPlan429"
 DRAWN = (Relation.MOVED, Relation.REMOVED)
 
 
@@ -59,7 +59,10 @@ def made(tmp_path_factory):
     recorded.visits.mkdir(parents=True)
     scenes.run(SCENE, stage_settings(CONFIG, "scenes"), root / "scene.json", root / "scenes.jsonl")
     candidates.run(root / "scene.json", stage_settings(CONFIG, "candidates"), root / "candidates.jsonl")
-    drawn = {c.relation: c for c in Candidate.read(root / "candidates.jsonl") if c.refused is None}
+    drawn: dict[Relation, Candidate] = {}
+    for candidate in Candidate.read(root / "candidates.jsonl"):
+        if candidate.refused is None:
+            drawn.setdefault(candidate.relation, candidate)
     (root / "candidates.jsonl").write_text(lines(drawn[relation] for relation in DRAWN))
     return recorded, *recorded.run()
 

@@ -30,7 +30,9 @@ def test_every_detection_is_in_one_cluster_and_height_does_not_matter(detections
     assert tracks == sorted((d.point[0], d.point[2]) for d in detections)
     flat = clusters([Detection(d.view, d.point * [1, 0, 1], d.feature) for d in detections], RADIUS_M)
     assert [c.position.tolist() for c in flat] == [c.position.tolist() for c in found]
+    assert sorted(k for c in found for k in c.members.tolist()) == list(range(len(detections)))
     for c in found:
+        assert [detections[k].point[[0, 2]].tolist() for k in c.members] == c.track.tolist()
         assert (np.diff(c.views) >= 0).all() and c.last_seen == c.views[-1]
         assert c.position == pytest.approx(np.median(c.track, axis=0))
 

@@ -98,7 +98,7 @@ def test_masks_that_fill_no_whole_byte():
 def test_a_file_of_another_kind_is_one_line(tmp_path):
     path = tmp_path / "nouns.npz"
     write_nouns(path, {"chair": np.array([1.0], np.float32)})
-    with pytest.raises(ArrayFileError, match="schema is ovman-nouns/2, not ovman-maps/2") as caught:
+    with pytest.raises(ArrayFileError, match="schema is ovman-nouns/2, not ovman-maps/3") as caught:
         read_maps(path)
     assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
 
@@ -114,6 +114,6 @@ def test_a_file_that_is_no_archive_is_one_line(tmp_path, content):
 
 def test_a_pickle_in_an_archive_is_not_opened(tmp_path):
     path = tmp_path / "maps.npz"
-    np.savez(path, schema=np.array("ovman-maps/2"), visits=np.array([{}], object))
+    np.savez(path, schema=np.array("ovman-maps/3"), visits=np.array([{}], object))
     with pytest.raises(ArrayFileError, match="allow_pickle"):
         read_maps(path)

@@ -46,7 +46,8 @@ def namespace(value):
 @pytest.fixture
 def constants():
     read = namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
-    read.arms, read.comparisons = load(CONFIG).arms, load(CONFIG).comparisons
+    loaded = load(CONFIG)
+    read.arms, read.comparisons, read.splits = loaded.arms, loaded.comparisons, loaded.splits
     return read
 
 
@@ -97,7 +98,9 @@ def test_every_table_in_every_format_and_twice_the_same(metrics, constants, tmp_
     for where in ("one", "other"):
         stages.run(metrics, constants, tmp_path / where)
     names = {
-        f"{table}.{suffix}" for table in ("constants", "static", "embodied", "rejections") for suffix in ("csv", "md", "tex")
+        f"{table}.{suffix}"
+        for table in ("position", "constants", "static", "embodied", "rejections")
+        for suffix in ("csv", "md", "tex")
     }
     assert {path.name for path in (tmp_path / "one").iterdir()} == names
     assert all((tmp_path / "one" / name).read_bytes() == (tmp_path / "other" / name).read_bytes() for name in names)

@@ -1,61 +1,126 @@
-"""The mover stays on its lane, never enters the agent, and its path is its seed's."""
+"""The mover walks on free floor alone, one step an action, never into the agent, and its walk is its seed's."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.models.change import Lane
+from ovman.models.change import MoverStart, Roam
 from ovman.models.settings.benchmark import Mover as MoverParams
-from ovman.sim.mover import Mover
+from ovman.sim.mover import WAYS, Mover, walk
 
-PARAMS = MoverParams(step_m=0.1, lane_min_m=2.0, pause_probability=0.1, turn_probability=0.04)
-coordinate = st.floats(-5, 5)
-lanes = st.builds(Lane, x_0=coordinate, z_0=coordinate, x_1=coordinate, z_1=coordinate).filter(lambda lane: lane.length_m > 0.5)
-FAR = (100.0, 100.0)
+PARAMS = MoverParams(step_m=0.1, pause_probability=0.1, turn_probability=0.1)
+STEADY = MoverParams(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
 
 
-def walk(lane: Lane, seed: int, steps: int, agent: tuple[float, float] = FAR, params: MoverParams = PARAMS) -> list[Mover]:
-    rng, mover = np.random.default_rng(seed), Mover(lane)
-    movers = [mover]
-    for _ in range(steps):
-        mover = mover.advance(params, rng, agent, 0.5)
-        movers.append(mover)
-    return movers
+def connected(found: set[tuple[int, int]]) -> set[tuple[int, int]]:
+    """The cells of a set that (0, 0) is connected to."""
+    reached, waiting = {(0, 0)}, [(0, 0)]
+    while waiting:
+        column, row = waiting.pop()
+        for columns, rows in WAYS.values():
+            cell = column + columns, row + rows
+            if cell in found and cell not in reached:
+                reached.add(cell)
+                waiting.append(cell)
+    return reached
 
 
-@settings(derandomize=True, max_examples=50, deadline=None)
-@given(lanes, st.integers(0, 1000))
-def test_a_mover_stays_on_its_lane_and_takes_steps_of_one_length(lane, seed):
-    movers = walk(lane, seed, 60)
-    assert all(0.0 <= m.along_m <= lane.length_m for m in movers)
-    steps = np.hypot(*np.diff([m.position for m in movers], axis=0).T)
-    assert steps.max() <= PARAMS.step_m + 1e-9
-    assert (steps > 0.5 * PARAMS.step_m).sum() > 20
+cells = st.sets(st.tuples(st.integers(-4, 4), st.integers(-4, 4)), max_size=60).map(connected)
+roams = st.builds(lambda x, z, found: Roam.over(x, z, 0.1, found), st.floats(-5, 5), st.floats(-5, 5), cells)
+seeds = st.integers(0, 1000)
+cheap = settings(derandomize=True, max_examples=50, deadline=None)
 
 
-@settings(derandomize=True, max_examples=50, deadline=None)
-@given(lanes, st.integers(0, 1000), st.floats(0, 1))
-def test_a_mover_never_comes_closer_to_an_agent_that_is_in_its_way(lane, seed, share):
-    agent = lane.at(share * lane.length_m)
-    gaps = [np.hypot(m.position[0] - agent[0], m.position[1] - agent[1]) for m in walk(lane, seed, 60, agent)]
-    assert min(gaps) >= min(0.5, gaps[0]) - 1e-9
+def walked(roam: Roam, seed: int, steps: int, params: MoverParams = PARAMS) -> list[Mover]:
+    rng = np.random.default_rng(seed)
+    begun = Mover.setting_off(roam, rng)
+    return [begun, *walk(begun, params, rng, steps)]
 
 
-def test_the_same_seed_gives_the_same_path_and_another_seed_another():
-    lane = Lane(x_0=0.0, z_0=0.0, x_1=3.0, z_1=0.0)
-    assert walk(lane, 1, 40) == walk(lane, 1, 40)
-    assert walk(lane, 1, 40) != walk(lane, 2, 40)
+@cheap
+@given(roams, seeds)
+def test_a_mover_begins_where_it_stands_never_leaves_its_floor_and_takes_one_step_an_action(roam, seed):
+    movers = walked(roam, seed, 60)
+    assert movers[0].position == (round(roam.x, 4), round(roam.z, 4))
+    assert {mover.cell for mover in movers} <= roam.cells
+    for before, after in zip(movers, movers[1:], strict=False):
+        step = after.cell[0] - before.cell[0], after.cell[1] - before.cell[1]
+        assert step == (0, 0) or step == WAYS[after.heading_deg]
+        assert math.dist(before.position, after.position) <= roam.step_m + 2e-4
+    assert len(roam.cells) == 1 or len({mover.cell for mover in movers}) > 1
 
 
-def test_without_chance_it_goes_to_the_end_and_comes_back():
-    steady = MoverParams(step_m=0.1, lane_min_m=2.0, pause_probability=0.0, turn_probability=0.0)
-    path = [m.along_m for m in walk(Lane(x_0=0.0, z_0=0.0, x_1=1.0, z_1=0.0), 0, 20, params=steady)]
-    assert np.allclose(path, [*np.arange(11) / 10, *np.arange(9, -1, -1) / 10], atol=1e-9)
+@cheap
+@given(roams, seeds, st.integers(0, 40))
+def test_a_walk_goes_on_from_its_recorded_state_as_if_it_had_not_been_interrupted(roam, seed, pause_at):
+    """The state is all that the walk depends on, beside what is drawn; records round it and lose nothing."""
+    whole = walked(roam, seed, 60)
+    rng = np.random.default_rng(seed)
+    begun = Mover.setting_off(roam, rng)
+    *_, left = [begun, *walk(begun, PARAMS, rng, pause_at)]
+    start = MoverStart(instance="a", position=left.position, heading_deg=left.heading_deg)
+    start = MoverStart.from_json(start.to_json())
+    again = Mover(Roam.from_json(roam.to_json())).resumed(start)
+    positions = [mover.position for mover in walk(again, PARAMS, rng, 60 - pause_at)]
+    assert np.allclose(positions, [mover.position for mover in whole[pause_at + 1 :]], atol=1.1e-4) or pause_at == 60
 
 
-@settings(derandomize=True, max_examples=50, deadline=None)
-@given(lanes, st.floats(0, 1))
-def test_along_is_the_inverse_of_at(lane, share):
-    assert abs(lane.along(*lane.at(share * lane.length_m)) - share * lane.length_m) < 1e-6
+@cheap
+@given(roams, seeds, st.data())
+def test_a_mover_never_comes_closer_to_an_agent_that_is_in_its_way(roam, seed, data):
+    agent = roam.at(data.draw(st.sampled_from(sorted(roam.cells))))
+    rng = np.random.default_rng(seed)
+    mover = Mover.setting_off(roam, rng)
+    gaps = [math.dist(mover.position, agent)]
+    for _ in range(60):
+        mover = mover.advance(PARAMS, rng, agent, 0.25)
+        gaps.append(math.dist(mover.position, agent))
+        assert gaps[-1] >= min(0.25, gaps[-2]) - 1e-9
+
+
+def test_the_same_seed_gives_the_same_walk_and_another_seed_another():
+    roam = Roam.over(0.0, 0.0, 0.1, [(column, row) for column in range(-9, 10) for row in range(-9, 10)])
+    assert walked(roam, 1, 40) == walked(roam, 1, 40)
+    ends = {walked(roam, seed, 40)[-1].cell for seed in range(20)}
+    assert len(ends) > 15
+    assert len({(mover.cell, mover.heading_deg) for mover in walked(roam, 1, 40)}) > 10
+
+
+def test_without_chance_it_goes_to_the_end_of_a_corridor_and_comes_back():
+    roam = Roam.over(0.0, 0.0, 0.1, [(column, 0) for column in range(11)])
+    path = [mover.position[0] for mover in walk(Mover(roam, heading_deg=90), STEADY, np.random.default_rng(0), 20)]
+    assert np.allclose(path, [*np.arange(1, 11) / 10, *np.arange(9, -1, -1) / 10])
+
+
+def test_how_often_it_pauses_and_turns_is_what_the_settings_say():
+    wide = Roam.over(0.0, 0.0, 0.1, [(column, row) for column in range(-300, 301) for row in range(-300, 301)])
+    params = MoverParams(step_m=0.1, pause_probability=0.2, turn_probability=0.3)
+    movers = walked(wide, 0, 3000, params)
+    stood = [after.cell == before.cell for before, after in zip(movers, movers[1:], strict=False)]
+    turned = [after.heading_deg != before.heading_deg for before, after in zip(movers, movers[1:], strict=False)]
+    assert np.mean(stood) == pytest.approx(0.2, abs=0.03)
+    assert np.mean(turned) == pytest.approx(0.8 * 0.3, abs=0.03)
+
+
+def test_where_every_way_is_barred_it_stays():
+    alone = Roam.over(1.0, 2.0, 0.1, [(0, 0)])
+    assert {mover.cell for mover in walked(alone, 0, 20, STEADY)} == {(0, 0)}
+
+
+@cheap
+@given(roams)
+def test_a_floor_is_its_cells_in_rows(roam):
+    assert Roam.over(roam.x, roam.z, roam.step_m, roam.cells) == roam
+    assert {roam.cell(roam.at(cell)) for cell in roam.cells} == roam.cells
+
+
+def test_a_floor_without_where_the_instance_stands_and_a_state_off_the_floor_are_refused():
+    with pytest.raises(ValueError, match=r"no \(0, 0\)"):
+        Roam(x=0.0, z=0.0, step_m=0.1, rows=((1, 0, 3),))
+    with pytest.raises(ValueError, match="off the floor"):
+        Mover(Roam.over(0.0, 0.0, 0.1, [(0, 0)])).resumed(MoverStart(instance="a", position=(0.3, 0.0), heading_deg=0))

@@ -26,7 +26,7 @@ from ovman.sim.session import Session, SimulatorError
 from tests.sim import unity_build
 
 ROOT = Path(__file__).parents[2]
-SCENE = "FloorPlan401"
+SCENE = "FloorPlan429"
 BODY = Embodiment(120, 120, 90.0, 0.25, 30.0)
 
 

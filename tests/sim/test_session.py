@@ -19,7 +19,7 @@ from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.workflow.test_reruns import CONFIG
 
-SCENE = "FloorPlan401"
+SCENE = "FloorPlan429"
 NOTICED_S = 5.0
 
 

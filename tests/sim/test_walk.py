@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,7 +13,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.models.change import Alteration, Lane
+from ovman.generation.placement import FreeFloor
+from ovman.generation.roaming import roam
+from ovman.models.change import Alteration
+from ovman.models.scene import Scene
 from ovman.models.settings.benchmark import Mover
 from ovman.models.visit import Visit
 from ovman.navigation import Grid, farthest_points
@@ -22,10 +26,11 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
+from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]
-SCENE = "FloorPlan16"
-PARAMS = Mover(step_m=0.1, lane_min_m=2.0, pause_probability=0.2, turn_probability=0.2)
+SCENE = "FloorPlan7"
+PARAMS = Mover(step_m=0.1, pause_probability=0.2, turn_probability=0.2)
 SIDE_PX, TURN_DEG, STEP_M, LENS_DEG = 96, 30.0, 0.25, 90.0
 HEADINGS = 4
 
@@ -89,17 +94,15 @@ def views(ground):
 
 
 @pytest.fixture(scope="module")
-def moving(session, ground, views):
-    """A chair that goes back and forth on a lane away from the waypoints."""
-    session.reset()
-    item = next(k for k, o in sorted(session.objects.items()) if o["objectType"] == "Chair")
-    grid, _ = ground
-    for i, j in sorted(grid.cells):
-        around = {(i + a, j + b) for a in range(-2, 5) for b in range(-2, 3)}
-        x, z = grid.centre((i, j))
-        if around <= grid.cells and min(math.hypot(x + 0.25 - p.x, z - p.z) for p in views) > 1.0:
-            return [Alteration(kind="motion", instance=item, height_m=0.1, lane=Lane(x_0=x, z_0=z, x_1=x + 0.5, z_1=z))]
-    raise AssertionError("no lane in the scene")
+def moving(views):
+    """The first instance that can move from where it stands, over its free floor."""
+    (scene,) = Scene.read(DATA / "scenes" / f"{SCENE}.json")
+    scene = scene.model_copy(update={"waypoints": tuple({(pose.x, pose.z): None for pose in views})})
+    for item in scene.objects:
+        found = roam(scene, item, FreeFloor.of(scene, item, STEP_M), PARAMS.step_m) if item.moveable else None
+        if found is not None:
+            return [Alteration(kind="motion", instance=item.id, roam=found)]
+    raise AssertionError("nothing in the scene can move")
 
 
 def world(session, alterations) -> World:
@@ -192,5 +195,5 @@ def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, mo
     with pytest.raises(walk.WalkError, match="moving left the mover at .* record the visits again"):
         walk.check(session, there, Visit.load(recorded))
     unmoved = Visit.load(recorded).model_copy(update={"mover": None})
-    with pytest.raises(walk.WalkError, match="Chair.* record the visits again"):
+    with pytest.raises(walk.WalkError, match=f"{re.escape(there.mover_id)}.* record the visits again"):
         walk.check(session, there, unmoved)

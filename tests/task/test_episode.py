@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.models.change import Alteration, Lane, MoverStart
+from ovman.models.change import Alteration, MoverStart, Roam
 from ovman.models.episode import Episode, episode_lines
 from ovman.models.measurement import Measurement
 from ovman.models.query import Query
@@ -24,9 +24,10 @@ from ovman.models.settings.benchmark import Success
 from ovman.models.sighting import Sightings, VisitPair
 from ovman.task import referents, success
 from ovman.workflow.config import load
+from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]
-EPISODES = ROOT / "data" / "ovman-embedded-v1" / "episodes"
+EPISODES = DATA / "episodes"
 CONFIG = load(ROOT / "config.yaml")
 PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
 CONSTANTS = Settings.owned({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
@@ -46,7 +47,7 @@ RUN = {
     "actions": 31,
 }
 MOVED = {
-    "schema": "ovman-episode/2",
+    "schema": "ovman-episode/3",
     "id": "FloorPlan201/moved/0003",
     "split": "main",
     "backend": "embedded",
@@ -66,7 +67,7 @@ MOVED = {
             "path": None,
             "placement": {"x": 2.0, "z": 0.0},
             "height_m": 0.05,
-            "lane": None,
+            "roam": None,
         }
     ],
     "tour": {"waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}], "headings": 4},
@@ -96,9 +97,9 @@ MOVED = {
 def moving():
     record = copy.deepcopy(MOVED) | {"id": "FloorPlan201/moving/0000", "relation": "moving"}
     path = [{"x": 0.0, "z": 0.0}, {"x": 0.1, "z": 0.0}, {"x": 2.0, "z": 0.0}]
-    lane = {"x_0": 0.0, "z_0": 0.0, "x_1": 2.5, "z_1": 0.0}
-    record["changes"][0] |= {"kind": "motion", "path": path, "placement": None, "lane": lane}
-    record["mover"] = {"instance": "Chair|1", "along_m": 2.0, "direction": -1}
+    roam = {"x": 0.0, "z": 0.0, "step_m": 0.1, "rows": [[0, 0, 25]]}
+    record["changes"][0] |= {"kind": "motion", "path": path, "placement": None, "height_m": None, "roam": roam}
+    record["mover"] = {"instance": "Chair|1", "position": {"x": 2.0, "z": 0.0}, "heading_deg": 270}
     record["drift_m"] = {}
     return record
 
@@ -204,7 +205,8 @@ def test_an_episode_can_be_judged_from_its_record():
 
 def test_an_episode_says_how_its_visits_are_brought_about():
     displaced = Alteration(kind="displace", instance="Chair|1", placement=(2.0, 0.0), height_m=0.05)
-    in_motion = Alteration(kind="motion", instance="Chair|1", height_m=0.05, lane=Lane(x_0=0.0, z_0=0.0, x_1=2.5, z_1=0.0))
+    roam = Roam(x=0.0, z=0.0, step_m=0.1, rows=((0, 0, 25),))
+    in_motion = Alteration(kind="motion", instance="Chair|1", roam=roam)
     gone = Alteration(kind="disable", instance="Chair|1")
     expected = {
         "moved": ((), (displaced,)),
@@ -217,7 +219,7 @@ def test_an_episode_says_how_its_visits_are_brought_about():
         episode = Episode.from_json(record)
         assert (episode.alterations("first"), episode.alterations("second")) == expected[name], name
         assert episode.gone == ({"Chair|1"} if name == "removed" else set())
-    assert Episode.from_json(RECORDS["moving"]).mover == MoverStart(instance="Chair|1", along_m=2.0, direction=-1)
+    assert Episode.from_json(RECORDS["moving"]).mover == MoverStart(instance="Chair|1", position=(2.0, 0.0), heading_deg=270)
 
 
 def test_an_episode_has_the_constants_of_its_protocol_and_no_others():
@@ -271,7 +273,7 @@ def change(**values):
 
 
 CONTRADICTIONS = [
-    (MOVED | {"schema": "ovman-episode/1"}, "schema: expected 'ovman-episode/2', found 'ovman-episode/1'"),
+    (MOVED | {"schema": "ovman-episode/1"}, "schema: expected 'ovman-episode/3', found 'ovman-episode/1'"),
     (without(MOVED, "schema"), "schema: the key is missing"),
     (without(MOVED, "spawn"), "spawn: the key is missing"),
     (without(MOVED, "sentence") | {"sentense": "x"}, "sentence: the key is missing; rename 'sentense'"),
@@ -301,12 +303,12 @@ CONTRADICTIONS = [
     (removed() | {"world_1": []}, "is no Chair of world_1"),
     (MOVED | {"changes": []}, "changes do not hold 'Chair|1'"),
     (MOVED | change(placement=None), "changes[0]: displace of Chair|1 has no placement"),
-    (moving() | change(kind="motion"), "changes[0]: motion of Chair|1 has no lane"),
+    (moving() | change(kind="motion"), "changes[0]: motion of Chair|1 has no roam"),
     (moving() | {"changes": [moving()["changes"][0] | {"path": None}]}, "changes[0]: motion of Chair|1 has no path"),
     (moving() | {"mover": None}, "mover: MOVING has one"),
     (MOVED | {"mover": moving()["mover"]}, "mover: MOVING has one"),
     (moving() | {"mover": moving()["mover"] | {"instance": "Chair|2"}}, "mover is 'Chair|2'"),
-    (moving() | {"mover": moving()["mover"] | {"direction": 0}}, "mover.direction: 0 is not one of"),
+    (moving() | {"mover": moving()["mover"] | {"heading_deg": 45}}, "mover.heading_deg: 45 is not one of"),
     (MOVED | {"tour": {"waypoints": [], "headings": 4}}, "tour.waypoints: expected at least 1 element(s), found 0"),
     (MOVED | {"tour": {"waypoints": [{"x": 1.0}], "headings": 4}}, "tour.waypoints[0]: z: the key is missing"),
     (MOVED | {"visits": {"first": "untouched"}}, "visits.second: the key is missing"),

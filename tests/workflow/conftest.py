@@ -70,7 +70,8 @@ class World:
         """The bytes of everything that a reader of the results sees."""
         kept = (
             *("visits", "trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz", "walks", "dualmap"),
-            *("predictions", "rollouts", "scores", "language", "metrics", "tables"),
+            *("labels", "walk_labels", "maintained", "cues"),
+            *("predictions", "readmitted", "rollouts", "scores", "language", "metrics", "tables"),
         )
         roots = [self.directory / "results" / name for name in kept]
         files = [path for root in roots for path in ([root] if root.is_file() else sorted(root.rglob("*"))) if path.is_file()]

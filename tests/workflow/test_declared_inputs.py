@@ -20,7 +20,9 @@ from tests.workflow.conftest import World
 JOB = re.compile(r"^(?:local)?rule (\w+):\n((?:    .*\n)+)", re.MULTILINE)
 FILES = re.compile(r"^    (input|output): (.*)$", re.MULTILINE)
 MANIFEST = re.compile(r"results/visits/\w+\.json")
-READ_TOURS = frozenset({"detections", "rollouts", "perception", "backprojection"})
+READ_TOURS = frozenset(
+    {"detections", "labels", "cues", "rollouts", "perception", "backprojection", "fragments", "readmitted_maps"}
+)
 """Rules whose jobs are tried in every run of the tests; the others in a soak."""
 
 

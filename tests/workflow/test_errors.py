@@ -72,14 +72,14 @@ class Agent:
         raise NotImplementedError
 """
 ARM = {"kind": "embodied", "system": "mine", "memory": "none", "agent": "mine:agent"}
-WHERE = "arms.mine.agent is 'mine:agent': FloorPlan201/"
+WHERE = "arms.mine.agent is 'mine:agent': FloorPlan227/"
 
 
 def run_agent(world: World, directory, end: str) -> str:
     """What Snakemake and the job say where an agent does `end` when it is asked."""
     again = World(shutil.copytree(world.directory, directory / "world"))
     (again.directory / "mine.py").write_text(AGENT.format(end=end))
-    target = "results/rollouts/mine/seed0/FloorPlan201.jsonl"
+    target = "results/rollouts/mine/seed0/FloorPlan227.jsonl"
     said = again.snakemake("--latency-wait", "0", overlay={"arms": {"mine": ARM}}, target=target)
     assert said.returncode != 0 and not (again.directory / target).exists()
     assert not list((again.directory / ".snakemake" / "ovman.at_work").iterdir())
@@ -92,7 +92,7 @@ def test_a_job_whose_process_ends_names_arm_and_episode_in_one_line(world, tmp_p
     (line,) = [text for text in said.splitlines() if WHERE in text]
     assert line.startswith(f"rule rollouts: the process ended during {WHERE}")
     cause = "(killed, out of memory, or ended by the agent)"
-    assert line.endswith(f", seed 0: ask {cause}; logs/rollouts/mine/FloorPlan201.log has what it printed")
+    assert line.endswith(f", seed 0: ask {cause}; logs/rollouts/mine/FloorPlan227.log has what it printed")
 
 
 def test_an_agent_that_fails_is_run_once_and_said_once(world, tmp_path):

@@ -54,7 +54,7 @@ def test_one_job_at_a_time(tmp_path, given):
 
 
 SIMULATOR = {"simulator", "scenes", "trials", "certified", "rollouts", "walks"}
-NETWORK = {"detections", "nouns", "walks", "rollouts"}
+NETWORK = {"detections", "nouns", "readmitted_maps", "walks", "rollouts"}
 """Of the rollouts, those of arms with networks of their own."""
 
 
@@ -104,7 +104,7 @@ def test_a_machine_without_vulkan_is_told_once_in_a_line(tmp_path, monkeypatch):
     if ctypes.util.find_library("vulkan") is not None:
         pytest.skip("this machine has Vulkan")
     world = World(tmp_path)
-    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan201.json")
+    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan227.json")
     assert said.returncode != 0 and "Traceback" not in said.stdout
     line = "benchmark.backend is thor, but Vulkan's library is not installed; sudo apt install libvulkan1"
     assert said.stdout.count(line) == 1 and "Traceback" not in (tmp_path / "logs" / "simulator.log").read_text()
@@ -115,7 +115,7 @@ def test_a_scene_is_surveyed_on_the_unity_build(tmp_path, monkeypatch):
     """The engine plays it; what it is asked goes all the way through Snakemake, the check and the client."""
     unity_build.machine(monkeypatch, tmp_path / "machine")
     world = World(tmp_path)
-    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan201.json")
+    said = world.snakemake(overlay={"benchmark": {"backend": "thor"}}, target="results/scenes/FloorPlan227.json")
     assert said.returncode == 0, said.stdout
     assert (tmp_path / "results" / "simulator.txt").read_text().count("ok ") == 3
-    assert json.loads((tmp_path / "results" / "scenes" / "FloorPlan201.json").read_text())["objects"]
+    assert json.loads((tmp_path / "results" / "scenes" / "FloorPlan227.json").read_text())["objects"]

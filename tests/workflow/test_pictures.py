@@ -12,15 +12,15 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings import Kind, Need, of_kind
-from tests.arms import ARMS
-from tests.workflow.conftest import ROOT, World
+from ovman.models.settings import Kind, Need, arms_of, of_kind
+from ovman.workflow.config import load_files
+from tests.workflow.conftest import ROOT, TINY, World
 
 EPISODES = "results/episodes/main.jsonl"
 CODE = ("Snakefile", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
 UNCHANGED = ("scenes", "candidates", "trials", "admissible", "certified", "episodes")
 """Stages that start the engine or follow it, and whose records have no picture in them."""
-SEEING = {Need.TOURS, Need.MAPS, Need.DUALMAP}
+SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP}
 
 
 def checkout(directory: Path) -> Path:
@@ -69,7 +69,7 @@ def repainted(world, tmp_path_factory):
 def test_the_records_are_the_same_and_the_manifest_is_another(world, repainted):
     for stage in UNCHANGED:
         assert records(repainted, stage) == records(world, stage), stage
-    was, now = (json.loads(records(one, "visits")["FloorPlan201.json"])["visits"] for one in (world, repainted))
+    was, now = (json.loads(records(one, "visits")["FloorPlan227.json"])["visits"] for one in (world, repainted))
     assert was.keys() == now.keys() and not set(was.values()) & set(now.values())
 
 
@@ -78,10 +78,13 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     assert said.returncode == 0, said.stdout
     planned = set(re.findall(r"^(?:local)?rule (\w+):", said.stdout, re.MULTILINE))
     driven = {"walks", "rollouts", "scores"}  # these start the engine themselves
-    seeing = {"detections", "maps", "predictions", "language", "perception", "backprojection", "dualmap", "dualmap_objects"}
-    assert planned == driven | seeing | {"metrics", "tables"}
+    seeing = {"detections", "labels", "maps", "maintained", "predictions", "language", "perception", "backprojection"}
+    seeing |= {"fragments", "probes", "readmitted_maps", "readmitted_predictions", "sensitivity"}
+    seeing |= {"cues", "appearance", "split_metrics"}
+    assert planned == driven | seeing | {"dualmap", "dualmap_objects", "metrics", "tables"}
     answers = set(re.findall(r"output: results/predictions/(\w+)\.jsonl", said.stdout))
-    assert answers == {arm.name for arm in of_kind(ARMS, Kind.STATIC) if SEEING & set(arm.needs)}
+    arms = arms_of(load_files([ROOT / "config.yaml", TINY]).arms)
+    assert answers == {arm.name for arm in of_kind(arms, Kind.STATIC) if SEEING & set(arm.needs)}
 
 
 @pytest.mark.soak

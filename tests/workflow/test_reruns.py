@@ -16,24 +16,85 @@ from tests.workflow.conftest import ROOT, TINY
 
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
 DUALMAP = ("dualmap", "predictions:dualmap")
+FRAGMENTS = ("fragments", "readmitted", "readmitted_maps")
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
-    "scenes": ("backprojection", "candidates", "episodes", "perception", "trials"),
+    "scenes": (
+        "backprojection",
+        "candidates",
+        "cues",
+        "episodes",
+        "fragments",
+        "labels",
+        "perception",
+        "readmitted",
+        "trials",
+        "walks",
+    ),
     "candidates": ("trials",),
-    "trials": ("admissible", "backprojection", "certified", "detections", "episodes", "rollouts", "perception", "walks"),
+    "trials": (
+        "admissible",
+        "backprojection",
+        "certified",
+        "cues",
+        "detections",
+        "episodes",
+        "labels",
+        "rollouts",
+        "perception",
+        "walks",
+        *FRAGMENTS,
+    ),
     "admissible": ("certified", "episodes"),
     "certified": ("episodes",),
-    "episodes": ("detections", "rollouts", "language", "metrics", "predictions", "scores", "tables", "walks", *DUALMAP),
-    "detections": ("backprojection", "maps", "perception"),
-    "maps": ("rollouts", "language", "predictions"),
-    "walks": ("dualmap",),
+    "episodes": (
+        "appearance",
+        "detections",
+        "rollouts",
+        "language",
+        "maintained",
+        "metrics",
+        "predictions",
+        "scores",
+        "split_metrics",
+        "tables",
+        "walks",
+        *DUALMAP,
+        "fragments",
+        "probes",
+        "readmitted",
+    ),
+    "detections": ("backprojection", "cues", "fragments", "labels", "maintained", "maps", "perception", "readmitted_maps"),
+    "labels": ("predictions:handed",),
+    "cues": ("appearance",),
+    "appearance": ("tables",),
+    "maintained": ("predictions:handed",),
+    "predictions:handed": ("appearance", "metrics"),
+    "maps": ("appearance", "fragments", "rollouts", "language", "predictions", "probes"),
+    "readmitted": ("readmitted_maps", "readmitted_predictions", "sensitivity"),
+    "readmitted_maps": ("readmitted_predictions",),
+    "readmitted_predictions": ("sensitivity",),
+    "sensitivity": ("tables",),
+    "probes": ("tables",),
+    "fragments": ("tables",),
+    "walks": ("dualmap", "predictions:dualmap"),
     "dualmap": ("dualmap_objects", "predictions:dualmap"),
     "predictions:dualmap": ("metrics",),
     "dualmap_objects": ("tables",),
-    "nouns": ("rollouts", "language", "perception", "predictions", "predictions:dualmap"),
-    "predictions": ("language", "metrics"),
+    "nouns": (
+        "rollouts",
+        "language",
+        "perception",
+        "predictions",
+        "predictions:dualmap",
+        "predictions:handed",
+        "probes",
+        "readmitted_predictions",
+    ),
+    "predictions": ("appearance", "fragments", "language", "metrics", "split_metrics"),
     "rollouts": ("scores",),
     "scores": ("metrics",),
     "metrics": ("tables",),
+    "split_metrics": ("tables",),
     "language": ("tables",),
     "perception": ("tables",),
     "backprojection": ("tables",),
@@ -51,6 +112,11 @@ TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load
 CONFIG = load(TREE)
 VALUES = flat(CONFIG)
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
+ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m": 0.03, "validity_radius_m": 1.1} | {
+    "spawn_clearance_m": 1.9,
+    "min_mask_px": 500,
+    "visible_px": 150,
+}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
@@ -69,11 +135,20 @@ OTHER = {
     "perception.encoder.sha256": "0" * 64,
     "training.encoder.crop_px": 96,
     "dualmap.maintained": "preloaded_global",
+    "splits": {"multi": {"tries": 3}},
     "comparisons.agent": "single_visit",
+    "comparisons.memory.arm": "single_visit",
+    "comparisons.memory.baseline": "two_visits",
+    **{f"sensitivity.{name}": [getattr(CONFIG.sensitivity, name)[0], another] for name, another in ANOTHER.items()},
+    "appearance.agent": "two_visits",
+    "appearance.equal_scales": False,
+    "gate_sweep.gates_m": [1.0, 2.0],
     "comparisons.rungs": {"two_visits": "another"},
     "comparisons.pairs": {"two visits against one": {"arm": "grounding_two_visits"}},
     "comparisons.pairings": {"two visits against DualMap read as two visits": {"arm": "grounding_two_visits"}},
+    "comparisons.readings": {"single_visit": "another"},
     "comparisons.difficulty": {"single_visit": "another"},
+    "comparisons.shortcuts": {"category_only": "another"},
     "paper.static": {"single_visit": "two"},
     "paper.embodied": {"cow": "one"},
     "cow.centre_only": False,
@@ -100,6 +175,9 @@ def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
 def owners(*names: str) -> set[str]:
     """Those of the stages that lead to the tables that own one of `names`, or one of whose arms reads it."""
     arms = {OF_ARMS[entry.kind] for entry in CONFIG.arms.values() if matching(own_constants(entry), names)}
+    memory = CONFIG.comparisons.memory
+    arms |= {"readmitted_predictions" for _, arm in memory if matching(own_constants(CONFIG.arms[arm]), names)}
+    arms |= {"probes" for arm in (memory.arm,) if matching(own_constants(CONFIG.arms[arm]), names)}
     return arms | {stage for stage in STAGES if stage in FOLLOWS and owned(stage, names)}
 
 
@@ -113,10 +191,10 @@ def and_what_follows(stages: set[str]) -> set[str]:
 
 
 def kinds() -> list[list[str]]:
-    """Constants that rerun the same stages, together; without those that say which files or arms there are."""
+    """Constants that rerun the same stages, together; without those that say which files there are or count others."""
     found: dict[frozenset[str], list[str]] = {}
     for name in VALUES:
-        if name not in ("benchmark.scenes", "evaluation.seeds"):
+        if name not in ("benchmark.scenes", "evaluation.seeds", "sensitivity.combinations"):
             found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
     return list(found.values())
 
@@ -157,7 +235,7 @@ def test_a_further_seed_reruns_the_rollouts_and_what_follows(world):
 
 
 def test_a_further_scene_runs_its_own_stages_once_and_what_gathers_all(world):
-    planned = world.planned({"benchmark": {"scenes": ["FloorPlan201", "FloorPlan230"]}})
+    planned = world.planned({"benchmark": {"scenes": ["FloorPlan227", "FloorPlan230"]}})
     alone = {"scenes", "candidates", "trials", "admissible", "certified", "episodes", "metrics", "tables"}
     assert {stage: planned[stage] for stage in alone} == dict.fromkeys(alone, 1)
     assert set(planned) == and_what_follows(set(FOLLOWS) - {"nouns"})

@@ -2,8 +2,8 @@
 
 import functools
 
-from ovman.analysis.registry import compared, in_tables, of_stage
-from ovman.models.settings import Kind, Need, named, of_kind, arms_of
+from ovman.analysis.registry import compared, drawn, in_tables, of_stage
+from ovman.models.settings import Kind, Need, named, of_kind, arms_of, splits_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
@@ -26,6 +26,9 @@ SEEDS = settings.evaluation.seeds
 ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
+SPLITS = splits_of(settings.splits)
+# The splits beside the benchmark's own, whose files bear no name of a split.
+FURTHER = list(settings.splits)
 PLUGINS = plugins_of(settings)
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
 OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
@@ -38,6 +41,8 @@ NETWORK_GPU = int(settings.perception.device == "cuda")
 wildcard_constraints:
     scene=r"FloorPlan\d+",
     arm="[a-z][a-z0-9_]*",
+    split="|".join(FURTHER) or "none",
+    of=f"(({'|'.join(FURTHER)})/)?" if FURTHER else "()",
 
 
 def stage(name):
@@ -61,12 +66,44 @@ def needed(what, *files):
 
 
 def handed(file):
-    """An input of the arms that are given what the tours truly recorded."""
+    """An input of the arms that are given what the tours truly recorded: a file, or a function of the wildcards."""
 
     def found(wildcards):
-        return [file] if named(ARMS, wildcards.arm).reads_sightings else []
+        if not named(ARMS, wildcards.arm).reads_sightings:
+            return []
+        return [file(wildcards) if callable(file) else file]
 
     return found
+
+
+def split_answered(wildcards):
+    """The split whose episodes are answered: wildcard `of` is empty for the benchmark's own."""
+    return wildcards.of[:-1] or SPLITS[0]
+
+
+def episodes_answered(wildcards):
+    """The episodes that a prediction job answers."""
+    return f"results/episodes/{split_answered(wildcards)}.jsonl"
+
+
+def sightings_answered(wildcards):
+    """What the tours of these episodes truly recorded."""
+    split = split_answered(wildcards)
+    return "results/episodes/" + ("" if split == SPLITS[0] else f"{split}_") + "sightings.jsonl"
+
+
+def predictions_of_split(wildcards):
+    """The predictions of the arms of a split; what names an arm that is not there is left out."""
+    arms = [name for name in settings.splits[wildcards.split].arms if name in settings.arms]
+    return expand("results/predictions/{split}/{arm}.jsonl", split=wildcards.split, arm=arms)
+
+
+def labels_of_map(wildcards):
+    """What the detections of the arm's map truly show, for an arm that is given its grounding by them."""
+    arm = named(ARMS, wildcards.arm)
+    if not arm.reads_labels:
+        return []
+    return expand("results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz", scene=SCENES)
 
 
 def rollouts_of(wildcards):

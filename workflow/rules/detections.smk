@@ -3,7 +3,7 @@
 
 rule detections:
     input:
-        episodes="results/episodes/main.jsonl",
+        episodes=[f"results/episodes/{split}.jsonl" for split in SPLITS],
         visits="results/visits/{scene}.json",
         networks=weights("detector.weights", "encoder.weights", "encoder.model"),
     output:

@@ -5,9 +5,9 @@ rule episodes:
         admissible=expand("results/admissible/{scene}.jsonl", scene=SCENES),
         certified=expand("results/certified/{scene}.jsonl", scene=SCENES),
     output:
-        episodes="results/episodes/main.jsonl",
-        sightings="results/episodes/sightings.jsonl",
-        rejections="results/metrics/rejections.csv",
+        episodes=[f"results/episodes/{split}.jsonl" for split in SPLITS],
+        sightings=["results/episodes/sightings.jsonl", *(f"results/episodes/{split}_sightings.jsonl" for split in FURTHER)],
+        rejections=["results/metrics/rejections.csv", *(f"results/metrics/{split}_rejections.csv" for split in FURTHER)],
     log:
         "logs/episodes.log",
     benchmark:

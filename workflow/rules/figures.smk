@@ -1,13 +1,38 @@
-# No part of the main job: snakemake --cores 1 results/figures/relations.png
+# The figures. No part of the main job: snakemake --cores 1 results/figures
+PAPER = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison", "paper.yaml")
+
+
 rule figures:
     input:
         episodes="results/episodes/main.jsonl",
         visits=expand("results/visits/{scene}.json", scene=SCENES),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
+        print="results/figures/relations.pdf",
     log:
         "logs/figures.log",
     params:
         constants=stage("figures"),
     script:
         "../scripts/figures.py"
+
+
+# What metrics alone are needed for, and the drawing of the agent.
+rule charts:
+    input:
+        metrics=expand("results/metrics/{name}.csv", name=drawn(ARMS)),
+        paper=PAPER,
+    output:
+        agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
+        budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
+        diag=report("results/figures/diag.png", caption="../report/diag.rst", category="Figures"),
+        difficulty=report("results/figures/difficulty.png", caption="../report/difficulty.rst", category="Figures"),
+        memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
+        sensitivity=report("results/figures/sensitivity.png", caption="../report/sensitivity.rst", category="Figures"),
+        print=expand("results/figures/{name}.pdf", name=("agent", "budget", "diag", "difficulty", "memory", "sensitivity")),
+    log:
+        "logs/charts.log",
+    params:
+        constants=stage("charts"),
+    script:
+        "../scripts/charts.py"

@@ -9,6 +9,7 @@ rule language:
     output:
         sentences="results/language/sentences.jsonl",
         relation_inferred="results/language/relation_inferred.jsonl",
+        noun_inferred="results/language/noun_inferred.jsonl",
         inferred="results/language/inferred.jsonl",
         language="results/metrics/language.csv",
     log:

@@ -1,4 +1,4 @@
-# The page of results and its charts. No part of the main job: snakemake --cores 2 results/results.md
+# The page of results, which links to the figures. No part of the main job: snakemake --cores 2 results/results.md
 PAPER_COMPARISON = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison")
 
 
@@ -9,10 +9,9 @@ rule paper_comparison:
         statements=os.path.join(PAPER_COMPARISON, "statements.yaml"),
         explanations=os.path.join(PAPER_COMPARISON, "explanations.yaml"),
         template=os.path.join(PAPER_COMPARISON, "page.md.j2"),
+        position=os.path.join(workflow.basedir, "ovman", "report", "tables", "position.yaml"),
     output:
         page=report("results/results.md", caption="../report/paper_comparison.rst", category="Comparison with the paper"),
-        budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
-        memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
     log:
         "logs/paper_comparison.log",
     params:

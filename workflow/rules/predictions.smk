@@ -1,18 +1,20 @@
 rule predictions:
     input:
-        episodes="results/episodes/main.jsonl",
-        sightings=handed("results/episodes/sightings.jsonl"),
+        episodes=episodes_answered,
+        sightings=handed(sightings_answered),
         visits=needed(["tours"], *expand("results/visits/{scene}.json", scene=SCENES)),
         maps=needed(["maps"], *expand("results/maps/{scene}.npz", scene=SCENES)),
+        maintained=needed(["maintained"], *expand("results/maintained/{scene}.npz", scene=SCENES)),
         dualmap=needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=SCENES)),
-        nouns=needed(["maps", "dualmap"], "results/nouns.npz"),
+        labels=labels_of_map,
+        nouns=needed(["maps", "maintained", "dualmap"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
-        predictions="results/predictions/{arm}.jsonl",
+        predictions="results/predictions/{of}{arm}.jsonl",
     log:
-        "logs/predictions/{arm}.log",
+        "logs/predictions/{of}{arm}.log",
     benchmark:
-        "benchmarks/predictions/{arm}.tsv"
+        "benchmarks/predictions/{of}{arm}.tsv"
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
     resources:

@@ -1,4 +1,4 @@
-"""Stage `detections`: what the networks see in every tour of a scene that an episode has."""
+"""Stage `detections`: what the networks see in every tour of a scene that an episode of some split has."""
 
 from pathlib import Path
 
@@ -9,7 +9,8 @@ from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 
 with job(snakemake) as work:
-    visits = [episode.visits for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
+    episodes = [episode for file in work.inputs("episodes") for episode in Episode.load(file)]
+    visits = [episode.visits for episode in episodes if episode.scene == work.scene]
     names = sorted({name for pair in visits for name in (pair.first, pair.second)})
     (manifest,) = VisitManifest.read(work.input("visits"))
     detections.run(

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.report import relations
+from ovman.report.figures import relations
 from ovman.workflow.job import job
 
-with job(snakemake) as work:
-    relations.run(work.input("episodes"), Path("results", "visits"), work.constants, work.output("relations"))
+with job(snakemake) as work, work.gathered() as directory:
+    relations.run(work.input("episodes"), Path("results", "visits"), work.constants, directory / "relations.png")

@@ -1,4 +1,4 @@
-"""Stage `paper_comparison`: the results beside the paper's, as a page with two charts."""
+"""Stage `paper_comparison`: the results beside the paper's, as a page."""
 
 from ovman.report.paper_comparison import page
 from ovman.workflow.job import job
@@ -6,9 +6,7 @@ from ovman.workflow.job import job
 with job(snakemake) as work:
     page.run(
         work.inputs("metrics"),
-        page.Sources(*(work.input(name) for name in ("paper", "statements", "explanations", "template"))),
+        page.Sources(*(work.input(name) for name in ("paper", "statements", "explanations", "template", "position"))),
         work.constants,
         page=work.output("page"),
-        budget_chart=work.output("budget"),
-        memory_chart=work.output("memory"),
     )

@@ -4,4 +4,4 @@ from ovman.report.tables import stages
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    stages.run(work.inputs("metrics"), work.constants, work.output("tables"), work.inputs("notes"))
+    stages.run(work.inputs("metrics"), work.constants, work.output("tables"), work.inputs("notes"), work.input("position"))

@@ -9,9 +9,10 @@ from ovman.workflow.job import job
 with job(snakemake) as work:
     episodes = [episode for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
     walks.run(
-        work.scene,
+        work.input("scene"),
         walks.assigned(episodes, Path("results", "visits", work.scene)),
         work.constants,
         work.journal().with_suffix(""),
         work.output("walks"),
+        work.output("labels"),
     )

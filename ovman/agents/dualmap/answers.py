@@ -27,13 +27,12 @@ def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer
     """The static arms dualmap_maintained and grounding_dualmap_maintained.
 
     Own grounding: the centre of the most similar object, the first saved one in a tie. Privileged grounding: a pick among the
-    objects nearest to the recorded instances of either visit, as ``grounding_by_truth``. Abstains with NOTHING_GROUNDED without
-    such an object.
+    true objects by the observations of both visits. Abstains with NOTHING_GROUNDED without such an object.
     """
     found = _maps(context).maintained[context.visits.first, context.visits.second].object_map()
     if not context.privileged_grounding:
         return most_similar(found, context.noun(noun(query.category))), None
-    return any_of(found, {index for which in VISITS for index in context.true_objects(which, found.p)}), None
+    return any_of(found, {*context.true_objects(found, *VISITS)}), None
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

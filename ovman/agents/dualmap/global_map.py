@@ -19,7 +19,8 @@ from ovman.models.settings.baselines import DualmapGlobal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Related:
-    """An object on an anchor: position (2,) x and z of its box's centre, metres; feature (K,) of unit length."""
+    """An object on an anchor: position (2,) x and z of its box's centre, metres; feature (K,) of unit length; members (M,):
+    numbers of its observations."""
 
     position: np.ndarray
     feature: np.ndarray
@@ -27,18 +28,21 @@ class Related:
     observations: int
     first_seen: int
     last_seen: int
+    members: np.ndarray
 
     @staticmethod
-    def of(thing: MapObject) -> Related:
-        """The record of an object on furniture."""
-        return Related(thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen)
+    def of(thing: MapObject, before: int = 0) -> Related:
+        """The record of an object on furniture. before: number of observations of an earlier visit."""
+        members = thing.members(0, before)
+        return Related(thing.position, thing.feature, thing.class_id, len(thing.seen), thing.first_seen, thing.last_seen, members)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Anchor:
     """A piece of furniture.
 
-    uid: of its first object; flat (N, 2): its points on the floor plane, one a voxel, metres; related: the objects on it.
+    uid: of its first object; flat (N, 2): its points on the floor plane, one a voxel, metres; related: the objects on it; members
+    (M,): numbers of its own observations.
     """
 
     uid: int
@@ -49,10 +53,11 @@ class Anchor:
     first_seen: int
     last_seen: int
     related: tuple[Related, ...]
+    members: np.ndarray
 
     @staticmethod
-    def of(departure: Departure, voxel_m: float) -> Anchor:
-        """The anchor of furniture that leaves a local map."""
+    def of(departure: Departure, voxel_m: float, before: int = 0) -> Anchor:
+        """The anchor of furniture that leaves a local map. before: number of observations of an earlier visit."""
         thing = departure.object
         return Anchor(
             thing.uid,
@@ -62,7 +67,8 @@ class Anchor:
             len(thing.seen),
             thing.first_seen,
             thing.last_seen,
-            tuple(Related.of(up) for up in departure.related),
+            tuple(Related.of(up, before) for up in departure.related),
+            thing.members(0, before),
         )
 
     @property
@@ -84,10 +90,10 @@ class GlobalMap:
         self.anchors: list[Anchor] = list(preloaded)
         self._voxel_m, self._constants = voxel_m, constants
 
-    def take(self, departures: Iterable[Departure]) -> None:
-        """Add departures from a local map, in their order."""
+    def take(self, departures: Iterable[Departure], before: int = 0) -> None:
+        """Add departures from a local map, in their order. before: number of observations of an earlier visit."""
         for departure in departures:
-            self.merge(Anchor.of(departure, self._voxel_m))
+            self.merge(Anchor.of(departure, self._voxel_m, before))
 
     def merge(self, new: Anchor) -> None:
         """Merge with the anchor of greatest overlap of footprints if that is above `overlap`; else add the anchor."""
@@ -121,6 +127,7 @@ def merged(old: Anchor, new: Anchor, voxel_m: float) -> Anchor:
         observations=old.observations + new.observations,
         last_seen=new.last_seen,
         related=old.related + new.related,
+        members=np.concatenate([old.members, new.members]),
     )
 
 

@@ -17,13 +17,14 @@ from ovman.models.settings.baselines import DualmapLocal
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunObservation:
-    """One observation with the cloud of one run."""
+    """One observation with the cloud of one run. number: among all observations of its walk."""
 
     class_id: int
     confidence: float
     feature: np.ndarray
     cloud: Cloud
     low_mobility: bool
+    number: int = 0
 
     @staticmethod
     def of(observation: ObjectObservation, run: int, cloud: Cloud | None = None) -> RunObservation:
@@ -34,6 +35,7 @@ class RunObservation:
             np.asarray(observation.feature, dtype=np.float64),
             Cloud.of(observation.clouds[run]) if cloud is None else cloud,
             observation.low_mobility,
+            observation.number,
         )
 
 
@@ -120,6 +122,13 @@ class MapObject:
     def last_seen(self) -> int:
         """Keyframe of the last observation."""
         return self.frames[-1]
+
+    def members(self, frames: int = 0, observations: int = 0) -> np.ndarray:
+        """(K,) numbers of its observations. Those of keyframe `frames` and later are of a second walk: they count on from
+        `observations`, the number that the first one has.
+        """
+        seen = zip(self.seen, self.frames, strict=True)
+        return np.array([one.number + (observations if frame >= frames else 0) for one, frame in seen], np.int64)
 
     @property
     def position(self) -> np.ndarray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
@@ -14,7 +14,7 @@ from ovman.agents.dualmap.map_object import MapObject
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.object_map import ObjectMap
 
-SCHEMA = "ovman-dualmap/2"
+SCHEMA = "ovman-dualmap/3"
 
 Pair = tuple[str, str]
 """The names of a first and of a second visit."""
@@ -33,7 +33,8 @@ class Entry:
     """An object of a saved map.
 
     position (2,): x and z of the centre of its box, metres; feature (K,): of unit length; observations: their number;
-    first_seen, last_seen: keyframes of the map.
+    first_seen, last_seen: keyframes of the map; members (M,): numbers of its observations among all of the walks that the map is
+    of, one after the other; empty where they are not known.
     """
 
     position: np.ndarray
@@ -43,10 +44,11 @@ class Entry:
     observations: int
     first_seen: int
     last_seen: int
+    members: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))
 
     @staticmethod
-    def of_object(thing: MapObject) -> Entry:
-        """An object of a local map."""
+    def of_object(thing: MapObject, frames: int = 0, observations: int = 0) -> Entry:
+        """An object of a local map, after a first walk of so many keyframes and observations (`MapObject.members`)."""
         return Entry(
             thing.position,
             thing.feature,
@@ -55,6 +57,7 @@ class Entry:
             len(thing.seen),
             thing.first_seen,
             thing.last_seen,
+            thing.members(frames, observations),
         )
 
     @staticmethod
@@ -63,7 +66,8 @@ class Entry:
         kept: list[tuple[Sort, Anchor | Related]] = [(Sort.ANCHOR, anchor)]
         kept += [(Sort.RELATED, related) for related in anchor.related]
         return tuple(
-            Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen) for sort, k in kept
+            Entry(k.position, k.feature, sort, k.class_id, k.observations, k.first_seen, k.last_seen, k.members)
+            for sort, k in kept
         )
 
 
@@ -82,6 +86,7 @@ class Mapped:
             f=np.array([e.feature for e in entries], dtype=np.float64) if entries else np.zeros((0, 0)),
             tracks=tuple(np.asarray(e.position, dtype=np.float64)[None] for e in entries),
             last_seen=tuple(e.last_seen for e in entries),
+            members=tuple(e.members for e in entries),
         )
 
 
@@ -111,6 +116,8 @@ def write(path: Path, runs: Sequence[RunMaps]) -> None:
         "feature": np.array([e.feature for e in every], np.float32).reshape(len(every), size),
         "sort": np.array([e.sort for e in every], str),
     }
+    arrays["known"] = np.array([len(e.members) for e in every], np.int64)
+    arrays["members"] = np.concatenate([np.zeros(0, np.int64), *(e.members for e in every)]).astype(np.int32)
     for name in ("class_id", "observations", "first_seen", "last_seen"):
         arrays[name] = np.array([getattr(e, name) for e in every], np.int64)
     write_arrays(path, SCHEMA, arrays)
@@ -122,11 +129,14 @@ def read(path: Path) -> tuple[RunMaps, ...]:
         arrays = read_arrays(path, SCHEMA)
     except FileNotFoundError:
         raise ArrayFileError(f"{path} is missing; make the stage dualmap") from None
+    known = np.cumsum(arrays["known"]).tolist()
+    members = [arrays["members"][end - count : end] for end, count in zip(known, arrays["known"].tolist(), strict=True)]
     rows = zip(
         arrays["position"],
         arrays["feature"],
         arrays["sort"].tolist(),
         *(arrays[name].tolist() for name in ("class_id", "observations", "first_seen", "last_seen")),
+        members,
         strict=True,
     )
     every = [Entry(position, feature, Sort(sort), *rest) for position, feature, sort, *rest in rows]

@@ -14,7 +14,8 @@ class ObjectObservation:
     frame: index of the keyframe in its walk; class_id: index in the list of classes; confidence: of the detector; feature (K,):
     unit float32, 0.7 of the crop's embedding and 0.3 of the class name's, normalised; clouds: of every run, the points (N, 3)
     float32 that it drew of the mask's pixels, metres in Unity's world frame (x, y up, z), N at least 1; box (6,): least x, y, z
-    and greatest x, y, z of the object, metres; low_mobility: it is furniture that seldom moves.
+    and greatest x, y, z of the object, metres; low_mobility: it is furniture that seldom moves; number: among all observations of
+    its walk.
     """
 
     frame: int
@@ -24,3 +25,4 @@ class ObjectObservation:
     clouds: tuple[np.ndarray, ...]
     box: np.ndarray
     low_mobility: bool
+    number: int = 0

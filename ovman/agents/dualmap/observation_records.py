@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import accumulate, pairwise
+from itertools import accumulate, count, pairwise
 from pathlib import Path
 
 import numpy as np
@@ -133,9 +133,12 @@ def read_walks(path: Path) -> dict[str, Walk]:
     numbers, views = arrays["shot"].tolist(), arrays["view"].tolist()
 
     def walk(start: int, end: int) -> Walk:
+        numbered = count()
         frames = tuple(
             tuple(
-                ObjectObservation(frame, one.class_id, one.confidence, one.feature, one.clouds, box, low[one.class_id])
+                ObjectObservation(
+                    frame, one.class_id, one.confidence, one.feature, one.clouds, box, low[one.class_id], next(numbered)
+                )
                 for one, box in shots[number]
             )
             for frame, number in enumerate(numbers[start:end])

@@ -37,17 +37,17 @@ class Observer:
         """The observations of each frame. draws: for each frame, one generator of pixels per run."""
         found = self._detector.detect([frame.rgb for frame in frames])
         looks = [self._clouded(*one) for one in zip(frames, found, draws, strict=True)]
-        crops = [crop for look in looks for crop, _, _ in look]
+        crops = [crop for look in looks for crop, *_ in look]
         named = iter(self._named(crops))
         return [
-            Shot(tuple(FrameObject(*next(named), confidence, clouds) for _, confidence, clouds in look), _top_m(frame))
+            Shot(tuple(FrameObject(*next(named), sure, clouds, mask) for _, sure, clouds, mask in look), _top_m(frame))
             for frame, look in zip(frames, looks, strict=True)
         ]
 
     def _clouded(
         self, frame: Frame, segments: Segments, runs: Sequence[np.random.Generator]
-    ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...]]]:
-        """Crop, confidence and clouds of every object of a frame that has a cloud in each run."""
+    ) -> list[tuple[np.ndarray, float, tuple[np.ndarray, ...], np.ndarray]]:
+        """Crop, confidence, clouds and mask of every object of a frame that has a cloud in each run."""
         scale = frame.depth.size / self._constants.published_px
         share, border_px = min(self._constants.sample / scale, 1.0), round(self._constants.border_px * math.sqrt(scale))
         objects = []
@@ -56,7 +56,7 @@ class Observer:
         ):
             clouds = self._clouds(frame, own, share, runs)
             if all(map(len, clouds)):
-                objects.append((self._crop(frame.rgb, whole, border_px), float(segments.confidence[which]), clouds))
+                objects.append((self._crop(frame.rgb, whole, border_px), float(segments.confidence[which]), clouds, own))
         return objects
 
     def _named(self, crops: Sequence[np.ndarray]) -> list[tuple[int, np.ndarray]]:

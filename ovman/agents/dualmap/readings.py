@@ -81,7 +81,7 @@ class Run:
         maintained = {}
         for first, second in pairs:
             now = self._seen(kept[first].copy(self.draws(first, second)), walks[second])
-            maintained[first, second] = _settled(now, len(walks[first]) + len(walks[second]))
+            maintained[first, second] = _settled(now, len(walks[second]), walks[first])
         return RunMaps(visits, maintained)
 
     def _preloaded_global(self, walks: Mapping[str, Looks], pairs: Sequence[Pair]) -> RunMaps:
@@ -93,7 +93,9 @@ class Run:
             anchors[name] = self._anchors(local.departures)
         visits = {name: _saved(anchors[name], len(keyframes)) for name, keyframes in walks.items()}
         maintained = {
-            (first, second): _saved(self._anchors(departures[second], anchors[first]), len(walks[first]) + len(walks[second]))
+            (first, second): _saved(
+                self._anchors(departures[second], anchors[first], _count(walks[first])), len(walks[first]) + len(walks[second])
+            )
             for first, second in pairs
         }
         return RunMaps(visits, maintained)
@@ -107,17 +109,23 @@ class Run:
             local.observe(seen)
         return local
 
-    def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = ()) -> list[Anchor]:
-        """The anchors of a visit, with the preloaded ones, in the order in which they are saved."""
+    def _anchors(self, departures: Sequence[Departure], preloaded: Sequence[Anchor] = (), before: int = 0) -> list[Anchor]:
+        """The anchors of a visit, with the preloaded ones of `before` observations, in the order in which they are saved."""
         found = GlobalMap(self.constants.local_map.voxel_m, self.constants.global_map, preloaded)
-        found.take(departures)
+        found.take(departures, before)
         return sorted(found.anchors, key=lambda anchor: anchor.uid)
 
 
-def _settled(local: LocalMap, frames: int) -> Mapped:
-    """A flushed local map as it is saved."""
+def _settled(local: LocalMap, frames: int, first: Looks = ()) -> Mapped:
+    """A flushed local map as it is saved, `frames` keyframes after those of a first walk."""
     local.flush()
-    return Mapped(tuple(Entry.of_object(thing) for thing in sorted(local.objects, key=lambda thing: thing.uid)), frames)
+    things, before = sorted(local.objects, key=lambda thing: thing.uid), _count(first)
+    return Mapped(tuple(Entry.of_object(thing, len(first), before) for thing in things), len(first) + frames)
+
+
+def _count(keyframes: Looks) -> int:
+    """Number of observations."""
+    return sum(map(len, keyframes))
 
 
 def _saved(anchors: Sequence[Anchor], frames: int) -> Mapped:

@@ -12,13 +12,14 @@ class FrameObject:
     """One object in a frame.
 
     feature (K,): of unit length; confidence: of the detector; clouds: for every run the drawn points (N, 3) float32, world frame,
-    metres.
+    metres; mask: (H, W) bool of the frame, None where it is not kept.
     """
 
     class_id: int
     feature: np.ndarray
     confidence: float
     clouds: tuple[np.ndarray, ...]
+    mask: np.ndarray | None = None
 
     @property
     def box(self) -> np.ndarray:
@@ -37,4 +38,9 @@ class Shot:
 
 def without_ceiling(shot: Shot, ceiling_m: float, margin_m: float) -> Shot:
     """The shot without objects whose box has its middle within a margin of the height of the ceiling."""
-    return Shot(tuple(one for one in shot.seen if abs((one.box[1] + one.box[4]) / 2 - ceiling_m) >= margin_m), shot.top_m)
+    return Shot(tuple(one for one in shot.seen if below_ceiling(one, ceiling_m, margin_m)), shot.top_m)
+
+
+def below_ceiling(one: FrameObject, ceiling_m: float, margin_m: float) -> bool:
+    """Whether the middle of an object's box is farther than a margin from the height of the ceiling."""
+    return bool(abs((one.box[1] + one.box[4]) / 2 - ceiling_m) >= margin_m)

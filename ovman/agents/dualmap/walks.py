@@ -19,25 +19,27 @@ import numpy as np
 
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
-from ovman.agents.dualmap.shot import Shot, without_ceiling
+from ovman.agents.dualmap.shot import Shot, below_ceiling, without_ceiling
 from ovman.atomic import replacing
 from ovman.models.episode import Episode, root_seed
+from ovman.models.scene import Scene
 from ovman.models.settings import Settings
 from ovman.models.settings.baselines import DualmapObservation
 from ovman.models.settings.networks import Perception
 from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
+from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
 from ovman.sim import walk
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
-from ovman.sim.walk import Frame
+from ovman.sim.walk import Frame, instances
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
 
-PART = "ovman-walk-part/2"
+PART = "ovman-walk-part/3"
 TOGETHER = 8
 """Batch size of frames."""
 
@@ -67,9 +69,9 @@ def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
     return {which: Assigned(Visit.load(visits / which), found[which]) for which in sorted(found)}
 
 
-def embodiment(settings: Settings, side_px: int) -> Embodiment:
-    """The benchmark's body with the frames of a dense walk, side_px wide and high, which come without instance masks."""
-    return replace(Embodiment.of(settings), width_px=side_px, height_px=side_px, instances=False)
+def embodiment(settings: Settings, side_px: int, instances: bool = False) -> Embodiment:
+    """The benchmark's body with the frames of a dense walk, side_px wide and high. instances: whether they come with masks."""
+    return replace(Embodiment.of(settings), width_px=side_px, height_px=side_px, instances=instances)
 
 
 def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
@@ -95,11 +97,27 @@ def content(frame: Frame) -> str:
     return found.hexdigest()
 
 
+Truth = list[tuple[str, int]]
+"""Of every object of a shot: the id of the instance that its mask shows, "" for none, and the mask's pixels."""
+
+
+def truth(shot: Shot, frame: Frame) -> Truth:
+    """What the masks of a shot truly show in its frame."""
+    masks = [one.mask for one in shot.seen if one.mask is not None]
+    assert len(masks) == len(shot.seen), "an observed shot has the masks of its objects"
+    if not masks:
+        return []
+    numbers, names = instances(frame.masks)
+    found = shown(np.stack(masks), numbers).tolist()
+    return [(names.get(number, ""), int(np.count_nonzero(mask))) for number, mask in zip(found, masks, strict=True)]
+
+
 class Memory:
-    """The shots of a scene by the content of their frames."""
+    """The shots of a scene by the content of their frames, and apart from them what they truly show, which no map is made of."""
 
     def __init__(self, observer: Callable[[], Observer], runs: int, seed: int) -> None:
         self.shots: dict[str, Shot] = {}
+        self.truths: dict[str, Truth] = {}
         self._observer, self._runs, self._seed = observer, runs, seed
 
     def walked(self, frames: Iterable[Frame]) -> tuple[list[str], list[int], dict[str, Shot]]:
@@ -126,15 +144,20 @@ class Memory:
             [seeds.generator(self._seed, "dualmap", "pixels", int(key, 16) % 2**32, run) for run in range(self._runs)]
             for key in waiting
         ]
-        return dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
+        shots = dict(zip(waiting, self._observer().look(list(waiting.values()), draws), strict=True))
+        self.truths |= {key: truth(shot, waiting[key]) for key, shot in shots.items()}
+        return {key: Shot(tuple(replace(one, mask=None) for one in shot.seen), shot.top_m) for key, shot in shots.items()}
 
 
-def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path) -> None:
-    """Write DualMap's observations on the walks of the visits `of` (by name), in their order.
+def run(
+    scene_file: Path, of: Mapping[str, Assigned], constants: StageSettings, kept: Path, output: Path, labels_output: Path
+) -> None:
+    """Write DualMap's observations on the walks of the visits `of` (by name), in their order, and what they truly show.
 
-    constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else comes from the
-    episodes. kept: directory of finished walks of a killed job. Raises WalkError, WeightsError.
+    scene_file: record of the scene. constants: perception.*, dualmap.runs, dualmap.walk.*, dualmap.observation.*; all else comes
+    from the episodes. kept: directory of finished walks of a killed job. Raises WalkError, WeightsError.
     """
+    record = Scene.parse(scene_file.read_text(encoding="utf-8"), str(scene_file))
     perception, dualmap = constants.perception, constants.dualmap
     observer = cache(lambda: _observer(perception, dualmap.observation))
     memory = Memory(observer, dualmap.runs, root_seed([one.episode for one in of.values()]))
@@ -148,7 +171,7 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
             began = time.process_time()
             if session is None:
                 settings = one.episode.settings
-                session = stack.enter_context(Session(scene, settings, embodiment(settings, dualmap.walk.side_px)))
+                session = stack.enter_context(Session(record.scene, settings, embodiment(settings, dualmap.walk.side_px, True)))
             key = digest(constants.canonical, seen_by, one.identity)
             part = kept / f"{key}.npz"
             parts.add(part)
@@ -169,6 +192,12 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
         observer().classes.names,
         observer().classes.low_mobility,
     )
+    of_shots = [
+        [shows for one, shows in zip(memory.shots[key].seen, memory.truths[key], strict=True)
+         if below_ceiling(one, ceiling_m, dualmap.observation.ceiling_m)]
+        for key in order
+    ]  # fmt: skip
+    write_labels(labels_output, {name: _labels([of_shots[number[key]] for key in c], record) for name, (c, _) in walks.items()})
     for left in {*kept.iterdir()} - parts:
         left.unlink()
 
@@ -176,7 +205,9 @@ def run(scene: str, of: Mapping[str, Assigned], constants: StageSettings, kept: 
 def _walk(session: Session, one: Assigned, turn_deg: float, memory: Memory, part: Path) -> tuple[list[str], list[int]]:
     """Walk and save the new shots. Memory then holds the shots as read from the file, as after a restart."""
     contents, views, new = memory.walked(frames(session, one, turn_deg))
+    truths = [shows for key in new for shows in memory.truths[key]]
     arrays = {"content": np.array(contents), "view": np.array(views, np.int16), "new": np.array(list(new), str)}
+    arrays |= {"shows": np.array([name for name, _ in truths], str), "pixels": np.array([size for _, size in truths], np.int32)}
     with replacing(part) as partial:
         write_arrays(partial, PART, arrays | packed(list(new.values())), compressed=True)
     kept = _read(part, memory)
@@ -195,7 +226,18 @@ def _read(part: Path, memory: Memory) -> tuple[list[str], list[int]] | None:
     if not {*contents} <= {*memory.shots, *shots}:
         return None
     memory.shots |= shots
+    truths = iter(zip(arrays["shows"].tolist(), arrays["pixels"].tolist(), strict=True))
+    memory.truths |= {key: [next(truths) for _ in shot.seen] for key, shot in shots.items()}
     return contents, arrays["view"].tolist()
+
+
+def _labels(frames: Sequence[Truth], scene: Scene) -> Labels:
+    """The labels of a walk of these frames."""
+    categories = categories_of(scene)
+    names = tuple(sorted({*categories.values()}))
+    rows = [(categories.get(instance), pixels) for frame in frames for instance, pixels in frame]
+    category = np.array([NOTHING if name is None else names.index(name) for name, _ in rows], np.int64)
+    return Labels(names, category, np.array([pixels for _, pixels in rows], np.int64))
 
 
 def _observer(perception: Perception, observation: DualmapObservation) -> Observer:

@@ -116,10 +116,11 @@ class PredictionContext(Protocol):
     def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception. For an arm that needs networks."""
 
-    def true_objects(self, which: str, p: np.ndarray) -> tuple[int, ...]:
-        """Indices of the map objects at p (N, 2) that stand for instances of the query's category in a visit.
+    def true_objects(self, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
+        """Indices of the objects that truly are of the query's category, in a map that was made of these visits in their order.
 
-        For an arm that is given its grounding.
+        What that means is the arm's `reading`: by what their detections show, or by the places of the instances. For an arm that
+        is given its grounding.
         """
 
     def world(self, which: str) -> WorldState:

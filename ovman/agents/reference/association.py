@@ -29,17 +29,20 @@ def associate(
     *,
     gate_m: float,
     feature_scale_m: float,
+    disagreement: ArrayLike | None = None,
 ) -> Association:
     """Minimum-cost partial matching of the instances of two visits.
 
     p_1 (N, 2), p_2 (M, 2): floor-plane positions (x, z) in metres, world frame. f_1 (N, K), f_2 (M, K): unit feature vectors,
     or both None for the arms that are given positions, whose cost is pure distance. gate_m: gamma; feature_scale_m: lambda.
+    disagreement (N, M), at least 0: how unlike two instances look, in place of one minus the inner product of their features.
 
     Leaving i and j unmatched costs gate_m together, so no pair of cost >= gate_m is returned. The result does not depend on the
     order in which the instances are listed: among equal optima the one that the solver finds for the instances in lexicographic
     order of (x, z, features) is taken.
 
-    Raises ValueError for a wrong shape, a value that is not finite, features of one visit only, or gate_m <= 0.
+    Raises ValueError for a wrong shape, a value that is not finite, features of one visit only, a disagreement below 0, or
+    gate_m <= 0.
     Source: Eq. cost, Eq. pad.
     """
     if not gate_m > 0:
@@ -48,6 +51,7 @@ def associate(
         raise ValueError("features must be given for both visits or for neither")
     p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
     n, m = len(p_1), len(p_2)
+    unlike = None if disagreement is None else _disagreement(disagreement, (n, m))
     keys_1, keys_2 = p_1, p_2
     features_1 = features_2 = None
     if f_1 is not None and f_2 is not None:
@@ -63,6 +67,7 @@ def associate(
             None if features_1 is None else features_1[order_1],
             None if features_2 is None else features_2[order_2],
             feature_scale_m=feature_scale_m,
+            disagreement=None if unlike is None else unlike[np.ix_(order_1, order_2)],
         )
         # Imported where it is needed: most jobs that import this module associate nothing, and it takes half a second.
         from scipy.optimize import linear_sum_assignment
@@ -83,10 +88,21 @@ def associate(
 
 
 def cost_matrix(
-    p_1: np.ndarray, p_2: np.ndarray, f_1: np.ndarray | None = None, f_2: np.ndarray | None = None, *, feature_scale_m: float
+    p_1: np.ndarray,
+    p_2: np.ndarray,
+    f_1: np.ndarray | None = None,
+    f_2: np.ndarray | None = None,
+    *,
+    feature_scale_m: float,
+    disagreement: np.ndarray | None = None,
 ) -> np.ndarray:
-    """(N, M) metres: distance plus feature_scale_m times (1 - inner product of the unit features). Source: Eq. cost."""
+    """(N, M) metres: distance plus feature_scale_m times (1 - inner product of the unit features), or times `disagreement`.
+
+    Source: Eq. cost.
+    """
     cost = distances(p_1, p_2)
+    if disagreement is not None:
+        return cost + feature_scale_m * disagreement
     if f_1 is not None and f_2 is not None:
         # Rounding can put the inner product of two equal unit vectors above one; a cost is never negative.
         cost = cost + feature_scale_m * np.clip(1.0 - f_1 @ f_2.T, 0.0, None)
@@ -138,6 +154,15 @@ def _features(features: ArrayLike, name: str, count: int) -> np.ndarray:
         raise ValueError(f"{name} must have the shape ({count}, K), not {array.shape}")
     if not np.isfinite(array).all():
         raise ValueError(f"{name} holds a value that is not finite")
+    return array
+
+
+def _disagreement(disagreement: ArrayLike, shape: tuple[int, int]) -> np.ndarray:
+    array = np.asarray(disagreement, dtype=np.float64)
+    if array.shape != shape:
+        raise ValueError(f"disagreement must have the shape {shape}, not {array.shape}")
+    if not (np.isfinite(array).all() and (array >= 0).all()):
+        raise ValueError("disagreement holds a value that is not finite or is below 0")
     return array
 
 

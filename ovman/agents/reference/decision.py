@@ -30,7 +30,8 @@ def decide(
     tau_trk, spread of a track in metres that counts as motion.
 
     Equal candidates are told apart by position (smallest x, then z): the answer does not depend on the order of the instances.
-    The distance to an empty visit counts as infinite.
+    Where the other visit shows nothing, the one candidate is answered; of several none is farther from its counterpart than the
+    others, and the agent abstains with NO_COUNTERPART.
     Source: Eq. rules and the fallbacks stated below it.
     """
     p_1, p_2 = positions(p_1, "p_1"), positions(p_2, "p_2")
@@ -88,10 +89,15 @@ def spread_m(track: ArrayLike) -> float:
     return float(distances(track, track).max()) if len(track) else 0.0
 
 
-def _farthest(points: np.ndarray, unmatched: Sequence[int], others: np.ndarray) -> Answer | None:
-    """The unmatched point farthest from its nearest counterpart in the other visit; None where nothing is unmatched."""
+def _farthest(points: np.ndarray, unmatched: Sequence[int], others: np.ndarray) -> Answer | Abstention | None:
+    """The unmatched point farthest from its nearest counterpart in the other visit; None where nothing is unmatched.
+
+    Without a counterpart in the other visit the distance has no argument: one point needs none, several cannot be ranked.
+    """
     if not unmatched:
         return None
+    if not len(others) and len(unmatched) > 1:
+        return Abstention(AbstentionReason.NO_COUNTERPART)
     nearest = distances(points, others).min(axis=1, initial=np.inf)
     return _answer(points[min(unmatched, key=lambda i: (-nearest[i], *points[i]))])
 

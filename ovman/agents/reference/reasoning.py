@@ -38,16 +38,18 @@ def two_visits(
     grounded_1: Sequence[int],
     grounded_2: Sequence[int],
     settings: Settings,
+    disagreement: np.ndarray | None = None,
 ) -> tuple[Answer | Abstention, Evidence]:
     """What the two-visit agent answers from its maps of both visits, and from which evidence.
 
-    grounded_1, grounded_2: indices of what the noun means in each map. Abstains with NOTHING_GROUNDED where that is nothing in
+    grounded_1, grounded_2: indices of what the noun means in each map. disagreement: as in ``associate``, of all objects of the
+    maps, (len(map_1), len(map_2)); by their features if not given. Abstains with NOTHING_GROUNDED where that is nothing in
     either, else as ``decide`` and, for MOVING, ``moving_by_last_sighting`` do. The order of a map's objects is of no
     consequence. Source: Eq. cost, Eq. pad, Eq. rules.
     """
     g_1, g_2 = list(grounded_1), list(grounded_2)
     p_1, p_2 = map_1.p[g_1], map_2.p[g_2]
-    matched = _associated(map_1, map_2, g_1, g_2, settings.association)
+    matched = _associated(map_1, map_2, g_1, g_2, settings.association, disagreement)
     evidence = Evidence(tuple(g_1), tuple(g_2), tuple((g_1[i], g_2[j]) for i, j in matched.pairs))
     if not g_1 and not g_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), evidence
@@ -78,14 +80,14 @@ def two_visits_recorded(
     query: Query, context: PredictionContext, map_1: ObjectMap, map_2: ObjectMap
 ) -> tuple[Answer | Abstention, Evidence]:
     """``two_visits`` on maps of both visits, with what the query's noun means in them (``means_of``)."""
-    means_1, means_2 = (means_of(query, context, which, made) for which, made in zip(VISITS, (map_1, map_2), strict=True))
+    means_1, means_2 = (means_of(query, context, made, which) for which, made in zip(VISITS, (map_1, map_2), strict=True))
     return two_visits(query.relation, map_1, map_2, means_1, means_2, context.settings)
 
 
-def means_of(query: Query, context: PredictionContext, which: str, objects: ObjectMap) -> tuple[int, ...]:
-    """Which objects of a map of the visit `which` the query's noun means: by their features, or the true ones if given."""
+def means_of(query: Query, context: PredictionContext, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
+    """Which objects of a map that was made of `visits` the query's noun means: by their features, or the true ones if given."""
     if context.privileged_grounding:
-        return context.true_objects(which, objects.p)
+        return context.true_objects(objects, *visits)
     return grounded(objects.f, context.noun(noun(query.category)), context.settings.grounding.similarity_margin)
 
 
@@ -128,7 +130,12 @@ def single_visit_pick(relation: Relation, tracks_2: Sequence[ArrayLike], reachab
 
 
 def _associated(
-    map_1: ObjectMap, map_2: ObjectMap, g_1: list[int], g_2: list[int], constants: sections.Association
+    map_1: ObjectMap,
+    map_2: ObjectMap,
+    g_1: list[int],
+    g_2: list[int],
+    constants: sections.Association,
+    disagreement: np.ndarray | None,
 ) -> Association:
     return associate(
         map_1.p[g_1],
@@ -137,4 +144,5 @@ def _associated(
         map_2.f[g_2],
         gate_m=constants.gate_m,
         feature_scale_m=constants.feature_scale_m,
+        disagreement=None if disagreement is None else disagreement[np.ix_(g_1, g_2)],
     )

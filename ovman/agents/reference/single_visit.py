@@ -65,4 +65,4 @@ def agent(context: AgentContext) -> SingleVisitAgent:
 def predict(query: Query, context: PredictionContext) -> tuple[UniformPick | UniformBox | Abstention, Evidence]:
     """The static arms single_visit and grounding_single_visit."""
     objects = context.map("second")
-    return one_visit(query.relation, objects, means_of(query, context, "second", objects), context.reachable)
+    return one_visit(query.relation, objects, means_of(query, context, objects, "second"), context.reachable)

@@ -26,15 +26,29 @@ class Source(StrEnum):
     HANDED = "handed"
 
 
+class Reading(StrEnum):
+    """Which objects of its own map an arm is told that the noun means.
+
+    MAJORITY: those most of whose detections truly show the category; ANY: those with one such detection; NEAREST: the object
+    nearest to each true position, within the success radius.
+    """
+
+    MAJORITY = "majority"
+    ANY = "any"
+    NEAREST = "nearest"
+
+
 class Need(StrEnum):
     """What an arm is given beside the query and its observations.
 
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
-    embeddings of nouns; NETWORKS: the detector and the encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns.
+    embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
+    encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns.
     """
 
     TOURS = "tours"
     MAPS = "maps"
+    MAINTAINED = "maintained"
     NETWORKS = "networks"
     DUALMAP = "dualmap"
 
@@ -59,6 +73,9 @@ class Arm(Section):
     system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
     memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
     grounding: Whence = Field(Source.OWN, description="whether it finds out itself what the noun means")
+    reading: Annotated[Reading, Field(strict=False)] = Field(
+        Reading.MAJORITY, description="which objects of its map the noun means, where its grounding is handed"
+    )
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
     needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
@@ -79,9 +96,16 @@ class Arm(Section):
     cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
 
     @property
+    def reads_labels(self) -> bool:
+        """Whether it is given what the detections of its map truly show."""
+        handed = self.grounding is Source.HANDED and self.positions is Source.OWN and self.answer is Source.OWN
+        return handed and self.kind is Kind.STATIC and self.reading is not Reading.NEAREST
+
+    @property
     def reads_sightings(self) -> bool:
         """Whether it is given what the tours truly recorded. An arm that is given the answer has no use for it."""
-        return self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
+        handed = self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
+        return handed and not self.reads_labels
 
 
 WORDS = ("system", "memory")
@@ -125,6 +149,17 @@ def arms_of(arms: Mapping[str, Arm]) -> tuple[Arm, ...]:
 def of_kind(arms: Iterable[Arm], kind: Kind) -> tuple[Arm, ...]:
     """The arms of one kind, in their order."""
     return tuple(arm for arm in arms if arm.kind is kind)
+
+
+def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
+    """The names of the arms that differ from an earlier one in nothing but the reading: they have a table of their own."""
+    found, met = set(), set[str]()
+    for arm in arms:
+        entry = arm.model_dump_json(exclude={"name", "reading"})
+        if entry in met:
+            found.add(arm.name)
+        met.add(entry)
+    return frozenset(found)
 
 
 def named(arms: Sequence[Arm], name: str) -> Arm:

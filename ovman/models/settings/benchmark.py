@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from ovman.models.settings.values import Count, Listed, Metres, Probability, Section, Some, Whole
+from ovman.models.settings.values import Count, Fraction, Listed, Metres, Probability, Section, Some, Whole
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 
@@ -79,8 +79,7 @@ class Primitives(Section):
 class Mover(Section):
     """What moves on its own in MOVING episodes."""
 
-    step_m: Metres = Field(description="metres per agent action")
-    lane_min_m: Metres = Field(description="metres, shortest lane")
+    step_m: Metres = Field(description="metres per agent action, and the spacing of its lattice")
     pause_probability: Probability = Field(description="probability per agent action")
     turn_probability: Probability = Field(description="probability per agent action")
 
@@ -91,6 +90,10 @@ class Candidates(Section):
     draws: PerRelation = Field(description="candidates per relation and scene")
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    spawn_beyond_m: Annotated[float, Field(ge=0)] = Field(description="metres, from the spawn to whatever a stop is judged by")
+    crowding_m: Annotated[float, Field(ge=0)] = Field(
+        description="metres, no other instance of the category is this near to the answer"
+    )
 
 
 class Measurement(Section):
@@ -109,6 +112,7 @@ class Admissibility(Section):
     validity_radius_m: Metres = Field(description="metres")
     drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    above_chance: Annotated[float, Field(ge=0, le=1)] = Field(description="by which a uniform pick of an instance may exceed 1/n")
     runs: Some = Field(description="certification runs")
 
 
@@ -140,6 +144,21 @@ class Grounding(Section):
     """Which map objects a noun means."""
 
     similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+
+
+class Appearance(Section):
+    """Cues of appearance in the association cost, fitted on one split and tested on another. No arm reads it."""
+
+    agent: str = Field(description="static arm with maps of both visits whose grounding and rules the variants keep")
+    hue_bins: Annotated[Some, Field(le=180)] = Field(description="bins of the histograms' hue")
+    saturation_bins: Annotated[Some, Field(le=256)] = Field(description="and of their saturation")
+    extent_share: Fraction = Field(description="share of a mask's points that its extent spans along each axis")
+    least_extent_m: Metres = Field(description="metres, a shorter side counts as this long")
+    weight_step: Annotated[float, Field(ge=0.005, le=1)] = Field(description="of the grid of weights, which sum to 1")
+    equal_scales: bool = Field(
+        description="whether cues are scaled to the mean disagreement of the features before they are weighed"
+    )
+    least_pairs: Some = Field(description="pairs of each kind, same and different, from which on weights are fitted")
 
 
 class SingleVisit(Section):

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
-from ovman.models.settings.arms import Arm, Kind
+from ovman.models.settings.arms import Arm, Kind, Need
 from ovman.models.settings.values import Section
 
 
@@ -37,6 +37,13 @@ ByArm = Annotated[dict[str, str], BeforeValidator(_without_nulls)]
 """By the name of an arm, in the order of the tables; an entry that is null is left out."""
 
 
+class Memory(Section):
+    """Two static arms that answer from the maps of both visits and from that of the second, with the same perception."""
+
+    arm: str = Field(description="the arm that keeps both visits")
+    baseline: str = Field(description="the arm that has the second alone")
+
+
 class Comparisons(Section):
     """Which arms are tested against each other, and which ones single tables are about.
 
@@ -44,10 +51,17 @@ class Comparisons(Section):
     """
 
     agent: str = Field(description="static arm whose failures are told apart, and that held-out sentences are put to")
+    memory: Memory = Field(
+        description="whose margin is re-derived under other thresholds; its `arm` is asked again under other gates"
+    )
     rungs: ByArm = Field(description="rungs of the error budget from the lowest: static arms, each with its title")
     pairs: Pairs = Field(description="pairs of arms with one answer an episode and seed, by title")
     pairings: Pairs = Field(description="pairs of static arms of which at least one has several runs, by title")
+    readings: ByArm = Field(
+        description="static arms of the table of readings, each with the map that it reads; a map's first is its baseline"
+    )
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
+    shortcuts: ByArm = Field(description="arms that ignore the relation, each with what is said of it beside the chance of 1/n")
 
 
 class PaperRows(Section):
@@ -65,7 +79,18 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
             ("comparisons", "agent"),
             f"is {comparisons.agent}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
         )
-    for section in ("rungs", "difficulty"):
+    for role, name in comparisons.memory:
+        if name not in of_kind[Kind.STATIC]:
+            yield (
+                ("comparisons", "memory", role),
+                f"is {name}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
+            )
+        elif set(arms[name].needs) - {Need.MAPS} or arms[name].reads_sightings or arms[name].reads_labels or arms[name].runs > 1:
+            yield (
+                ("comparisons", "memory", role),
+                f"is {name}; name an arm that needs maps at most, is handed nothing and runs once",
+            )
+    for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):
             if name in of_kind[Kind.EMBODIED]:
                 yield ("comparisons", section, name), "is an embodied arm; name a static one"

@@ -8,6 +8,7 @@ from ovman.models.settings.arms import Arms
 from ovman.models.settings.baselines import Cow, Dualmap, Locobot
 from ovman.models.settings.benchmark import (
     Admissibility,
+    Appearance,
     Association,
     Benchmark,
     Camera,
@@ -24,6 +25,8 @@ from ovman.models.settings.benchmark import (
 )
 from ovman.models.settings.comparisons import Comparisons, PaperRows
 from ovman.models.settings.networks import Perception, Training
+from ovman.models.settings.sensitivity import GateSweep, Sensitivity
+from ovman.models.settings.splits import Splits
 from ovman.models.settings.values import Section
 
 
@@ -36,6 +39,7 @@ class Settings(Section):
     primitives: Primitives
     mover: Mover
     candidates: Candidates
+    splits: Splits
     measurement: Measurement
     admissibility: Admissibility
     success: Success
@@ -43,8 +47,11 @@ class Settings(Section):
     maps: Maps
     grounding: Grounding
     association: Association
+    appearance: Appearance
     single_visit: SingleVisit
     evaluation: Evaluation
+    sensitivity: Sensitivity
+    gate_sweep: GateSweep
     dualmap: Dualmap
     training: Training
     locobot: Locobot

@@ -32,7 +32,12 @@ def listed(value: Any) -> Any:
     """A mapping of a setting as JSON that keeps its order: a list of its entries, which have their names, or of its items."""
     if not isinstance(value, dict):
         return value
-    return [dict(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
+    return [_plain(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
+
+
+def _plain(value: Any) -> Any:
+    """A section as a mapping, and sections in it."""
+    return {name: _plain(one) for name, one in value} if isinstance(value, Section) else value
 
 
 def _by_name(entries: list[Any], kind: Any) -> dict[str, Any]:

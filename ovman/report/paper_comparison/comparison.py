@@ -28,9 +28,10 @@ _LANGUAGE = (
     ("object understood", What.OBJECT, ""),
     ("relation understood", What.RELATION, ""),
     ("both understood", What.BOTH, "parser_accuracy"),
-    ("success, noun and relation supplied", What.SUPPLIED, "success_supplied"),
-    ("success, relation inferred", What.RELATION_INFERRED, "success_inferred"),
-    ("success, noun and relation inferred", What.INFERRED, ""),
+    ("success, noun and relation supplied", What.SUPPLIED, ""),
+    ("success, relation inferred", What.RELATION_INFERRED, ""),
+    ("success, noun inferred", What.NOUN_INFERRED, "success_supplied"),
+    ("success, noun and relation inferred", What.INFERRED, "success_inferred"),
 )
 
 

@@ -57,6 +57,15 @@ class Reading(BaseModel):
     least_rows: int = 1
     minus: Reading | None = None
 
+    def of_arms(self, arms: Mapping[str, str]) -> Reading:
+        """The same number of other arms: rows of the paper by the rows that they stand for."""
+
+        def other(text: str | tuple[str, ...]) -> str | tuple[str, ...]:
+            return arms.get(text, text) if isinstance(text, str) else tuple(arms.get(one, one) for one in text)
+
+        where = {column: other(text) for column, text in self.where.items()}
+        return self.model_copy(update={"where": where, "minus": self.minus and self.minus.of_arms(arms)})
+
 
 @dataclass(frozen=True, slots=True)
 class Cell:

@@ -1,4 +1,4 @@
-"""The stage "paper_comparison": the page that sets our results beside the paper's (docs/results.md), and its charts."""
+"""The stage "paper_comparison": the page that sets our results beside the paper's (docs/results.md)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jinja2 import Environment, StrictUndefined
 from ovman.analysis.frames import rows_of, typed
 from ovman.analysis.scores import Score
 from ovman.models.settings import Settings
-from ovman.report.paper_comparison import charts, comparison
+from ovman.report.paper_comparison import comparison
 from ovman.report.paper_comparison import statement as statements
 from ovman.report.paper_comparison.comparison import beside_paper, embodied, static
 from ovman.report.paper_comparison.explanations import EXPLANATIONS, Explanation, beside
@@ -22,11 +22,12 @@ from ovman.report.paper_comparison.paper import PAPER, Paper
 from ovman.report.paper_comparison.statement import Form, Judgement, Quantity, Verdict, every, judged
 from ovman.report.paper_comparison.writing import EMPTY, papers, written
 from ovman.report.tables.perception import bars
-from ovman.report.tables.table import pipe_table
+from ovman.report.tables.position import POSITION, position_table
+from ovman.report.tables.table import markdown_body, pipe_table
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
 FIGURES = "figures"
-"""Directory of the charts beside the page, under results/ and under docs/ alike."""
+"""Directory of the figures beside the page, under results/ and under docs/ alike."""
 OWN_WEIGHTS = "models/"
 
 
@@ -38,6 +39,7 @@ class Sources:
     statements: Path = statements.STATEMENTS
     explanations: Path = EXPLANATIONS
     template: Path = TEMPLATE
+    position: Path = POSITION
 
 
 _SUMMARY: tuple[tuple[str, str, Reading], ...] = (
@@ -59,7 +61,7 @@ _COSTS = {
 }
 USED = frozenset({"taxonomy.episodes.all", *_COSTS.values(), *(f"{row}.all" for _, row, _ in _SUMMARY)})
 """Keys of the paper's figures that the page shows outside of its tables and statements."""
-_MARK = {Verdict.HOLDS: "✓ holds", Verdict.FAILS: "✗ does not hold", Verdict.UNKNOWN: "? cannot be told"}
+_MARK = {Verdict.HOLDS: "✓", Verdict.FAILS: "✗", Verdict.SOME: "◐", Verdict.UNKNOWN: "?"}
 _BREAK = "<br>"
 _RATES = {
     "recall": "recall of true masks",
@@ -72,22 +74,17 @@ _RATES = {
 }
 
 
-def run(
-    metrics_files: Sequence[Path], sources: Sources, constants: Settings, *, page: Path, budget_chart: Path, memory_chart: Path
-) -> None:
-    """Write the page (Markdown) and its two charts (PNG). Byte-stable.
+def run(metrics_files: Sequence[Path], sources: Sources, constants: Settings, *, page: Path) -> None:
+    """Write the page (Markdown), which links to the figures beside it. Byte-stable.
 
     metrics_files: csv files of results/metrics by their names; a figure that is in none of them makes its verdicts "cannot be
     told" and its cells empty. constants: what the stage owns. Raises ValueError in one line for files that contradict themselves.
     """
     metrics = Metrics.load(metrics_files, arms_by_row(constants.comparisons, constants.paper))
     page.write_text(rendered(metrics, sources, constants), encoding="utf-8", newline="\n")
-    paper = Paper.read(sources.paper)
-    charts.budget(metrics, paper, budget_chart)
-    charts.memory(metrics, paper, memory_chart)
     for judgement in (judged(statement, metrics) for statement in every(statements.read(sources.statements))):
         print(
-            f"{judgement.statement.key}: {judgement.verdict}" + (f" ({judgement.missing})" if judgement.missing else ""),
+            f"{judgement.statement.key}: {mark(judgement)}" + (f" ({judgement.missing})" if judgement.missing else ""),
             flush=True,
         )
 
@@ -98,7 +95,7 @@ def rendered(
     """The page, Markdown. explanations: those of the sources if not given."""
     paper, groups = Paper.read(sources.paper), statements.read(sources.statements)
     if explanations is None:
-        explanations = read_explanations(every(groups), sources.explanations)
+        explanations = read_explanations(every(groups), sources.explanations, paper)
     judgements = {group.title: [judged(statement, metrics) for statement in group.statements] for group in groups}
     verdicts = Counter({verdict.value: 0 for verdict in Verdict})
     verdicts.update(judgement.verdict.value for group in judgements.values() for judgement in group)
@@ -118,26 +115,17 @@ def rendered(
         encoder=perception.encoder,
         trained_here=all(name.weights.startswith(OWN_WEIGHTS) for name in (perception.detector, perception.encoder)),
         confidence=f"{100 * constants.evaluation.confidence:.6g} %",
-        failing=[
-            _named(judgement, numbers)
-            for group in judgements.values()
-            for judgement in group
-            if judgement.verdict is Verdict.FAILS
-        ],
-        untold=[
-            _named(judgement, numbers)
-            for group in judgements.values()
-            for judgement in group
-            if judgement.verdict is Verdict.UNKNOWN
-        ],
+        failing=_all_named(Verdict.FAILS, judgements, numbers),
+        hanging=_all_named(Verdict.SOME, judgements, numbers),
+        untold=_all_named(Verdict.UNKNOWN, judgements, numbers),
         groups=[
             {
                 "title": title,
                 "table": _table(group, numbers, paper),
                 "notes": [
-                    {"number": numbers[judgement.statement.key], "text": note}
+                    {"number": numbers[judgement.statement.key], "text": "\n\n".join(filter(None, notes))}
                     for judgement in group
-                    if (note := beside(judgement, explanations)) is not None
+                    if any(notes := (readings_of(judgement), beside(judgement, explanations, metrics, paper, numbers)))
                 ],
                 "decided": [_decided(judgement, numbers, paper) for judgement in group],
             }
@@ -151,6 +139,7 @@ def rendered(
         language=comparison.language(metrics, paper),
         origins="; ".join(comparison.origins(metrics)),
         perception=_perception(metrics),
+        position=markdown_body(position_table(sources.position)),
         figures=FIGURES,
         **{
             name: papers(paper[key], Form.COUNT if key != "mapping_s_an_episode" else Form.EXPECTED)
@@ -158,6 +147,11 @@ def rendered(
         },
     )
     return text.rstrip("\n") + "\n"
+
+
+def _all_named(verdict: Verdict, judgements: Mapping[str, Sequence[Judgement]], numbers: Mapping[str, int]) -> list[str]:
+    """The statements with a verdict."""
+    return [_named(judgement, numbers) for group in judgements.values() for judgement in group if judgement.verdict is verdict]
 
 
 def _named(judgement: Judgement, numbers: Mapping[str, int]) -> str:
@@ -180,12 +174,37 @@ def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper)
             _BREAK.join(quantity.label for quantity in judgement.statement.figures.values()),
             _BREAK.join(_here(judgement, name) for name in judgement.statement.figures),
             _BREAK.join(_papers(quantity, paper) for quantity in judgement.statement.figures.values()),
-            _MARK[judgement.verdict].replace(" ", "\u00a0"),
+            mark(judgement),
         ]
         for judgement in group
     ]
     heads = ["#", "the paper says", "figure", "here", "paper", "verdict"]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, ["-:", "-", "-", "-:", "-:", "-"], *rows))
+
+
+def mark(judgement: Judgement) -> str:
+    """A verdict with its sign; where it hangs on the reading, with those under which the claim holds."""
+    words = str(judgement.verdict)
+    if judgement.verdict is Verdict.SOME:
+        under = judgement.under(Verdict.HOLDS)
+        words = f"holds under {_some(len(under), len(judgement.readings))} only: {', '.join(under)}"
+    return f"{_MARK[judgement.verdict]} {words}".replace(" ", "\u00a0" if judgement.verdict is not Verdict.SOME else " ")
+
+
+def _some(under: int, of: int) -> str:
+    return "one reading" if under == 1 else f"{under} of {of} readings"
+
+
+def readings_of(judgement: Judgement) -> str | None:
+    """What a claim comes to under every reading of the definition that it hangs on, a list; None for one reading."""
+    if judgement.statement.readings is None:
+        return None
+    lines = []
+    for name, reading in judgement.readings.items():
+        quantities = reading.statement.figures.items()
+        figures = "; ".join(f"{quantity.label} {_here(reading, key)}" for key, quantity in quantities if quantity.decides)
+        lines.append(f"- {_MARK[reading.verdict]} *{name}* – {reading.verdict}: {reading.missing or figures}")
+    return "\n".join([f"It hangs on a definition: {judgement.statement.readings.definition}.", "", *lines])
 
 
 def _here(judgement: Judgement, name: str) -> str:
@@ -207,6 +226,10 @@ def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper) -> 
     lines = [f"- **{number}** `{statement.key}` holds if {statement.rule}. Paper: {at}."]
     if judgement.missing:
         lines.append(f"  - cannot be told: {judgement.missing}")
+    for name, reading in list(judgement.readings.items())[1:]:
+        another = "" if reading.statement.rule == statement.rule else f"holds if {reading.statement.rule}; "
+        sources = "; ".join(cell.source for cell in reading.cells.values())
+        found_at.append(f"  - read as *{name}*: {another}{sources or reading.missing}")
     return "\n".join(lines + found_at)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -22,10 +22,11 @@ _EXPRESSIONS = SandboxedEnvironment(undefined=StrictUndefined)
 
 
 class Verdict(StrEnum):
-    """UNKNOWN: a figure that the test needs is not among the metrics."""
+    """SOME: it holds under one reading of a definition, not under another. UNKNOWN: a figure that the test needs is missing."""
 
     HOLDS = "holds"
     FAILS = "does not hold"
+    SOME = "holds under some readings only"
     UNKNOWN = "cannot be told"
 
 
@@ -45,7 +46,8 @@ def _compiled(text: str) -> TemplateExpression:
     return _EXPRESSIONS.compile_expression(text, undefined_to_none=False)
 
 
-def _expression(text: str) -> str:
+def expression(text: str) -> str:
+    """The text of an expression over figures. Raises ValueError for one that cannot be parsed."""
     try:
         _compiled(text)
     except TemplateSyntaxError as error:
@@ -74,12 +76,55 @@ class Quantity(BaseModel):
         if (self.read is None) == (self.of is None):
             raise ValueError("a figure has either read or of")
         if self.of is not None:
-            _expression(self.of)
+            expression(self.of)
+        return self
+
+
+class Other(BaseModel):
+    """Another reading of a definition.
+
+    arms: rows of the arms that are read instead, by the rows that they take the place of. rule, holds: another test; the
+    statement's if not given.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    arms: Mapping[str, str] = {}
+    rule: str | None = None
+    holds: str | None = None
+
+    @model_validator(mode="after")
+    def _another(self) -> Self:
+        if (self.rule is None) != (self.holds is None):
+            raise ValueError("another test has both rule and holds")
+        if not self.arms and self.holds is None:
+            raise ValueError("another reading has other arms or another test")
+        if self.holds is not None:
+            expression(self.holds)
+        return self
+
+
+class Readings(BaseModel):
+    """definition: what the paper's text leaves open. own: the reading that the statement's figures are of. others: by name."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    definition: Annotated[str, Field(min_length=1)]
+    own: Annotated[str, Field(min_length=1)]
+    others: Annotated[Mapping[str, Other], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        if self.own in self.others:
+            raise ValueError(f"{self.own} is the name of two readings")
         return self
 
 
 class Statement(BaseModel):
-    """claim: the paper's, in our words. rule: the test in words. holds: the test, an expression over the deciding figures."""
+    """claim: the paper's, in our words. rule: the test in words. holds: the test, an expression over the deciding figures.
+
+    readings: where the claim hangs on a definition that can be read in several ways.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -88,11 +133,21 @@ class Statement(BaseModel):
     figures: Mapping[str, Quantity]
     rule: Annotated[str, Field(min_length=1)]
     holds: str
+    readings: Readings | None = None
 
     @model_validator(mode="after")
     def _test(self) -> Self:
-        _expression(self.holds)
+        expression(self.holds)
         return self
+
+    def under(self, other: Other) -> Statement:
+        """The statement under another reading, which has no readings itself."""
+        figures = {
+            name: quantity.model_copy(update={"read": quantity.read and quantity.read.of_arms(other.arms)})
+            for name, quantity in self.figures.items()
+        }
+        test = {"rule": other.rule or self.rule, "holds": other.holds or self.holds}
+        return self.model_copy(update={"figures": figures, "readings": None, **test})
 
 
 class Group(BaseModel):
@@ -135,21 +190,43 @@ def every(groups: Iterable[Group]) -> tuple[Statement, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """A statement with its figures here (those that were found, by name) and the verdict; missing: what could not be found."""
+    """A statement with its figures here (those that were found, by name) and the verdict; missing: what could not be found.
+
+    readings: of a statement with several, what comes of each, by name, its own first.
+    """
 
     statement: Statement
     verdict: Verdict
     cells: Mapping[str, Cell] = field(default_factory=dict)
     missing: str | None = None
+    readings: Mapping[str, Judgement] = field(default_factory=dict)
+
+    def under(self, verdict: Verdict) -> tuple[str, ...]:
+        """The names of the readings with a verdict."""
+        return tuple(name for name, reading in self.readings.items() if reading.verdict is verdict)
 
 
 def judged(statement: Statement, metrics: Metrics) -> Judgement:
-    """The verdict on a statement. Raises ValueError only for metrics that contradict themselves."""
+    """The verdict on a statement. Raises ValueError only for metrics that contradict themselves.
+
+    Where its own reading cannot be told, nothing can; where another cannot, the verdict is that of the others.
+    """
+    own = _judged(statement, metrics)
+    if statement.readings is None:
+        return own
+    others = {name: _judged(statement.under(other), metrics) for name, other in statement.readings.others.items()}
+    readings = {statement.readings.own: own, **others}
+    told = {reading.verdict for reading in readings.values()} - {Verdict.UNKNOWN}
+    differ = own.verdict is not Verdict.UNKNOWN and len(told) > 1
+    return replace(own, verdict=Verdict.SOME if differ else own.verdict, readings=readings)
+
+
+def _judged(statement: Statement, metrics: Metrics) -> Judgement:
     cells: dict[str, Cell] = {}
     missing = None
     for name, quantity in statement.figures.items():
         try:
-            cells[name] = _figure(quantity, cells, metrics)
+            cells[name] = figure(quantity, cells, metrics)
         except Missing as error:
             if quantity.decides and missing is None:
                 missing = str(error)
@@ -160,15 +237,22 @@ def judged(statement: Statement, metrics: Metrics) -> Judgement:
     return Judgement(statement, Verdict.HOLDS if holds else Verdict.FAILS, cells)
 
 
-def _figure(quantity: Quantity, cells: Mapping[str, Cell], metrics: Metrics) -> Cell:
+def figure(quantity: Quantity, cells: Mapping[str, Cell], metrics: Metrics) -> Cell:
+    """The number of a quantity; cells: those that an expression may name. Raises Missing where it cannot be known."""
     if quantity.read is not None:
         return metrics.read(quantity.read)
     values = {name: cell.value for name, cell in cells.items()}
     text = quantity.of or ""
-    if absent := [name for name in _names(text) if name not in values]:
+    if absent := [name for name in names(text) if name not in values]:
         raise Missing(f"{absent[0]} is not known")
     return Cell(float(_compiled(text)(**values) or 0.0), text)
 
 
-def _names(text: str) -> list[str]:
+def true(expression: str, cells: Mapping[str, Cell]) -> bool:
+    """Whether an expression over figures is true of them."""
+    return bool(_compiled(expression)(**{name: cell.value for name, cell in cells.items()}))
+
+
+def names(text: str) -> list[str]:
+    """The figures that an expression names."""
     return sorted(meta.find_undeclared_variables(_EXPRESSIONS.parse(f"{{{{ {text} }}}}")))

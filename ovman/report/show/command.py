@@ -25,7 +25,7 @@ def show(
     line, for what cannot be shown.
     """
     settings = config.load(Path(config_file))
-    results = Results(Path(results_dir), arms_of(settings.arms))
+    results = Results(Path(results_dir), arms_of(settings.arms), settings.splits)
     if not patterns and not all_of_them:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
     chosen = results.chosen(["*"] if all_of_them else patterns)

@@ -19,6 +19,7 @@ from ovman.models.episode import Episode
 from ovman.models.geometry import Point
 from ovman.models.prediction import Prediction
 from ovman.models.settings import Arm, Kind, Need, Settings, Source, of_kind
+from ovman.models.settings.arms import other_readings
 from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster
 from ovman.report.show.results import MAKE, Results, ShowError
@@ -82,11 +83,14 @@ class Reasoning:
 def reasonings(results: Results, episode: Episode, settings: Settings) -> list[Reasoning]:
     """The evidence of the arms that associate both visits, own maps first, as far as the results have it.
 
-    Arms that pick at random (`expected`) associate nothing. The others record their evidence or are handed positions.
+    Arms that pick at random (`expected`) associate nothing. The others record their evidence or are handed positions. Of the
+    readings of what is handed over one is shown.
     """
     found = []
     predictions = {arm: next(iter(runs.values())) for arm, runs in results.predictions(episode.id).items()}
-    arms = [arm for arm in of_kind(results.arms, Kind.STATIC) if arm.name in predictions and not arm.expected]
+    left = other_readings(results.arms)
+    static = [arm for arm in of_kind(results.arms, Kind.STATIC) if arm.name not in left]
+    arms = [arm for arm in static if arm.name in predictions and not arm.expected]
     maps = [clusters for which in VISITS if (clusters := results.map(episode, which)) is not None]
     if len(maps) == len(VISITS):
         noun = results.nouns.get(episode.noun)

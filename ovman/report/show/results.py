@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import difflib
 import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 from ovman.models.scene import Scene
-from ovman.models.settings import Arm, Kind, of_kind
+from ovman.models.settings import MAIN, Arm, Kind, of_kind
 from ovman.models.sighting import Sightings
 from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
@@ -36,16 +36,17 @@ class ShowError(ValueError):
 class Results:
     """The results in `directory`. Every reader but `episodes` and `scene` returns None or nothing for a missing file.
 
-    arms: of the settings.
+    arms: of the settings. splits: their names for those beside the benchmark's own.
     """
 
-    def __init__(self, directory: Path, arms: Sequence[Arm]) -> None:
-        self.directory, self.arms = Path(directory), tuple(arms)
+    def __init__(self, directory: Path, arms: Sequence[Arm], splits: Iterable[str] = ()) -> None:
+        self.directory, self.arms, self.splits = Path(directory), tuple(arms), tuple(splits)
 
     @cached_property
     def episodes(self) -> Mapping[str, Episode]:
-        """The episodes by id, in the order of the file. ShowError for a missing file."""
-        return {episode.id: episode for episode in Episode.load(self._needed("episodes/main.jsonl"))}
+        """The episodes of all splits by id, in the order of the files. ShowError where those of the main split are missing."""
+        files = [self._needed(f"episodes/{MAIN}.jsonl"), *self._of_splits("episodes/{}.jsonl")]
+        return {episode.id: episode for file in files for episode in Episode.load(file)}
 
     def chosen(self, patterns: Sequence[str]) -> list[str]:
         """The ids that match any of the patterns (shell wildcards), in the order of the file.
@@ -104,8 +105,9 @@ class Results:
         return {arm: answered[episode] for arm, answered in self._predictions.items() if episode in answered}
 
     def static_verdict(self, arm: str, run: int, episode: str) -> Mapping[str, str] | None:
-        """The row of `static_outcomes.csv`."""
-        return self._verdicts(STATIC_OUTCOMES).get((arm, str(run), episode))
+        """The row of `static_outcomes.csv`, or of the outcomes of the episode's split."""
+        split = self.episodes[episode].split
+        return self._verdicts(STATIC_OUTCOMES if split == MAIN else f"{split}_outcomes.csv").get((arm, str(run), episode))
 
     def embodied_verdicts(self, arm: str, episode: str) -> Mapping[int, Mapping[str, str]]:
         """The rows of `embodied_outcomes.csv` by seed."""
@@ -127,10 +129,15 @@ class Results:
             raise ShowError(f"{path} is missing; make it with `{MAKE}`, or name another directory with --results")
         return path
 
+    def _of_splits(self, name: str) -> list[Path]:
+        """The files of the splits beside the benchmark's own that are there. name: with {} for the split."""
+        paths = [self.directory / name.format(split) for split in self.splits]
+        return [path for path in paths if path.is_file()]
+
     @cached_property
     def _sightings(self) -> Mapping[str, Sightings]:
-        path = self.directory / "episodes" / "sightings.jsonl"
-        return {one.episode: one for one in Sightings.read(path)} if path.is_file() else {}
+        paths = [self.directory / "episodes" / "sightings.jsonl", *self._of_splits("episodes/{}_sightings.jsonl")]
+        return {one.episode: one for path in paths if path.is_file() for one in Sightings.read(path)}
 
     @cache  # noqa: B019
     def _maps(self, scene: str) -> Mapping[str, tuple[Cluster, ...]]:
@@ -154,11 +161,12 @@ class Results:
     def _predictions(self) -> Mapping[str, Mapping[str, Mapping[int, Prediction]]]:
         found: dict[str, dict[str, dict[int, Prediction]]] = {}
         for arm in of_kind(self.arms, Kind.STATIC):
-            path = self.directory / "predictions" / f"{arm.name}.jsonl"
-            if path.is_file():
-                answered = found.setdefault(arm.name, {})
-                for one in sorted(Prediction.read(path), key=lambda one: one.seed):
-                    answered.setdefault(one.episode, {})[one.seed] = one
+            of_splits = self._of_splits(f"predictions/{{}}/{arm.name}.jsonl")
+            for path in (self.directory / "predictions" / f"{arm.name}.jsonl", *of_splits):
+                if path.is_file():
+                    answered = found.setdefault(arm.name, {})
+                    for one in sorted(Prediction.read(path), key=lambda one: one.seed):
+                        answered.setdefault(one.episode, {})[one.seed] = one
         return found
 
     @cache  # noqa: B019

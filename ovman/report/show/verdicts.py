@@ -120,6 +120,8 @@ def _why(reason: str, relation: Relation) -> str:
     unmatched = f"no object of the {visit} visit is left unmatched"
     if reason == AbstentionReason.DISPLACEMENT_BELOW_TAU:
         return f"{unmatched}, and no pair moved far enough"
+    if reason == AbstentionReason.NO_COUNTERPART:
+        return "several candidates, and nothing in the other visit to tell them apart by"
     if reason == AbstentionReason.NO_CANDIDATE:
         if relation is Relation.STABLE:
             return "nothing is matched"

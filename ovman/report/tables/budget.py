@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
+from ovman.models.settings import Settings, Source
 from ovman.report.tables.columns import ALL, numbers, p_values, percent, range_column, signed, span, three, words
 from ovman.report.tables.table import DATA, Table
 
@@ -12,6 +12,8 @@ from ovman.report.tables.table import DATA, Table
 def budget_table(steps: pd.DataFrame, settings: Settings) -> Table:
     """The rungs over all episodes. steps: rows of `Step`."""
     confidence = settings.evaluation.confidence
+    here = [settings.arms[arm] for arm in settings.comparisons.rungs if arm in settings.arms]
+    read = dict.fromkeys(str(arm.reading) for arm in here if arm.grounding is Source.HANDED and arm.positions is Source.OWN)
     rows = steps[steps["relation"] == ALL].drop(columns=["relation", "successes"])
     rows["range"] = [span(low, high) for low, high in zip(rows["low"], rows["high"], strict=True)]
     columns = (
@@ -30,6 +32,7 @@ def budget_table(steps: pd.DataFrame, settings: Settings) -> Table:
     caption = (
         "Error budget of the two-visit agent, static gate: each rung hands over one source of error more. Gained, lost: "
         "episodes, against the line above; p: exact two-sided McNemar test on them. The answer given succeeds by definition. "
+        f"Grounding is handed over by the reading {', '.join(read) or 'of no arm'} (table readings). "
         f"Ranges are Wilson {percent(confidence)} intervals."
     )
     return Table(caption, columns, rows)

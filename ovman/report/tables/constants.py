@@ -50,12 +50,14 @@ SHOWN: tuple[Shown, ...] = (
     Shown("primitives.stall_after", "", "stall: no successful move for", "actions"),
     Shown("admissibility.validity_radius_m", "", "validity radius", "m"),
     Shown("candidates.spawn_clearance_m", "", "spawn clearance", "m"),
+    Shown("candidates.spawn_beyond_m", "", "a spawn is farther from where a stop succeeds than", "m"),
+    Shown("admissibility.above_chance", "", "excess of a uniform pick over 1/n, at most", ""),
+    Shown("candidates.crowding_m", "", "other instances are farther from the answer than", "m"),
     Shown("admissibility.drift_tolerance_m", "", "drift tolerance", "m"),
     Shown("admissibility.runs", "", "certification runs after the feasibility run", ""),
     Shown("mover.step_m", "", "mover step per agent action", "m"),
-    Shown("mover.lane_min_m", "", "shortest lane of a mover", "m"),
     Shown("mover.pause_probability", "", "mover pauses, per agent action", ""),
-    Shown("mover.turn_probability", "", "mover turns back early, per agent action", ""),
+    Shown("mover.turn_probability", "", "mover turns unbarred, per agent action", ""),
     Shown("single_visit.samples", "", "Monte Carlo draws of the single-visit baseline", ""),
 )
 

@@ -31,6 +31,7 @@ ROWS = {
     What.BOTH: ("object and relation", UNDERSTOOD),
     What.SUPPLIED: ("noun and relation supplied", SUCCESS),
     What.RELATION_INFERRED: ("noun supplied, relation inferred", SUCCESS),
+    What.NOUN_INFERRED: ("noun inferred, relation supplied", SUCCESS),
     What.INFERRED: ("noun and relation inferred", SUCCESS),
 }
 

@@ -8,6 +8,7 @@ import pandas as pd
 
 from ovman.analysis.rates import Interval
 from ovman.models.settings import Arm, Kind, Settings, Source, arms_of, of_kind
+from ovman.models.settings.arms import other_readings
 from ovman.report.tables.columns import (
     ALL,
     ARM_COLUMNS,
@@ -34,11 +35,14 @@ def static_table(rates: pd.DataFrame, settings: Settings) -> Table:
     """The static gate, one row an arm that has rates. rates: rows of `Rate`.
 
     Arms on their own come first, then those with grounding and with positions handed over, each in the order of the settings.
-    Raises ValueError for an arm that is not static.
+    Arms that differ from another in the reading of what is handed over stand in the table of readings instead. Raises ValueError
+    for an arm that is not static.
     """
     confidence = settings.evaluation.confidence
-    arms = sorted(of_kind(arms_of(settings.arms), Kind.STATIC), key=handed_over)
-    rows = _by_arm(rates, arms, ALL).join(arms_frame(settings)).rename(columns={"seeds": "runs"})
+    every = arms_of(settings.arms)
+    left = other_readings(every)
+    arms = sorted((arm for arm in of_kind(every, Kind.STATIC) if arm.name not in left), key=handed_over)
+    rows = _by_arm(rates[~rates["arm"].isin(left)], arms, ALL).join(arms_frame(settings)).rename(columns={"seeds": "runs"})
     rows[SECTION] = [_section(arm) for arm in arms if arm.name in rows.index]
     caption = (
         f"Static gate: the predicted point must fall within {settings.success.radius_m} m of the answer; rates over n episodes. "
@@ -92,13 +96,15 @@ def embodied_table(rates: pd.DataFrame, settings: Settings) -> Table:
 
 
 def _by_arm(rates: pd.DataFrame, arms: Sequence[Arm], whole: str) -> pd.DataFrame:
-    """A row an arm, in the order of `arms`: the rates of each relation and, as `whole`, over all; and n, seeds, spl, interval."""
+    """A row an arm, in the order of `arms`: the rates of each relation (NaN where it has no episodes) and, as `whole`,
+    over all; and n, seeds, spl, interval."""
     names = [arm.name for arm in arms]
     if strangers := sorted({*rates["arm"]} - {*names}):
         raise ValueError(f"{strangers[0]!r} is not an arm of this table; its arms are {', '.join(names)}")
     renamed = rates.assign(relation=rates["relation"].replace(ALL, whole))
     parts = [
-        renamed.pivot(index="arm", columns="relation", values=column).add_suffix(suffix) for column, suffix in _SUFFIXES.items()
+        renamed.pivot(index="arm", columns="relation", values=column).reindex(columns=[*RELATIONS, whole]).add_suffix(suffix)
+        for column, suffix in _SUFFIXES.items()
     ]
     over_all = rates[rates["relation"] == ALL].set_index("arm")
     marks = [MARK if interval == Interval.POISSON_BINOMIAL else "" for interval in over_all["interval"]]

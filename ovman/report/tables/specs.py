@@ -2,39 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import pandas as pd
 
+from ovman.analysis.appearance import Appearance
 from ovman.analysis.budget import Step
 from ovman.analysis.difficulty import Difficulty
 from ovman.analysis.dualmap_objects import Objects
+from ovman.analysis.fragments import Fragments
 from ovman.analysis.language import LanguageRate
 from ovman.analysis.localisation import Localised
+from ovman.analysis.mover import MoverDistance
 from ovman.analysis.navigation import Navigation
 from ovman.analysis.own_task import OwnTask
 from ovman.analysis.pairings import Pairing
+from ovman.analysis.probes import GateRate, ReadAs
 from ovman.analysis.rates import Rate
+from ovman.analysis.readings import HandedOver
+from ovman.analysis.rescued import Rescued
 from ovman.analysis.scenes import SceneRate
 from ovman.analysis.scores import Score
+from ovman.analysis.sensitivity import Margin
+from ovman.analysis.shortcuts import Shortcut
 from ovman.analysis.significance import Comparison
 from ovman.analysis.spread import Pass
 from ovman.analysis.taxonomy import TaxonomyCount
 from ovman.models.settings import Kind, Settings
+from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.backprojection import backprojection_table
 from ovman.report.tables.budget import budget_table
 from ovman.report.tables.difficulty import difficulty_table
 from ovman.report.tables.dualmap import dualmap_table
+from ovman.report.tables.fragments import fragments_table
 from ovman.report.tables.language import language_table
+from ovman.report.tables.mover import mover_table
 from ovman.report.tables.navigation import navigation_table
 from ovman.report.tables.own_task import own_task_table
 from ovman.report.tables.perception import perception_table
+from ovman.report.tables.probes import gate_sweep_table, read_as_table
 from ovman.report.tables.rates import embodied_table, static_table
+from ovman.report.tables.readings import readings_table
 from ovman.report.tables.rejections import RejectionCount, rejections_table
+from ovman.report.tables.rescued import rescued_table
 from ovman.report.tables.scenes import scenes_table
 from ovman.report.tables.seeds import seeds_table
+from ovman.report.tables.sensitivity import sensitivity_table
+from ovman.report.tables.shortcuts import shortcuts_table
 from ovman.report.tables.significance import pairings_table, significance_table
+from ovman.report.tables.splits import split_rejections_table, split_table
 from ovman.report.tables.table import Table
 from ovman.report.tables.taxonomy import taxonomy_table
 
@@ -58,13 +76,38 @@ SPECS: Mapping[str, TableSpec] = {
     "navigation": TableSpec(Navigation, navigation_table),
     "difficulty": TableSpec(Difficulty, difficulty_table),
     "budget": TableSpec(Step, budget_table),
+    "readings": TableSpec(HandedOver, readings_table),
     "pairings": TableSpec(Pairing, pairings_table),
+    "shortcuts": TableSpec(Shortcut, shortcuts_table),
+    "rescued": TableSpec(Rescued, rescued_table),
     "own_task": TableSpec(OwnTask, own_task_table),
     "seeds": TableSpec(Pass, seeds_table),
     "scenes": TableSpec(SceneRate, scenes_table),
+    "mover": TableSpec(MoverDistance, mover_table),
     "language": TableSpec(LanguageRate, language_table),
     "perception": TableSpec(Score, perception_table),
     "backprojection": TableSpec(Localised, backprojection_table),
+    "sensitivity": TableSpec(Margin, sensitivity_table),
+    "gate_sweep": TableSpec(GateRate, gate_sweep_table),
+    "read_as": TableSpec(ReadAs, read_as_table),
+    "fragments": TableSpec(Fragments, fragments_table),
+    "appearance": TableSpec(Appearance, appearance_table),
     "dualmap": TableSpec(Objects, dualmap_table),
 }
 """By the name of the metrics that it shows."""
+
+
+def spec_of(metric: str, splits: Iterable[str] = ()) -> TableSpec:
+    """Of which rows and by which function the table of a file of metrics is made. splits: those beside the benchmark's own.
+
+    Raises KeyError for metrics that no table shows.
+    """
+    of_splits = {
+        name: spec
+        for split in splits
+        for name, spec in (
+            (f"{split}_rates", TableSpec(Rate, partial(split_table, split), Kind.STATIC)),
+            (f"{split}_rejections", TableSpec(RejectionCount, partial(split_rejections_table, split))),
+        )
+    }
+    return {**SPECS, **of_splits}[metric]

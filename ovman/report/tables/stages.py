@@ -12,19 +12,32 @@ from ovman.analysis.registry import in_static_tables, table_of
 from ovman.models.note import sentence
 from ovman.models.settings import Kind, Settings, arms_of
 from ovman.report.tables.constants import constants_table
-from ovman.report.tables.specs import SPECS
+from ovman.report.tables.position import POSITION, position_table
+from ovman.report.tables.specs import SPECS, spec_of
 from ovman.report.tables.table import Table, csv_text, latex, markdown
 
 
-def run(metrics_files: Sequence[Path], constants: Settings, output_dir: Path, notes: Sequence[Path] = ()) -> None:
-    """Write the table of each file of metrics, and that of the constants, into output_dir, made if need be. Byte-stable.
+def run(
+    metrics_files: Sequence[Path],
+    constants: Settings,
+    output_dir: Path,
+    notes: Sequence[Path] = (),
+    position: Path = POSITION,
+) -> None:
+    """Write the table of each file of metrics, that of the constants and that of prior work into output_dir, made if need be.
+
+    Byte-stable. position: the rows on prior work.
 
     metrics_files: files that the registry has a table for. constants: what the stage owns. notes: records of whether plug-ins
     made their arms' records, each called after its plug-in; the tables of these arms say which did not.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    made = {table_of(path.stem): noted(table(path, constants), SPECS[path.stem].kind, notes, constants) for path in metrics_files}
-    write({"constants": constants_table(constants), **made}, output_dir)
+    splits = list(constants.splits)
+    made = {
+        table_of(path.stem, splits): noted(table(path, constants), spec_of(path.stem, splits).kind, notes, constants)
+        for path in metrics_files
+    }
+    write({"position": position_table(position), "constants": constants_table(constants), **made}, output_dir)
 
 
 def run_static(episodes: Path, predictions: Sequence[Path], constants: Settings, output_dir: Path) -> None:
@@ -40,7 +53,7 @@ def run_static(episodes: Path, predictions: Sequence[Path], constants: Settings,
 
 def table(path: Path, constants: Settings) -> Table:
     """The table of a file of metrics. Raises ValueError, one line that names the file, where its rows contradict themselves."""
-    spec = SPECS[path.stem]
+    spec = spec_of(path.stem, () if path.stem in SPECS else constants.splits)
     rows = frames.read(path, spec.rows)
     try:
         return spec.make(rows, constants)

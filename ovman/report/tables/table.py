@@ -125,10 +125,14 @@ def csv_text(table: Table) -> str:
 
 def markdown(table: Table) -> str:
     """The caption, an empty line, the table, and a line feed at the end."""
-    columns, cells = table.columns_in(Format.MARKDOWN), table.cells(Format.MARKDOWN)
     caption = textwrap.wrap(table.caption, CAPTION_WIDTH, break_long_words=False, break_on_hyphens=False)
-    body = cells.to_numpy().tolist()
-    return "\n".join([*caption, ""]) + "\n" + pipe_table([c.title for c in columns], body, [c.numeric for c in columns])
+    return "\n".join([*caption, ""]) + "\n" + markdown_body(table)
+
+
+def markdown_body(table: Table) -> str:
+    """The table without its caption, with a line feed at the end."""
+    columns, body = table.columns_in(Format.MARKDOWN), table.cells(Format.MARKDOWN).to_numpy().tolist()
+    return pipe_table([column.title for column in columns], body, [column.numeric for column in columns])
 
 
 def pipe_table(header: Sequence[str], body: Sequence[Sequence[str]], numeric: Sequence[bool]) -> str:

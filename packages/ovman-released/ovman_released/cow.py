@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import ovman
+import ovman_engine
 import ovman_released
 from ovman.models.episode import Episode
 from ovman.models.note import Note
@@ -45,6 +46,7 @@ NEEDS = Needs(
         "sklearn": "scikit-learn",
         "networkx": "networkx",
         "trimesh": "trimesh",
+        "matplotlib": "matplotlib",
         "threadpoolctl": "threadpoolctl",
         "ftfy": "ftfy",
         "regex": "regex",
@@ -82,7 +84,7 @@ def call(share: Sequence[Episode], seed: int, constants: StageSettings, director
     job = Job(root, directory / "results", directory / "verdicts.jsonl", constants.canonical, seed, tuple(share))
     job.write(directory / "job.json")
     command = [settings.python, "-m", "ovman_released.cow_process", str(directory / "job.json")]
-    packages = linked(directory / "packages", ovman, ovman_released)
+    packages = linked(directory / "packages", ovman, ovman_engine, ovman_released)
     return subprocess.Popen(command, stdin=subprocess.PIPE, env=environment(packages) | {COMMAND: executable()})
 
 

@@ -36,6 +36,7 @@ NEEDS = interpreter.Needs(
         "rerun": "rerun-sdk==0.22.1",
         "kornia": "kornia",
         "natsort": "natsort",
+        "imageio": "imageio",
         "dill": "dill",
     },
     versions={},

@@ -32,35 +32,11 @@ from ovman_released.interpreter import environment, linked
 ROOT = Path(__file__).parents[3]
 STAND_INS = Path(__file__).parent / "stand_ins"
 SCENE = "FloorPlan429"
-GONE, MOVED, PAPER = "SideTable|-01.53|+00.00|-00.17", "SideTable|+00.79|+00.00|-01.82", "ToiletPaper|-00.04|+00.94|-03.87"
 
-REMOVED = released(f"{SCENE}/removed/0000", spawn={"x": -1.0, "z": -2.75, "yaw_deg": 0.0})
-SHIFTED = released(f"{SCENE}/moved/0002", spawn={"x": -0.25, "z": -0.5, "yaw_deg": 180.0})
-NOW = {"id": PAPER, "category": "ToiletPaper", "x": 0.0, "z": -2.25, "track": []}
-MOTION = {
-    "instance": PAPER,
-    "kind": "motion",
-    "before": {"x": -0.0387, "y": 0.94, "z": -3.867},
-    "after": {"x": 0.0, "y": 0.9, "z": -2.25},
-    "path": [{"x": 0.0, "z": -2.75}, {"x": 0.0, "z": -2.25}],
-    "placement": None,
-    "height_m": 0.9,
-    "lane": {"x_0": 0.0, "z_0": -2.75, "x_1": 0.0, "z_1": -0.75},
-}
-MOVING = released(
-    f"{SCENE}/moved/0002",
-    id=f"{SCENE}/moving/0000",
-    relation="moving",
-    category="ToiletPaper",
-    target=PAPER,
-    changes=[MOTION],
-    world_2=[NOW],
-    spawn={"x": -0.5, "z": -1.5, "yaw_deg": 90.0},
-    answer={"x": 0.0, "z": -2.25},
-    nearest_navigable={"x": -0.25, "z": -2.25},
-    shortest_path_m=1.0,
-    mover={"instance": PAPER, "along_m": 0.5, "direction": 1},
-)
+REMOVED = released(f"{SCENE}/removed/0002", spawn={"x": -1.0, "z": -2.75, "yaw_deg": 0.0})
+SHIFTED = released(f"{SCENE}/moved/0000", spawn={"x": -0.25, "z": -0.5, "yaw_deg": 270.0})
+MOVING = released("FloorPlan318/moving/0007")
+SCENES = (SCENE, MOVING.scene)
 EPISODES = (SHIFTED, REMOVED, MOVING)
 
 
@@ -107,10 +83,12 @@ def files(tmp_path_factory):
 def ran(set_up, files, tmp_path_factory):
     """The records of the stage under two seeds, the status, and the journal."""
     place = tmp_path_factory.mktemp("ran")
-    outputs = {(seed, SCENE): place / f"seed{seed}.jsonl" for seed in (0, 1)}
+    outputs = {(seed, scene): place / scene / f"seed{seed}.jsonl" for seed in (0, 1) for scene in SCENES}
     journal = place / "journal.jsonl"
     cow.run(files, constants(*set_up[:3]), outputs, place / "status.json", journal)
-    records = {seed: [json.loads(line) for line in path.read_text().splitlines()] for (seed, _), path in outputs.items()}
+    records: dict[int, list] = {seed: [] for seed in (0, 1)}
+    for (seed, _), path in outputs.items():
+        records[seed] += [json.loads(line) for line in path.read_text().splitlines()]
     return records, place / "status.json", journal
 
 
@@ -127,7 +105,7 @@ def test_a_stop_is_measured_where_it_was_made_and_a_spent_budget_is_not(ran):
         assert removed["actions"] == 6 and removed["path_length_m"] == 0.0 and removed["stop"] is None
         assert shifted["actions"] == 3 and 0.4 < shifted["path_length_m"] < 0.6
         stop = shifted["stop"]["x"], shifted["stop"]["z"]
-        assert math.dist(stop, (-0.25, -0.5)) == pytest.approx(shifted["path_length_m"], abs=0.02)
+        assert math.dist(stop, (SHIFTED.spawn.x, SHIFTED.spawn.z)) == pytest.approx(shifted["path_length_m"], abs=0.02)
         assert shifted["answer_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.answer), abs=1e-3)
         assert shifted["navigable_distance_m"] == pytest.approx(math.dist(stop, SHIFTED.nearest_navigable), abs=1e-3)
         assert set(shifted["visible_px"]) == {"0", "30", "60"}
@@ -135,11 +113,14 @@ def test_a_stop_is_measured_where_it_was_made_and_a_spent_budget_is_not(ran):
 
 def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
     shifted, removed, _ = ran[0][0]
-    assert {MOVED, GONE} <= set(shifted["instances"]) and "instances" not in removed
-    own = shifted["instances"][MOVED]
+    assert set(shifted["instances"]) == SHIFTED.world_2.ids and "instances" not in removed
+    own = shifted["instances"][SHIFTED.target]
     assert (own["box_distance_m"], own["visible_px"]) == (shifted["box_distance_m"], shifted["visible_px"])
-    # It stands where it was put, not where it stood: from there its box is nearer than its former place.
-    assert own["box_distance_m"] < math.dist((shifted["stop"]["x"], shifted["stop"]["z"]), (0.79, -1.82))
+    # It stands where it was put, not where it stood, which is more than half a metre nearer.
+    (change,) = SHIFTED.changes
+    stop = shifted["stop"]["x"], shifted["stop"]["z"]
+    before, after = (math.dist(stop, (place.x, place.z)) for place in (change.before, change.after))
+    assert before + 0.5 < own["box_distance_m"] < after
 
 
 def test_the_runner_is_told_of_all_objects_of_the_changed_world():
@@ -150,7 +131,7 @@ def test_the_runner_is_told_of_all_objects_of_the_changed_world():
         untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
         stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)
         assert {o["objectId"] for o in stands.reset(SCENE).metadata["objects"]} == untouched
-        stands.step("SetObjectFilter", objectIds=[MOVED])
+        stands.step("SetObjectFilter", objectIds=[SHIFTED.target])
         assert {o["objectId"] for o in stands.step("RotateLeft").metadata["objects"]} == untouched
     finally:
         stands.stop()
@@ -179,9 +160,10 @@ def test_a_finished_call_is_not_made_again_wherever_the_clone_is_now(ran, set_up
     python.chmod(0o755)
     journal = tmp_path / "journal.jsonl"
     shutil.copy(ran[2], journal)
-    outputs = {(1, SCENE): tmp_path / "seed1.jsonl"}
+    outputs = {(1, scene): tmp_path / f"{scene}.jsonl" for scene in SCENES}
     cow.run(files, constants(moved, set_up[1], str(python)), outputs, tmp_path / "status.json", journal)
-    assert [json.loads(line) for line in outputs[1, SCENE].read_text().splitlines()] == ran[0][1]
+    made = [json.loads(line) for path in outputs.values() for line in path.read_text().splitlines()]
+    assert made == ran[0][1]
     with pytest.raises(RuntimeError, match="status 9"):
         cow.run(files, constants(moved, set_up[1], str(python), budget=5), outputs, tmp_path / "s.json", journal)
 

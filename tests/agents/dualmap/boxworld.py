@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import count
 from pathlib import Path
 
 import numpy as np
@@ -66,14 +67,15 @@ def walk(
 ) -> list[list[ObjectObservation]]:
     """The keyframes of a walk: views (x, z, yaw in degrees) of a camera at 0.9 m with a field of view of 90 degrees."""
     rng = np.random.default_rng(seed)
-    frames = []
+    frames: list[list[ObjectObservation]] = []
+    numbered = count()
     for number, (x, z, yaw) in enumerate(views):
         eye, ahead = np.array([x, 0.9, z]), np.array([np.sin(np.radians(yaw)), np.cos(np.radians(yaw))])
         seen = []
         for box in boxes:
             towards = np.array([box.centre[0] - x, box.centre[2] - z])
             if 0.5 < np.linalg.norm(towards) < 5 and towards @ ahead > np.linalg.norm(towards) * np.cos(np.radians(42)):
-                seen.append(observation(box, eye, number, rng, runs))
+                seen.append(replace(observation(box, eye, number, rng, runs), number=next(numbered)))
         frames.append(seen)
     return frames
 

@@ -13,7 +13,7 @@ from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, UniformPick
 from ovman.evaluation.context import EpisodeContext
 from ovman.language import noun
-from ovman.models.settings import Kind, Settings, Source
+from ovman.models.settings import Kind, Reading, Settings, Source
 from ovman.models.settings.arms import ArmJob
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.task import Query, Relation
@@ -64,7 +64,7 @@ def recorded(
         for which in VISITS
     }
     sightings = Sightings(episode=EPISODE.id, sightings=VisitPair[tuple[Sighting, ...]](**seen))
-    arm = ArmJob(name="dualmap", kind=Kind.STATIC, agent="m:f", grounding=grounding)
+    arm = ArmJob(name="dualmap", kind=Kind.STATIC, agent="m:f", grounding=grounding, reading=Reading.NEAREST)
     return EpisodeContext(np.random.default_rng(0), run, SETTINGS, EPISODE, arm, Seen(*runs), sightings)
 
 

@@ -70,6 +70,21 @@ def test_a_maintained_map_goes_on_from_the_first_visit_as_if_it_had_been_one_wal
     assert content(whole) == content(parts)
 
 
+@pytest.mark.parametrize("maps", [LOCAL, GLOBAL], ids=list(Maintained))
+def test_every_object_knows_its_observations_and_a_maintained_map_counts_them_through_both_walks(maps: RunMaps):
+    """What an observation shows is the class that the boxes say; objects of other classes have none of it."""
+    shows = {name: [one.class_id for seen in frames for one in seen] for name, frames in WALKS.items()}
+    for name, mapped in maps.visits.items():
+        for entry in mapped.entries:
+            assert {shows[name][k] for k in entry.members} == {entry.class_id}
+            assert len(entry.members) == len({*entry.members.tolist()}) == entry.observations
+    for pair, mapped in maps.maintained.items():
+        both = [*shows[pair[0]], *shows[pair[1]]]
+        every = [k for entry in mapped.entries for k in entry.members.tolist()]
+        assert len(every) == len({*every}) and max(every) >= len(shows[pair[0]])
+        assert all({both[k] for k in entry.members} == {entry.class_id} for entry in mapped.entries)
+
+
 def test_runs_differ_in_their_points_and_orders_and_each_is_its_own_every_time(tmp_path: Path):
     files = []
     for name in ("once", "again"):
@@ -100,6 +115,7 @@ def test_maps_are_read_as_they_were_written(tmp_path: Path):
                     assert np.array_equal(x.position, y.position) and x.feature == pytest.approx(y.feature, abs=1e-6)
                     names = ("sort", "class_id", "observations", "first_seen", "last_seen")
                     assert [getattr(x, n) for n in names] == [getattr(y, n) for n in names]
+                    assert np.array_equal(x.members, y.members)
 
 
 def test_an_object_map_has_the_one_place_and_the_last_keyframe_of_every_object():

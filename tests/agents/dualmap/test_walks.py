@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,6 +16,7 @@ from ovman.agents.dualmap.walks import Assigned, Memory
 from ovman.models.change import Alteration
 from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera
+from ovman.perception.labels import read_labels
 from ovman.sim.session import AgentPose
 from ovman.sim.walk import Frame
 from ovman.workflow.config import load
@@ -27,7 +29,10 @@ RUNS = 2
 
 def frame(grey: int, view: int | None = None, x: float = 0.0) -> Frame:
     rgb, depth = np.full((4, 4, 3), grey, np.uint8), np.ones((4, 4), np.float32)
-    return Frame(rgb, depth, Camera((x, 1.0, 0.0), 0.0, 0.0, 90.0), AgentPose(x, 0.0, 0.0), view)
+    # The left half of the frame shows a chair, the right half the shell of the room.
+    numbers = np.where(np.arange(4) < 2, 3 | 2 << 8 | 1 << 16 | 255 << 24, 9).astype(np.uint32) * np.ones((4, 1), np.uint32)
+    masks = SimpleNamespace(instance_segmentation_frame_uint32=numbers, instance_colors={"Chair|1": [3, 2, 1]})
+    return Frame(rgb, depth, Camera((x, 1.0, 0.0), 0.0, 0.0, 90.0), AgentPose(x, 0.0, 0.0), view, masks)
 
 
 def visit_of(name: str) -> Visit:
@@ -36,7 +41,10 @@ def visit_of(name: str) -> Visit:
 
 
 class Observer:
-    """Sees one object in each frame, of as many points as it is grey, where the runs draw them; remembers at what it looked."""
+    """Sees one object in each frame, of as many points as it is grey, where the runs draw them; remembers at what it looked.
+
+    Its mask is the chair's where the frame's grey is even, else the shell's.
+    """
 
     classes = SimpleNamespace(names=("chair", "cup"), low_mobility=np.array([True, False]))
 
@@ -49,7 +57,11 @@ class Observer:
             Shot(
                 (
                     FrameObject(
-                        1, np.eye(4, dtype=np.float32)[0], 0.5, tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs)
+                        1,
+                        np.eye(4, dtype=np.float32)[0],
+                        0.5,
+                        tuple(d.random((f.rgb[0, 0, 0], 3), np.float32) for d in runs),
+                        (np.arange(4) < 2) == (f.rgb[0, 0, 0] % 2 == 0) & np.ones((4, 1), bool),
                     ),
                 ),
                 2.5,
@@ -94,10 +106,17 @@ def job(monkeypatch, tmp_path):
             raise KeyboardInterrupt
         yield from told[of.recorded.visit][1:]
 
+    scene = tmp_path / "FloorPlan1.json"
+    chair = {"id": "Chair|1", "category": "Chair", "moveable": True, "pickupable": False, "receptacle": True, "parents": []}
+    chair |= dict.fromkeys(("position", "size"), {"x": 1.0, "y": 1.0, "z": 1.0})
+    record = {"schema": "ovman-scene/1", "scene": "FloorPlan1", "start": {"x": 0.0, "z": 0.0}, "floor_y": 0.0, "reachable": [],
+              "components": [], "waypoints": [], "objects": [chair]}  # fmt: skip
+    scene.write_text(json.dumps(record))
+
     def run(output, names="abc"):
         state.walked, state.observer = [], Observer()
         of = {n: Assigned(visit_of(n), released()[0]) for n in names}
-        walks.run("FloorPlan1", of, constants, state.kept, tmp_path / output)
+        walks.run(scene, of, constants, state.kept, tmp_path / output, tmp_path / f"labels of {output}")
         return tmp_path / output
 
     monkeypatch.setattr(walks, "frames", frames)
@@ -119,6 +138,12 @@ def test_a_killed_job_goes_on_with_the_walk_that_it_was_in_and_writes_the_same(j
     again = job.run("again.npz")
     assert job.walked == ["b", "c"] and job.observer.looked_at == [5, 6]
     assert again.read_bytes() == whole.read_bytes()
+    labels = [read_labels(tmp_path / f"labels of {name}.npz") for name in ("whole", "again")]
+    for made in labels:
+        assert {name: one.category.tolist() for name, one in made.items()} == {"a": [-1, 0], "b": [0, -1], "c": [-1, 0]}
+        assert all(one.categories == ("Chair",) and one.pixels.tolist() == [8, 8] for one in made.values())
+    observed = {name: [one.number for seen in walk.frames for one in seen] for name, walk in read_walks(whole).items()}
+    assert observed == dict.fromkeys("abc", [0, 1])
     assert job.run("once more.npz").read_bytes() == whole.read_bytes() and job.walked == []
 
 

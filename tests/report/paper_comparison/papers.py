@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 from itertools import product
+from pathlib import Path
 
 import pandas as pd
 
+from ovman.models.settings.sensitivity import THRESHOLDS
 from ovman.report.paper_comparison.comparison import RELATIONS
 from ovman.report.paper_comparison.metrics import ALL, Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Figure, Paper
@@ -17,15 +19,19 @@ Files = dict[str, list[dict[str, str]]]
 SEEDS = ("0", "1", "2")
 EVERY = (*RELATIONS, ALL)
 DUALMAP = tuple(f"{rung}dualmap_{memory}" for rung, memory in product(("", "grounding_"), ("maintained", "two_visits")))
-STATIC = (
-    *(f"{rung}{memory}" for rung, memory in product(("", "grounding_", "positions_"), ("single_visit", "two_visits"))),
-    *DUALMAP,
-)
+STATIC = tuple(CONFIG.paper.static)
+READINGS = ("", "_any", "_nearest")
+"""Endings of the arms, and of their rows, by the reading of what is handed over."""
 EMBODIED = ("cow", "single_visit_embodied", "two_visits_embodied", "two_visits_oracle_positions", "oracle_check")
 ARMS_BY_ROW = arms_by_row(CONFIG.comparisons, CONFIG.paper)
 ROW_OF = {arm: row for row, arm in ARMS_BY_ROW.items() if row != "agent"}
 """The row of the paper by arm: "static.two"."""
 VERDICTS = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance")
+
+
+def printed(row: str) -> str:
+    """The row of the paper with the figures that a row of ours, "static.grounding_two_any", is compared with."""
+    return row.removesuffix("_any").removesuffix("_nearest").replace("maintained", "one")
 
 
 def number(figure: Figure) -> float:
@@ -38,6 +44,13 @@ def number(figure: Figure) -> float:
 def metrics_of(files: Mapping[str, list[dict[str, str]]]) -> Metrics:
     """Metrics of rows by the names of the files; a cell that a row lacks is empty."""
     return Metrics({name.removesuffix(".csv"): _frame(rows) for name, rows in files.items()}, ARMS_BY_ROW)
+
+
+def written_files(directory: Path, files: Files) -> list[Path]:
+    """The files in a directory, as the stages that make metrics write them."""
+    for name, rows in files.items():
+        _frame(rows).to_csv(directory / name, index=False, lineterminator="\n")
+    return [directory / name for name in files]
 
 
 def _frame(rows: list[dict[str, str]]) -> pd.DataFrame:
@@ -66,7 +79,7 @@ def papers_files() -> Files:
     n = {relation: get(f"taxonomy.episodes.{relation}") for relation in EVERY}
 
     def rate(arm: str, relation: str) -> dict[str, str]:
-        value = get(f"{ROW_OF[arm]}.{relation}")
+        value = get(f"{printed(ROW_OF[arm])}.{relation}")
         return _row(
             arm=arm,
             relation=relation,
@@ -112,8 +125,8 @@ def papers_files() -> Files:
 
     def paired(arm: str, baseline: str, run: str, against: str, relation: str) -> dict[str, str]:
         """The worst pairing is the first; the others make up for it so that the mean is the difference of the means."""
-        mean = get(f"{ROW_OF[arm]}.{relation}") - get(f"{ROW_OF[baseline]}.{relation}")
-        handed = (arm, baseline) == ("grounding_dualmap_two_visits", "grounding_dualmap_maintained")
+        mean = get(f"{printed(ROW_OF[arm])}.{relation}") - get(f"{printed(ROW_OF[baseline])}.{relation}")
+        handed = arm.startswith("grounding_dualmap")
         worst = get(f"dualmap_worst_pairing{'' if relation == ALL else '_former'}") if handed else mean
         first, pairings = (run, against) == ("0", "0"), 9 if handed else 3
         return _row(
@@ -139,11 +152,15 @@ def papers_files() -> Files:
         )
 
     def difficulty(by: str, group: str, arm: str, of: float, value: float) -> dict[str, str]:
-        return _row(by=by, group=group, arm=arm, n=of, successes=value * of, rate=value)
+        low, high = max(0.0, value - 0.1), min(1.0, value + 0.1)
+        return _row(by=by, group=group, arm=arm, n=of, successes=value * of, rate=value, low=low, high=high)
 
     rungs = {
-        "own": {},
+        "own": {"arm": "two_visits", "rate": get("static.two.all"), "low": 0.35, "high": 0.48},
         "grounding handed over": {
+            "rate": get("static.grounding_two.all"),
+            "low": 0.41,
+            "high": 0.54,
             "arm": "grounding_two_visits",
             "gain": get("rung_grounding"),
             "gained": get("handover_wins"),
@@ -151,13 +168,16 @@ def papers_files() -> Files:
             "p": get("handover_p"),
         },
         "positions handed over": {
+            "rate": get("static.positions_two.all"),
+            "low": 0.97,
+            "high": 1.0,
             "arm": "positions_two_visits",
             "gain": get("rung_mapping"),
             "gained": 115,
             "lost": 2,
             "p": 1e-20,
         },
-        "answer given": {"gain": get("rung_selection"), "gained": 1, "lost": 0, "p": 1},
+        "answer given": {"rate": get("answer_given"), "gain": get("rung_selection"), "gained": 1, "lost": 0, "p": 1},
     }
     groups = (("2", "two"), ("3", "three"), ("4+", "more"))
     return {
@@ -175,7 +195,8 @@ def papers_files() -> Files:
         "own_task.csv": [own_task(seed) for seed in SEEDS],
         "pairings.csv": [
             *(
-                paired("grounding_dualmap_two_visits", "grounding_dualmap_maintained", run, against, relation)
+                paired(f"grounding_dualmap_two_visits{reading}", f"grounding_dualmap_maintained{reading}", run, against, relation)
+                for reading in READINGS
                 for run, against in product(SEEDS, SEEDS)
                 for relation in (ALL, "former")
             ),
@@ -226,8 +247,21 @@ def papers_files() -> Files:
             ),
             difficulty("scene", "FloorPlan1", "two_visits", 10, get("worst_scene")),
             difficulty("scene", "FloorPlan7", "two_visits", 10, get("best_scene")),
-            difficulty("scene", "FloorPlan1", "grounding_two_visits", 10, get("worst_scene_grounding")),
-            difficulty("scene", "FloorPlan7", "grounding_two_visits", 10, 0.9),
+            *(
+                difficulty("scene", scene, f"grounding_two_visits{reading}", 10, value)
+                for reading in READINGS
+                for scene, value in (("FloorPlan1", get("worst_scene_grounding")), ("FloorPlan7", 0.9))
+            ),
+        ],
+        "readings.csv": [
+            _row(
+                arm=f"grounding_two_visits{reading}",
+                relation=ALL,
+                gained=get("handover_wins"),
+                lost=get("handover_losses"),
+                p=get("handover_p"),
+            )
+            for reading in READINGS
         ],
         "dualmap.csv": [
             _row(scene=scene, memory="two visits", run=run, objects_mean=get(f"dualmap_objects_{key}"))
@@ -239,9 +273,83 @@ def papers_files() -> Files:
             _row(what=what, relation=ALL, read_as="", n=n[ALL], rate=get(key), origin="made up")
             for what, key in (
                 ("both", "parser_accuracy"),
-                ("supplied", "success_supplied"),
-                ("relation_inferred", "success_inferred"),
+                ("noun_inferred", "success_supplied"),
+                ("inferred", "success_inferred"),
             )
+        ],
+        "rescued.csv": [
+            _row(
+                arm="two_visits_embodied",
+                seed=seed,
+                relation=relation,
+                gained=get("gained_by_navigating"),
+                rescued=rescued,
+                nearest_m=get("rescued_nearest_m"),
+                farthest_m=get("rescued_farthest_m"),
+            )
+            for seed in SEEDS
+            for relation, rescued in (("moving", 5.0), ("stable", 4.0), (ALL, get("rescued_stops")))
+        ],
+        "appearance.csv": [
+            _row(pairs=pairs, cues="clip", fitted_on="", split="multi", relation=ALL, auroc=0.5, rate=get("multi_success"))
+            for pairs in (ALL, "apart")
+        ]
+        + [
+            _row(
+                pairs=pairs,
+                cues=cues,
+                fitted_on="multi",
+                split=split,
+                relation=ALL,
+                auroc=get("multi_best_auroc" if split == "multi" else "multi_held_out_auroc"),
+                rate=get("multi_success_with_appearance"),
+            )
+            for pairs in (ALL, "apart")
+            for split in ("main", "multi")
+            for cues in ("clip + histogram", "clip + histogram + extent")
+        ],
+        "fragments.csv": [
+            _row(
+                relation=relation,
+                seen=30,
+                several=20,
+                objects=2.0 if relation == "moving" else 1.2,
+                grounded=10,
+                grounded_wrong=3,
+                missing=20,
+                missing_wrong=17,
+            )
+            for relation in EVERY
+        ],
+        "gate_sweep.csv": [
+            _row(
+                gate_m=gate_m,
+                in_force=in_force,
+                delta_min_m=get("gate_delta_min_m"),
+                success=success,
+                low=success - 0.05,
+                high=success + 0.05,
+            )
+            for gate_m, in_force, success in (
+                (get("gate_least_m"), "0", 0.4),
+                (get("gate_in_force_m"), "1", 0.4 + get("gate_span")),
+                (get("gate_greatest_m"), "0", 0.41),
+            )
+        ],
+        "read_as.csv": [
+            _row(relation="removed", answered=23, same=23, only_read_as=0, successes=19, successes_read_as=19),
+            _row(relation="former", answered=28, same=28, only_read_as=0, successes=17, successes_read_as=17),
+        ],
+        "sensitivity.csv": [
+            _row(
+                setting=k,
+                in_force="0" if k else "1",
+                margin=margin,
+                released_margin=margin,
+                **dict.fromkeys(THRESHOLDS, 1 + k % 2),
+            )
+            for k in range(int(get("admissibility_settings")) + 1)
+            for margin in [get("static_margin_least" if k % 2 else "static_margin_greatest")]
         ],
         "backprojection.csv": [
             _row(

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from ovman.analysis import metrics
-from ovman.evaluation import predictions
+from ovman.evaluation import labels, predictions
 from ovman.language import noun
-from ovman.models.change import Change, Lane, MoverStart
+from ovman.models.change import Change, MoverStart, Roam
 from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
 from ovman.models.geometry import Position, Spawn
 from ovman.models.record import line, lines
@@ -54,7 +54,7 @@ def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Ch
     here, target = dict(CHAIRS), "Chair|a"
     change = Change(
         instance=target, kind="displace", before=point(here[target]), after=point(ELSEWHERE), path=None, placement=ELSEWHERE,
-        height_m=0.5, lane=None,
+        height_m=0.5, roam=None,
     )  # fmt: skip
     match relation:
         case Relation.MOVED | Relation.FORMER:
@@ -71,8 +71,8 @@ def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Ch
             return here, without, target, None, (change.model_copy(update={"kind": "disable", "after": None}),)
         case Relation.MOVING:
             path = ((0.5, 3.0), (1.2, 3.0), (1.9, 3.0), (2.6, 2.6))
-            lane = Lane(x_0=0.5, z_0=3.0, x_1=2.6, z_1=2.6)
-            motion = {"kind": "motion", "after": point(path[-1]), "path": path, "placement": None, "lane": lane}
+            roam = Roam.over(0.5, 3.0, 0.1, [(column, row) for column in range(22) for row in range(-4, 1)])
+            motion = {"kind": "motion", "after": point(path[-1]), "path": path, "placement": None, "roam": roam}
             moving = change.model_copy(update=motion)
             return here, here | {target: path[-1]}, target, None, (moving,)
 
@@ -120,7 +120,7 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Change], seco
         pixels=np.array([row[3].sum() for row in rows]),
         confidence=np.full(len(rows), 0.9, np.float32),
         packed=PackedMasks.of(np.array([row[3] for row in rows])),
-        content="",
+        content=directory.name,
     )
 
 
@@ -145,7 +145,7 @@ def _episode(relation: Relation, visits: Mapping[str, str], settings: Settings) 
         changes=changes,
         tour=EpisodeTour(waypoints=tuple(WAYPOINTS), headings=2),
         visits=VisitPair[str](**visits),
-        mover=MoverStart(instance=target, along_m=0.0, direction=1) if relation is Relation.MOVING else None,
+        mover=MoverStart(instance=target, position=(2.6, 2.6), heading_deg=0) if relation is Relation.MOVING else None,
         spawn=Spawn(x=1.0, z=1.0, yaw_deg=90.0),
         answer=at,
         nearest_navigable=(float(round(at[0])), float(round(at[1]))),
@@ -207,7 +207,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     """The results directory; tests read it, and copy it to change it."""
     root = tmp_path_factory.mktemp("show") / "results"
     constants = SimpleNamespace(**{name: getattr(settings, name) for name in type(settings).model_fields})
-    for folder in ("episodes", "scenes", "detections", "maps", "predictions"):
+    for folder in ("episodes", "scenes", "detections", "labels", "maps", "predictions"):
         (root / folder).mkdir(parents=True)
     episodes, found = [], {}
     for relation in Relation:
@@ -239,10 +239,13 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     (root / "episodes" / "sightings.jsonl").write_text(lines(map(_sightings, episodes)))
     write_detections(root / "detections" / f"{SCENE}.npz", found)
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
+    tours = [root / "scenes" / f"{SCENE}.json"], [root / "detections" / f"{SCENE}.npz"], root / "visits"
+    labels.run(*tours, [root / "labels" / f"{SCENE}.npz"])
     write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0])})
     files = []
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
+        perceived |= {"labels": [root / "labels" / f"{SCENE}.npz"]} if arm.reads_labels else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
         main = root / "episodes" / "main.jsonl"
         stage = stage_settings(settings, "predictions", arm.name)

@@ -1,10 +1,13 @@
 """Reads the layout "self_collected" as DualMap is said to: natural order, equal counts, depth as float64 metres (H, W, 1)."""
 
+from importlib import import_module
 from pathlib import Path
 
 import cv2
 import numpy as np
 import yaml
+
+import_module("imageio")
 
 
 class Dataset:

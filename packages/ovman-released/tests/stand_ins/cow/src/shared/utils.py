@@ -4,6 +4,7 @@ from enum import Enum
 from importlib import import_module
 
 version = import_module("pkg_resources").packaging.version
+import_module("matplotlib")
 
 
 class EnvTypes(Enum):

@@ -21,10 +21,11 @@ from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera
 from ovman.models.visit import View, Visit
 from ovman.perception import tour_files
+from ovman.report.figures.canvas import INK, PAGE_IN, SMALL_PT, drawing
 
-PANEL_INCHES = 2.6
 PIN = "#ffd23f"
-INK = "#1b1b1e"
+WRAP = 22
+"""Characters in a line of a sentence below a panel, of which six stand side by side on a page."""
 STEM_PX = 34
 BEST_DISTANCE_M = 2.2
 LARGER = 0.1
@@ -83,46 +84,41 @@ def best_view(episode: Episode, first: Visit, second: Visit, constants: Settings
 def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
     """A star on a stem whose foot is at pixel (u, v), so that it hides little of what it marks."""
     top = v - STEM_PX
-    for colour, width in ((INK, 4.0), (PIN, 1.8)):
+    for colour, width in ((INK, 1.8), (PIN, 0.8)):
         axis.plot([u, u], [v, top], color=colour, linewidth=width, solid_capstyle="round")
-    axis.plot(u, v, marker="o", markersize=4.5, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.9)
+    axis.plot(u, v, marker="o", markersize=2.2, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.5)
     face = INK if hollow else PIN
-    axis.plot(u, top, marker="*", markersize=18, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=3.0)
-    axis.plot(u, top, marker="*", markersize=16, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=1.4)
+    axis.plot(u, top, marker="*", markersize=9, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=1.6)
+    axis.plot(u, top, marker="*", markersize=8, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=0.7)
 
 
 def draw(chosen: Sequence[tuple[Episode, Visit, Visit, Path]], constants: Settings, output: Path) -> None:
-    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output` (PNG)."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
+    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output`, and as PDF."""
     camera = constants.camera
     columns = len(chosen)
-    figure, axes = plt.subplots(2, columns, figsize=(PANEL_INCHES * columns, PANEL_INCHES * 2 + 0.9), squeeze=False)
-    for column, (episode, first, second, visits) in enumerate(chosen):
-        relation = episode.relation
-        index, _ = best_view(episode, first, second, constants)
-        point = _pin_point(episode, first, second)
-        for row, visit in enumerate((first, second)):
-            axis = axes[row, column]
-            rgb = tour_files.picture(visits / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
-            axis.imshow(np.divide(rgb, 255, dtype=np.float32))
-            axis.set_xticks([])
-            axis.set_yticks([])
-            for spine in axis.spines.values():
-                spine.set_visible(False)
-            u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
-            if row == 1:
-                _pin(axis, u, v, hollow=relation.past)
-            if column == 0:
-                axis.set_ylabel("first visit" if row == 0 else "second visit", fontsize=11, color=INK)
-        axes[0, column].set_title(relation.value.upper(), fontsize=11, fontweight="bold", color=INK)
-        axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode.sentence}”", 30)), fontsize=10, color=INK)
-    figure.tight_layout(pad=0.6)
-    figure.savefig(output, dpi=110, format="png")
-    plt.close(figure)
+    panel_in = PAGE_IN / len(Relation)
+    with drawing(output) as plt:
+        figure, axes = plt.subplots(2, columns, figsize=(panel_in * columns, panel_in * 2 + 0.75), squeeze=False)
+        for column, (episode, first, second, visits) in enumerate(chosen):
+            relation = episode.relation
+            index, _ = best_view(episode, first, second, constants)
+            point = _pin_point(episode, first, second)
+            for row, visit in enumerate((first, second)):
+                axis = axes[row, column]
+                rgb = tour_files.picture(visits / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
+                axis.imshow(np.divide(rgb, 255, dtype=np.float32))
+                axis.set_xticks([])
+                axis.set_yticks([])
+                for spine in axis.spines.values():
+                    spine.set_visible(False)
+                u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
+                if row == 1:
+                    _pin(axis, u, v, hollow=relation.past)
+                if column == 0:
+                    axis.set_ylabel("first visit" if row == 0 else "second visit")
+            axes[0, column].set_title(relation.value.upper(), fontweight="bold")
+            axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode.sentence}”", WRAP)), fontsize=SMALL_PT)
+        figure.tight_layout(pad=0.3, w_pad=0.4, h_pad=0.4)
 
 
 def run(episodes_file: Path, visits_dir: Path, constants: Settings, output: Path) -> None:

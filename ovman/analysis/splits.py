@@ -1,0 +1,29 @@
+"""The stage "split_metrics": the static arms on a split beside the benchmark's own, one row an (episode, arm, run) and rates."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ovman.analysis import frames
+from ovman.analysis.outcomes import StaticOutcome, read_cases, static_outcomes
+from ovman.analysis.rates import Rate, static_rates
+from ovman.models.prediction import Prediction
+from ovman.models.settings import Settings
+
+
+def run(episodes_file: Path, prediction_files: Sequence[Path], constants: Settings, outcomes_out: Path, rates_out: Path) -> None:
+    """Write the outcomes and the rates of the arms whose predictions these are, in the order of the files.
+
+    constants: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence. Raises ValueError in one line unless
+    each arm answers every episode exactly once in each of its runs.
+    """
+    outcomes = static_outcomes(
+        read_cases(episodes_file),
+        [prediction for file in prediction_files for prediction in Prediction.read(file)],
+        radius_m=constants.success.radius_m,
+        samples=constants.single_visit.samples,
+        seed=constants.benchmark.seed,
+    )
+    frames.write(outcomes_out, StaticOutcome, outcomes)
+    frames.write(rates_out, Rate, static_rates(outcomes, constants.evaluation.confidence))

@@ -1,0 +1,94 @@
+"""Stage `readmitted`: the verdict on every trial under other thresholds, and episodes of all that any admits. Pure.
+
+Nothing is certified anew: admissibility is re-derived from what was measured, and the oracle has run only what the setting in
+force admits. A trial's episode has no certification runs, and its answer does not depend on a threshold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from ovman.generation.release import episode
+from ovman.generation.verdict import against_drift, against_geometry, against_observations
+from ovman.models.admission import Admission
+from ovman.models.episode import Episode
+from ovman.models.record import lines
+from ovman.models.rejection import Rejection
+from ovman.models.scene import Scene
+from ovman.models.settings import MAIN, Settings
+from ovman.models.settings.sensitivity import THRESHOLDS
+from ovman.models.trial import Trial
+from ovman.workflow.parameter import StageSettings
+
+OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")
+"""The thresholds that `against_observations` reads: trials are judged by their tours once for each combination of these."""
+
+
+def settings_of(constants: StageSettings) -> tuple[StageSettings, ...]:
+    """The setting in force, then every setting of section `sensitivity`."""
+    others = constants.sensitivity.settings()
+    return constants, *(constants.with_values({THRESHOLDS[name]: value for name, value in one.items()}) for one in others)
+
+
+def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
+    """The numbers of the settings under which `ovman.generation.verdict.verdict` has nothing against a trial."""
+    candidate, measured = trial.candidate, trial.measured
+    if isinstance(measured.ended, Rejection):
+        return ()
+    seen: dict[tuple[float, ...], bool] = {}
+
+    def observed(constants: Settings) -> bool:
+        key = tuple(_value(constants, THRESHOLDS[name]) for name in OBSERVED)
+        if key not in seen:
+            seen[key] = not any(against_observations(candidate, measured, constants))
+        return seen[key]
+
+    return tuple(
+        number
+        for number, constants in enumerate(settings)
+        if not any(against_geometry(candidate, measured, constants))
+        and measured.sightings is not None
+        and not any(against_drift(measured, constants))
+        and observed(constants)
+    )
+
+
+def run(
+    scene_files: Sequence[Path],
+    trials_files: Sequence[Path],
+    episodes_file: Path,
+    constants: StageSettings,
+    episodes_out: Path,
+    admissions_out: Path,
+) -> None:
+    """Write the episodes of the main split's trials that any setting admits, and which settings admit each; in their order.
+
+    episodes_file: the released ones.
+    """
+    scenes = {scene.scene: scene for file in scene_files for scene in Scene.read(file)}
+    released = {one.id for one in Episode.load(episodes_file)}
+    settings = settings_of(constants)
+    episodes: list[Episode] = []
+    admissions: list[Admission] = []
+    main = (trial for file in trials_files for trial in Trial.read(file) if trial.candidate.split == MAIN)
+    for trial in main:
+        name = trial.candidate.id
+        if numbers := admitting(trial, settings):
+            episodes.append(episode(trial, (), scenes[trial.candidate.scene], constants))
+            admissions.append(Admission(id=name, settings=numbers, released=name in released))
+    if lost := released - {one.id for one in admissions}:
+        raise ValueError(f"{min(lost)} is released, but no setting admits it; make the stages trials and episodes again")
+    episodes_out.write_text(lines(episodes), encoding="utf-8")
+    admissions_out.write_text(lines(admissions), encoding="utf-8")
+    in_force = sum(0 in one.settings for one in admissions)
+    print(
+        f"{len(settings)} settings admit {len(admissions)} trials; {in_force} are admissible, {len(released)} released",
+        flush=True,
+    )
+
+
+def _value(constants: Settings, name: str) -> float:
+    section, _, last = name.partition(".")
+    value: float = getattr(getattr(constants, section), last)
+    return value

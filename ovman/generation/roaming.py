@@ -1,0 +1,139 @@
+"""Where a mover can go from where it stands: free floor on a lattice. Pure geometry on the record of a scene.
+
+The mover is driven through nothing: what stops a placed object, the simulator, does not stop it. So its floor is only what the
+record of the scene shows to be free: where the agent's body has room, and where the instance itself stands.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from ovman.generation.placement import CLEARANCE_M, FreeFloor
+from ovman.models.change import Cell, Roam
+from ovman.models.scene import Scene, SceneObject
+from ovman.sim.change import AGENT_RADIUS_M
+from ovman.sim.mover import WAYS
+
+ON_FLOOR_M = 0.05
+"""What ends this much above the floor stands on something else."""
+SAMPLING_M = 0.15
+"""Largest distance between the points of a box that are looked up on the floor; a disc of the agent's radius bridges it."""
+GROWS_M = 1e-6
+"""Smaller differences of distances are none."""
+
+
+def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Roam | None:
+    """The floor that `item` can roam in steps of `step_m` from where it stands; None if it cannot move from there.
+
+    An instance that something stands on, or that stands on something, cannot: it would drop it, or fall. One that stands closer
+    to others than at a free place (a chair under a table) is pulled straight out first: on such a way no box that is near comes
+    nearer, and those that overlap its own part, and no way is longer than the instance itself.
+    """
+    if item.position.y - item.size.y / 2 > scene.floor_y + ON_FLOOR_M or carries(scene, item):
+        return None
+    here = np.array([item.position.x, item.position.z])
+    low, high = np.floor((floor.cells.min(axis=0) - here) / step_m), np.ceil((floor.cells.max(axis=0) - here) / step_m)
+    columns, rows = (np.arange(min(a, 0), max(b, 0) + 1).astype(int) for a, b in zip(low, high, strict=True))
+    cells = np.array([(column, row) for row in rows for column in columns])
+    apart = _apart(floor, here + step_m * cells)
+    clear = np.all(apart > CLEARANCE_M, axis=1)
+    # Where it stands there is floor, whatever else is there.
+    inside = _inside(floor, here, here + step_m * cells)
+    known = {(int(column), int(row)): k for k, (column, row) in enumerate(cells) if inside[k] or not (column or row)}
+    free: set[Cell] = {cell for cell, k in known.items() if clear[k]} | {(0, 0)}
+    for step in WAYS.values():
+        own_m = 2 * float(np.abs(step) @ floor.half) + CLEARANCE_M
+        free |= set(_way_out(step, int(np.ceil(own_m / step_m)), known, clear, apart))
+    reached = _connected(free)
+    return None if len(reached) == 1 else Roam.over(item.position.x, item.position.z, step_m, reached)
+
+
+def carries(scene: Scene, item: SceneObject) -> bool:
+    """Whether something stands on `item`, or in it, and on nothing else. What stands on the floor is beside or under it."""
+    floors = {o.id for o in scene.objects if o.category == "Floor"}
+    return any(
+        item.id in o.parents and set(o.parents) - floors == {item.id} and o.position.y - o.size.y / 2 > scene.floor_y + ON_FLOOR_M
+        for o in scene.objects
+    )
+
+
+def _apart(floor: FreeFloor, points: np.ndarray) -> np.ndarray:
+    """(M, B) metres between the object's box at each point and every other box, along the axis that parts them best; negative
+    where they overlap."""
+    gap = np.abs(points[:, None] - floor.boxes[None, :, :2]) - floor.half - floor.boxes[None, :, 2:]
+    parted: np.ndarray = gap.max(axis=2)
+    return parted
+
+
+def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(M,) whether the object's box at each of `points` is over known floor and off the waypoints.
+
+    Known floor: within the agent's radius of a cell that it can reach; where the object stands, `here`; and what lies between the
+    two, since the object's own body keeps the agent from it.
+    """
+    from_waypoint = np.hypot(*np.maximum(np.abs(points[:, None] - floor.waypoints) - floor.half, 0.0).transpose(2, 0, 1))
+    inside: np.ndarray = (from_waypoint > AGENT_RADIUS_M + floor.step_m / 4).all(axis=1)
+    across = [np.linspace(-h, h, int(np.ceil(2 * h / SAMPLING_M)) + 1) for h in floor.half]
+    body = np.array([(x, z) for x in across[0] for z in across[1]])
+    tree = KDTree(floor.cells)
+    from_body = np.hypot(*np.maximum(np.abs(floor.cells - here) - floor.half, 0.0).T)
+    beside = floor.cells[from_body <= AGENT_RADIUS_M + floor.step_m]
+    chosen = np.flatnonzero(inside)
+    samples = (points[chosen][:, None] + body).reshape(-1, 2)
+    on_floor = tree.query(samples)[0] <= AGENT_RADIUS_M
+    unsure = np.flatnonzero(~on_floor)
+    on_floor[unsure] = _between(samples[unsure], here, floor.half, beside)
+    inside[chosen] = on_floor.reshape(len(chosen), len(body)).all(axis=1)
+    return inside
+
+
+def _between(points: np.ndarray, centre: np.ndarray, half: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """(M,) whether each of `points` (M, 2) lies between the box and one of `ends` (K, 2): in the hull of both.
+
+    Some t of [0, 1] has the point in the box that is shrunk by 1 - t towards the end: four inequalities linear in t.
+    """
+    found = np.zeros(len(points), bool)
+    for end in ends:
+        least, most = np.zeros(len(points)), np.ones(len(points))
+        for axis in (0, 1):
+            for side in (1, -1):
+                slope = half[axis] - side * (end[axis] - centre[axis])
+                room = half[axis] - side * (points[:, axis] - centre[axis]) + GROWS_M
+                if slope > 0:
+                    most = np.minimum(most, room / slope)
+                elif slope < 0:
+                    least = np.maximum(least, room / slope)
+                else:
+                    most = np.where(room < 0, -1.0, most)
+        found |= least <= most
+    return found
+
+
+def _way_out(step: Cell, most: int, known: dict[Cell, int], clear: np.ndarray, apart: np.ndarray) -> list[Cell]:
+    """The cells straight along `step` until the object stands clear, at most so many steps away; none where it does not."""
+    passed = [(0, 0)]
+    for _ in range(most):
+        last, here = known[passed[-1]], (passed[-1][0] + step[0], passed[-1][1] + step[1])
+        if here not in known:
+            return []
+        before, now = apart[last], apart[known[here]]
+        near = now <= CLEARANCE_M
+        if (now < before - GROWS_M)[near].any() or (now < before + GROWS_M)[now <= 0].any():
+            return []
+        passed.append(here)
+        if clear[known[here]]:
+            return passed
+    return []
+
+
+def _connected(free: set[Cell]) -> set[Cell]:
+    reached, waiting = {(0, 0)}, [(0, 0)]
+    while waiting:
+        column, row = waiting.pop()
+        for columns, rows in WAYS.values():
+            cell = column + columns, row + rows
+            if cell in free and cell not in reached:
+                reached.add(cell)
+                waiting.append(cell)
+    return reached

@@ -1,0 +1,42 @@
+"""What a candidate's alterations mean for its query before any simulator has seen them. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ovman.models.change import Alteration
+from ovman.models.geometry import Point
+from ovman.models.query import Query
+from ovman.models.scene import Scene
+from ovman.models.world_state import Instance, WorldState
+from ovman.task import answer, crowding
+
+
+@dataclass(frozen=True)
+class Script:
+    """A query about a target of an untouched scene, and what scripted alterations of the scene mean for it."""
+
+    scene: Scene
+    query: Query
+    target: str
+
+    def answer(self, first: Sequence[Alteration], second: Sequence[Alteration]) -> Point:
+        """Where the query is answered (Eq. 3) if everything comes to lie where it is put, metres."""
+        return answer(self._world(first), self._world(second), self.query, self.target)
+
+    def crowded(self, first: Sequence[Alteration], second: Sequence[Alteration], radius_m: float) -> bool:
+        """Whether another instance of the category would be at most `radius_m` from the answer."""
+        at = self.answer(first, second)
+        return bool(crowding(self._world(first), self._world(second), self.query, self.target, at, radius_m))
+
+    def _world(self, alterations: Sequence[Alteration]) -> WorldState:
+        gone = {alteration.instance for alteration in alterations if alteration.kind == "disable"}
+        placed = {alteration.instance: alteration.placement for alteration in alterations if alteration.placement is not None}
+        return WorldState(
+            tuple(
+                Instance(o.id, o.category, *placed.get(o.id, (o.position.x, o.position.z)))
+                for o in self.scene.objects
+                if o.category == self.query.category and o.id not in gone
+            )
+        )

@@ -1,0 +1,81 @@
+"""What detections truly show. Labels are the evaluator's: of the arms, those that are handed their grounding get them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ovman.models.scene import Scene
+from ovman.perception.array_file import read_arrays, write_arrays
+from ovman.perception.overlap import LEAST_IOU
+
+LABELS = "ovman-labels/1"
+NOTHING = -1
+SHELL = frozenset({"Floor"})
+"""Categories of a scene's record that are no instances."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Labels:
+    """What the N detections of a tour or a walk truly show, in their order.
+
+    category (N,) int: index into `categories`, NOTHING for a mask that overlaps with no instance enough; pixels (N,) int: sizes
+    of the masks.
+    """
+
+    categories: tuple[str, ...]
+    category: np.ndarray
+    pixels: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.category)
+
+
+def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> np.ndarray:
+    """(N,) value of ids (H, W) int of the instance that each mask (N, H, W) bool shows; NOTHING where none reaches `least_iou`.
+
+    Negative ids are no instance. Of instances with equal IoU the larger one is shown, then the one of smaller id.
+    """
+    found = np.full(len(masks), NOTHING, np.int64)
+    for n, mask in enumerate(masks):
+        size = int(np.count_nonzero(mask))
+        best = (least_iou, 0, 0)
+        for value, inter in zip(*(part.tolist() for part in np.unique(ids[mask], return_counts=True)), strict=True):
+            if value < 0 or inter < least_iou * size:  # the union is at least as large as the mask
+                continue
+            area = int(np.count_nonzero(ids == value))
+            if (rank := (inter / (size + area - inter), area, -value)) >= best:
+                best, found[n] = rank, value
+    return found
+
+
+def categories_of(scene: Scene) -> dict[str, str]:
+    """The category of every instance of a scene by its id."""
+    return {o.id: o.category for o in scene.objects if o.category not in SHELL}
+
+
+def write_labels(path: Path, visits: Mapping[str, Labels]) -> None:
+    """Writes the labels of visits by their names. All have the same categories."""
+    every = list(visits.values())
+    arrays = {
+        "visits": np.array(list(visits), str),
+        "detections": np.array([len(labels) for labels in every], np.int64),
+        "categories": np.array(every[0].categories if every else (), str),
+        "category": np.concatenate([np.zeros(0, np.int16), *(labels.category for labels in every)]).astype(np.int16),
+        "pixels": np.concatenate([np.zeros(0, np.int32), *(labels.pixels for labels in every)]).astype(np.int32),
+    }
+    write_arrays(path, LABELS, arrays)
+
+
+def read_labels(path: Path) -> dict[str, Labels]:
+    """The labels of visits by their names. ArrayFileError for a damaged file or one of another kind."""
+    arrays = read_arrays(path, LABELS)
+    ends = np.cumsum(arrays["detections"])
+    categories = tuple(arrays["categories"].tolist())
+    return {
+        name: Labels(categories, arrays["category"][start:end], arrays["pixels"][start:end])
+        for name, start, end in zip(arrays["visits"].tolist(), (ends - arrays["detections"]).tolist(), ends.tolist(), strict=True)
+    }

@@ -1,0 +1,51 @@
+"""The table of what handing the grounding over means: success by each reading, beside own grounding and true positions."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from ovman.models.settings import Settings
+from ovman.report.tables.columns import (
+    ALL,
+    RELATIONS,
+    numbers,
+    of_relation,
+    p_values,
+    percent,
+    range_column,
+    span,
+    three,
+    words,
+)
+from ovman.report.tables.table import DATA, SECTION, Table
+
+
+def readings_table(rates: pd.DataFrame, settings: Settings) -> Table:
+    """A row an arm, by the map that it reads. rates: rows of `HandedOver`."""
+    rows = [_row(of_arm) for _, of_arm in rates.groupby("arm", sort=False)]
+    columns = (
+        words("map", formats=DATA),
+        words("grounding"),
+        words("arm", formats=DATA),
+        *(of_relation(relation, three) for relation in (*RELATIONS, ALL)),
+        range_column(settings.evaluation.confidence),
+        numbers("gained"),
+        numbers("lost"),
+        p_values("p", "p"),
+    )
+    caption = (
+        'What "grounding handed over" means, static gate: the noun is handed over as the map objects most of whose '
+        "detections truly show the category (majority), those with one such detection (any), or the objects nearest to the "
+        "true positions, within the success radius (nearest). The other tables have majority. A detection shows the instance "
+        "whose mask it overlaps with at an IoU of at least 0.5. Gained, lost: episodes, against own grounding; p: exact "
+        f"two-sided McNemar test. Ranges are {percent(settings.evaluation.confidence)} intervals."
+    )
+    return Table(caption, columns, pd.DataFrame(rows), wide=True)
+
+
+def _row(of_arm: pd.DataFrame) -> dict[str, object]:
+    whole = of_arm[of_arm["relation"] == ALL].iloc[0]
+    row: dict[str, object] = {SECTION: whole["map"], **{key: whole[key] for key in ("map", "grounding", "arm")}}
+    row |= {str(rate.relation): rate.rate for rate in of_arm.itertuples()}
+    row["range"] = span(whole["low"], whole["high"])
+    return row | {key: whole[key] for key in ("gained", "lost", "p") if pd.notna(whole["p"])}

@@ -1,0 +1,75 @@
+"""The table of the margin of memory by the values of each threshold of admissibility."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from ovman.models.settings import Settings
+from ovman.models.settings.sensitivity import THRESHOLDS
+from ovman.report.tables.columns import numbers as column
+from ovman.report.tables.columns import signed, words
+from ovman.report.tables.table import Table
+
+IN_FORCE, ALL = "in force", "all settings"
+TITLES = {
+    "drift_tolerance_m": "drift tolerance, m",
+    "tau_m": "tau, m",
+    "delta_min_m": "Delta_min, m",
+    "min_mask_px": "recorded from, px",
+    "motion_m": "motion from, m",
+    "validity_radius_m": "validity radius, m",
+    "spawn_clearance_m": "spawn clearance, m",
+    "visible_px": "visible from, px",
+}
+"""What pages call the thresholds."""
+
+
+def sensitivity_table(margins: pd.DataFrame, settings: Settings) -> Table:
+    """The setting in force, the range over all others, and the range over those with each value. margins: rows of `Margin`."""
+    memory = settings.comparisons.memory
+    columns = (
+        words("threshold"),
+        words("value"),
+        column("settings"),
+        column("episodes_least", "trials, least"),
+        column("episodes_most", "most"),
+        column("margin_least", "margin, least", signed),
+        column("margin_greatest", "greatest", signed),
+        column("released_least", "released, least"),
+        column("released_margin_least", "margin, least", signed),
+        column("released_margin_greatest", "greatest", signed),
+    )
+    arm, baseline = (settings.arms[name] for name in (memory.arm, memory.baseline))
+    caption = (
+        f"How far the static margin of memory ({arm.memory} less {baseline.memory}, {arm.system}) hangs on the thresholds of "
+        f"admissibility. Every combination of two values of each is a setting, under which the verdict on every trial is derived "
+        "again; the predictions stay the same. A row of a value has the least and the greatest margin of the settings with it: "
+        "over all trials that a setting admits, of which those that the setting in force does not admit were not certified, and "
+        "over the released episodes that it leaves."
+    )
+    return Table(caption, columns, pd.DataFrame(list(_rows(margins))), wide=True)
+
+
+def _rows(margins: pd.DataFrame) -> Iterator[dict[str, object]]:
+    in_force, others = margins[margins["in_force"] == 1], margins[margins["in_force"] == 0]
+    for threshold, group in ((IN_FORCE, in_force), (ALL, others)):
+        if len(group):
+            yield {"threshold": threshold, "value": "", **_range(group)}
+    for name in THRESHOLDS:
+        for value, group in others.groupby(name, sort=True):
+            yield {"threshold": TITLES[name], "value": f"{value:g}", **_range(group)}
+
+
+def _range(group: pd.DataFrame) -> dict[str, object]:
+    return {
+        "settings": len(group),
+        "episodes_least": group["episodes"].min(),
+        "episodes_most": group["episodes"].max(),
+        "margin_least": group["margin"].min(),
+        "margin_greatest": group["margin"].max(),
+        "released_least": group["released"].min(),
+        "released_margin_least": group["released_margin"].min(),
+        "released_margin_greatest": group["released_margin"].max(),
+    }

@@ -1,0 +1,160 @@
+"""Weights of the cues against what they are fitted to, and the variants of the agent against the agent as it is."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.agents.reference.reasoning import two_visits
+from ovman.analysis.appearance import ALL, APART, VARIANTS, Appearance, appearances, asked, pairs_of
+from ovman.analysis.cue_weights import Pairs, alone, fitted, grid, separation
+from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
+from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, AbstentionReason, Evidence
+from ovman.perception.clusters import Detection, clusters
+from ovman.perception.cues import Cues
+from ovman.report.tables.appearance import appearance_table
+from ovman.report.tables.table import latex, markdown
+from ovman.workflow.config import ConfigError, load
+from tests.arms import CONFIG
+from tests.episodes import episode_record
+from tests.report.reading import data, rows
+from tests.report.reading import settings as table_settings
+
+CONSTANTS = CONFIG.model_copy(update={"appearance": CONFIG.appearance.model_copy(update={"least_pairs": 1, "weight_step": 0.25})})
+SOME = settings(max_examples=8, derandomize=True, deadline=None)
+
+
+def pairs(seed: int, count: int = 30, **told: float) -> Pairs:
+    """Random pairs; a cue that is told by name is shifted by so much where the instances differ."""
+    rng = np.random.default_rng(seed)
+    same = rng.random(count) < 0.5
+    same[:2] = True, False
+    return Pairs({cue: rng.random(count) + told.get(cue, 0.0) * ~same for cue in CUES}, same)
+
+
+@SOME
+@given(st.integers(0, 2**32 - 1), st.sampled_from(VARIANTS))
+def test_fitted_weights_are_shares_and_no_point_of_the_grid_tells_more(seed, cues):
+    some = pairs(seed)
+    weights = fitted(some, cues, 0.25, 1)
+    assert list(weights.by_cue) == list(cues) and sum(weights.by_cue.values()) == pytest.approx(1.0)
+    best = separation(some, weights)
+    for shares in grid(len(cues), 0.25):
+        assert separation(some, replace(weights, by_cue=dict(zip(cues, shares, strict=True)))) <= best
+    assert best >= separation(some, alone(CLIP))
+
+
+def test_the_grid_has_every_whole_part_once():
+    for cues, count in ((1, 1), (2, 5), (3, 15)):
+        shares = grid(cues, 0.25)
+        assert len(set(shares)) == len(shares) == count and all(math.isclose(sum(some), 1.0) for some in shares)
+    assert len(grid(2, 0.3)) == 5  # no step that the parts of 1 do not have
+
+
+def test_weight_goes_to_the_cue_that_tells_and_stays_on_the_first_where_none_tells_more():
+    assert fitted(pairs(0, 200, histogram=5.0), CUES, 0.25, 1).by_cue[HISTOGRAM] >= 0.25
+    assert fitted(pairs(0, clip=5.0), CUES, 0.25, 1).by_cue == {CLIP: 1.0, HISTOGRAM: 0.0, EXTENT: 0.0}
+    assert fitted(pairs(0, histogram=5.0), CUES, 0.25, 1000).by_cue[CLIP] == 1.0
+
+
+def test_scales_make_the_cues_equally_large():
+    some = pairs(3)
+    some = replace(some, unlike={**some.unlike, EXTENT: some.unlike[EXTENT] * 70})
+    weights = fitted(some, CUES, 0.25, 1)
+    sizes = [weights.scale[cue] * some.unlike[cue].mean() for cue in CUES]
+    assert sizes == pytest.approx([some.unlike[CLIP].mean()] * 3)
+
+
+def chairs(places, colour, side, instances) -> MapObjects:
+    """Chairs at (x, z), each detected once, of a colour and a size."""
+    histogram = np.eye(4, dtype=np.float32)[colour]
+    extent = np.array([[length, length, 1.0] for length in side], np.float32).reshape(-1, 3)
+    names = sorted(set(instances))
+    cues = Cues(
+        tuple(names), histogram.reshape(-1, 4), extent, np.full(len(places), 400),
+        np.array([names.index(one) for one in instances], np.int32),
+    )  # fmt: skip
+    found = [Detection(0, np.array([x, 0.5, z]), np.array([1.0, 0.0])) for x, z in places]
+    return MapObjects.of(clusters(found, 0.1), cues)
+
+
+FIRST = chairs([(0, 0), (1, 0)], [0, 1], [0.4, 0.4], ["a", "b"])
+SECOND = chairs([(0.6, 0), (1, 0.1)], [1, 0], [0.4, 0.4], ["b", "a"])
+"""Two chairs of one look to the encoder, of two colours, that change places: distance alone pairs them wrongly."""
+MEANT = Evidence((0, 1), (0, 1))
+
+
+def case(relation="moved", number=0, answer=(0.6, 0.0), scene="FloorPlan1"):
+    record = episode_record(relation, number, answer=answer, visits={"first": "v", "second": "w"}, scene=scene)
+    objects = {(scene, "v"): FIRST, (scene, "w"): SECOND}
+    return asked(Episode.parse(json.dumps(record), "here"), MEANT, objects, CONSTANTS)
+
+
+def test_cues_of_one_object_agree_and_are_symmetric():
+    for one, other in ((FIRST, SECOND), (SECOND, FIRST)):
+        here, there = disagreements(one, other, 0.01), disagreements(other, one, 0.01)
+        assert all((here[cue] >= 0).all() and np.allclose(here[cue], there[cue].T) for cue in CUES)
+    same = disagreements(FIRST, FIRST, 0.01)
+    assert all(np.allclose(np.diag(same[cue]), 0.0) for cue in CUES) and same[HISTOGRAM][0, 1] == pytest.approx(1.0)
+    thin = chairs([(0, 0)], [0], [0.0], ["a"])
+    assert disagreements(FIRST, thin, 0.04)[EXTENT][0, 0] == pytest.approx(2 * math.log(10) / 3)
+
+
+def test_a_pair_counts_once_and_those_that_are_near_do_not_count_as_apart():
+    twice = [case(), case("former", 1, (0.0, 0.0))]
+    found = pairs_of(twice, 0.0)
+    assert found.counts == (2, 2) and pairs_of(twice, 0.75).counts == (1, 0)
+    assert pairs_of([case(), case(scene="FloorPlan2")], 0.0).counts == (4, 4)
+
+
+def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses():
+    made = appearances({"main": [case("moved", 0), case("stable", 1, (1.0, 0.1))], "multi": [case("moved", 2)]}, CONSTANTS)
+    whole = {(row.pairs, row.cues, row.fitted_on, row.split): row for row in made if row.relation == ALL}
+    assert len(whole) == len([row for row in made if row.relation == ALL])
+    first = whole[ALL, "clip", None, "main"]
+    answer, _ = two_visits(case().episode.relation, FIRST.map, SECOND.map, (0, 1), (0, 1), CONSTANTS)
+    assert answer == Abstention(AbstentionReason.DISPLACEMENT_BELOW_TAU) and first.successes < first.n
+    assert (first.wins, first.losses, first.p, first.auroc) == (0, 0, 1.0, 0.5)
+    coloured = whole[ALL, "clip + histogram", "main", "multi"]
+    assert coloured.auroc == 1.0 and coloured.histogram > 0 and (coloured.successes, coloured.wins, coloured.losses) == (1, 1, 0)
+    assert whole[ALL, "extent", None, "main"].n is None
+    assert [row.relation for row in made if row.n is not None][:3] == [ALL, "moved", "stable"]
+
+
+def test_an_arm_without_two_maps_is_refused():
+    for meant in (None, Evidence(None, (0,))):
+        with pytest.raises(ValueError, match="names no objects of two maps for FloorPlan1/moved/0000"):
+            asked(case().episode, meant, {}, CONSTANTS)
+
+
+def test_cues_of_other_detections_are_refused():
+    with pytest.raises(ValueError, match="make the stages maps and cues again"):
+        MapObjects.of((), Cues(("a",), np.zeros((1, 4)), np.zeros((1, 3)), np.ones(1), np.zeros(1, int)))
+
+
+def test_the_table_has_a_row_a_variant_fit_and_test():
+    made = appearances({"main": [case()], "multi": [case("stable", 1, (1.0, 0.1))]}, CONSTANTS)
+    constants = SimpleNamespace(**vars(table_settings()) | {"admissibility": CONFIG.admissibility})
+    table = appearance_table(rows(Appearance, made), constants)
+    found = data(table)
+    assert len(found) == 2 * (2 * len(CUES) + 2 * 2 * len(VARIANTS[1:]))
+    assert {row["pairs"] for row in found} == {ALL, APART} and {row["split"] for row in found} == {"main", "multi"}
+    assert found[0]["cues"] == "CLIP" and found[0]["weights"] == "1.00" and found[0]["fitted"] == ""
+    assert "CLIP + histogram + extent" in markdown(table) and "AUROC" in latex(table, "appearance")
+
+
+@pytest.mark.parametrize("agent", ["nobody", "single_visit", "two_visits_embodied", "positions_two_visits"])
+def test_an_agent_without_maps_of_both_visits_is_refused_before_anything_runs(agent):
+    tree = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text(encoding="utf-8"))
+    with pytest.raises(ConfigError, match=f"appearance.agent is {agent}, which is no static arm that answers from maps"):
+        load(tree | {"appearance": tree["appearance"] | {"agent": agent}})

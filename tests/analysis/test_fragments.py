@@ -1,0 +1,94 @@
+"""Into how many objects targets fall, and what became of those that are not grounded."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.analysis.fragments import Target, fragments, members, target
+from ovman.models.prediction import Evidence
+from ovman.models.relation import Relation
+from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.maps import mapped
+from tests.analysis.fabricated import static
+from tests.episodes import released
+
+
+def detected(points) -> Detected:
+    """One detection a view at each point (x, z)."""
+    n = len(points)
+    places = np.array([(x, 1.0, z) for x, z in points], np.float64).reshape(n, 3)
+    masks = PackedMasks.of(np.zeros((n, 2, 2), bool))
+    return Detected(np.arange(n), places, np.ones((n, 3)) / np.sqrt(3), np.ones(n, int), np.ones(n), masks, "content")
+
+
+@given(st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3)), max_size=12))
+def test_every_detection_belongs_to_the_object_that_its_place_is_in(points):
+    seen = detected(points)
+    objects = mapped((seen,), 0.6)
+    found = members(seen, objects)
+    assert sorted(np.bincount(found, minlength=len(objects))) == sorted(len(one.track) for one in objects)
+    for number, one in enumerate(objects):
+        np.testing.assert_array_equal(seen.view[found == number], one.views)
+
+
+def test_a_map_of_another_tour_is_one_line():
+    with pytest.raises(ValueError, match="lacks detections of its tour; make the stage maps again"):
+        members(detected([(0.0, 0.0)]), mapped((detected([(1.0, 0.0)]),), 0.6))
+
+
+class Objects:
+    """Stands for a scene: two objects of the target in the first visit, one in the second."""
+
+    def __init__(self, names):
+        self._of = {names.first: frozenset({0, 3}), names.second: frozenset({1})}
+
+    def objects_of(self, visit, instance):
+        return self._of[visit]
+
+
+@pytest.mark.parametrize(
+    ("relation", "sets", "objects", "grounded"),
+    [
+        ("former", ((3,), (1, 2)), 2, True),
+        ("former", ((3,), (2,)), 2, False),
+        ("stable", ((5,), (1,)), 1, False),
+        ("appeared", ((), (1,)), 1, True),
+        ("removed", ((0,), ()), 2, True),
+        ("removed", ((1,), (1,)), 2, False),
+    ],
+)
+def test_a_target_is_grounded_where_it_is_so_in_every_visit_that_it_is_in(relation, sets, objects, grounded):
+    episode = next(one for one in released() if one.relation == relation)
+    found = target(episode, Evidence(*sets, ()), static("a", 0, 1.0), Objects(episode.visits))
+    assert (found.objects, found.grounded) == (objects, grounded)
+
+
+targets = st.lists(
+    st.builds(
+        Target,
+        st.sampled_from(list(Relation)),
+        st.integers(0, 3),
+        st.booleans(),
+        st.sampled_from([static("a", 0, 1.0), static("a", 0, 0.0), static("a", 0, 0.0, "abstained")]),
+    ),
+    max_size=20,
+)
+
+
+@given(targets)
+def test_the_counts_are_partitions_and_add_up(drawn):
+    rows = fragments("a", drawn)
+    outcomes = ("success", "wrong", "abstained")
+    for row in rows:
+        assert row.n == row.grounded + row.missing and row.seen <= row.n and row.several <= row.seen
+        assert row.grounded == sum(getattr(row, f"grounded_{name}") for name in outcomes)
+        assert row.missing == sum(getattr(row, f"missing_{name}") for name in outcomes)
+        assert (row.objects is None) == (row.seen == 0) and (row.objects or 1.0) >= 1.0
+    if drawn:
+        *relations, whole = rows
+        assert whole.relation == "all"
+        for name in ("n", "seen", "several", "grounded", "missing_wrong"):
+            assert getattr(whole, name) == sum(getattr(row, name) for row in relations)

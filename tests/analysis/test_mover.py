@@ -1,0 +1,51 @@
+"""How far movers go follows from the episodes alone."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+
+from ovman.analysis.mover import AFTER, BETWEEN_VISITS, WALKS, WHILE_ACTING, mover
+from ovman.models.episode import Episode
+from ovman.report.tables.mover import mover_table
+from tests.arms import CONFIG
+from tests.task.test_episode import MOVED, moving
+
+CORRIDOR_M = 2.5
+"""The floor of the episode's mover: 26 points in a row, of which it is at the 21st."""
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return mover([Episode.from_json(moving()), Episode.from_json(MOVED)], 1.0, 1.5)
+
+
+def test_a_mover_is_an_actions_steps_away_at_most_and_never_off_its_floor(rows):
+    away = [row for row in rows if row.phase == WHILE_ACTING]
+    assert [(row.actions, row.n) for row in away] == [(actions, WALKS) for actions in AFTER]
+    for row in away:
+        assert 0.0 <= row.least_m <= row.median_m <= row.greatest_m <= min(0.1 * row.actions, 2.0) + 1e-9
+        assert row.within == 1.0 or row.greatest_m > row.radius_m
+        assert row.moved is None
+    assert away[0].greatest_m == 0.0 and away[-1].median_m > 0.0
+
+
+def test_between_the_visits_it_is_displaced_as_the_worlds_say(rows):
+    (row,) = (row for row in rows if row.phase == BETWEEN_VISITS)
+    episode = Episode.from_json(moving())
+    metres = math.dist(episode.world_1[episode.target].position, episode.world_2[episode.target].position)
+    assert (row.n, row.actions, row.least_m, row.median_m, row.greatest_m) == (1, None, metres, metres, metres)
+    assert (row.within, row.moved) == (float(metres <= 1.0), int(metres >= 1.5))
+
+
+def test_the_rows_are_the_same_twice_and_none_without_a_mover(rows):
+    assert mover([Episode.from_json(moving())], 1.0, 1.5) == rows
+    assert mover([Episode.from_json(MOVED)], 1.0, 1.5) == []
+
+
+def test_the_table_has_a_row_of_each_and_stands_without_any(rows):
+    table = mover_table(pd.DataFrame(rows), CONFIG)
+    assert len(table.rows) == 1 + len(AFTER) and "R is 1 m" in table.caption
+    assert len(mover_table(pd.DataFrame(columns=list(rows[0].__slots__)), CONFIG).rows) == 0

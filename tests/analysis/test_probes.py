@@ -1,0 +1,61 @@
+"""The two-visit agent asked again: under other gates, and with one past relation for the other."""
+
+from __future__ import annotations
+
+import pytest
+
+from ovman.analysis.probes import gate_sweep, read_as
+from ovman.models.prediction import Abstention, AbstentionReason, Answer
+from ovman.models.relation import Relation
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import of_scene, released
+
+CONSTANTS = stage_settings(CONFIG, "probes", CONFIG.comparisons.memory.arm)
+EPISODES = of_scene(released()[0].scene)
+NOTHING = Abstention(AbstentionReason.NO_CANDIDATE)
+
+
+def right(episode, settings):
+    """Answers rightly below two metres."""
+    x, z = episode.answer
+    return Answer(x, z) if settings.association.gate_m < 2.0 else NOTHING
+
+
+def test_every_gate_is_asked_with_and_the_one_in_force_is_among_them():
+    rows = gate_sweep(EPISODES, right, CONSTANTS)
+    gates = [row.gate_m for row in rows]
+    assert gates == sorted({*CONFIG.gate_sweep.gates_m, CONFIG.association.gate_m})
+    assert [row.gate_m for row in rows if row.in_force] == [CONFIG.association.gate_m]
+    assert all(row.successes == (row.n if row.gate_m < 2.0 else 0) and row.low <= row.success <= row.high for row in rows)
+
+
+def test_a_gate_in_force_beside_the_sweep_has_a_row_too():
+    other = CONSTANTS.with_values({"association.gate_m": 1.1})
+    rows = gate_sweep(EPISODES[:1], right, other)
+    assert [row.gate_m for row in rows if row.in_force] == [1.1] and len(rows) == len(CONFIG.gate_sweep.gates_m) + 1
+
+
+def test_only_constants_of_the_stage_are_changed():
+    assert CONSTANTS.with_values({}) == CONSTANTS
+    with pytest.raises(AttributeError, match="does not own the constant 'mover.step_m'"):
+        CONSTANTS.with_values({"mover.step_m": 1.0})
+
+
+def test_a_relation_read_as_the_other_is_counted():
+    removed = [one for one in released() if one.relation is Relation.REMOVED][:4]
+    former = [one for one in released() if one.relation is Relation.FORMER][:1]
+    late = {removed[0].id}
+
+    def asked(episode, _):
+        if episode.id == removed[1].id:
+            return NOTHING if episode.relation is Relation.REMOVED else Answer(*episode.answer)
+        there = episode.answer if episode.id not in late or episode.relation is Relation.REMOVED else (99.0, 99.0)
+        return Answer(*there)
+
+    first, second = read_as([*removed, *former], asked, CONSTANTS)
+    assert (first.relation, first.read_as, first.n) == (Relation.REMOVED, Relation.FORMER, 4)
+    assert (first.answered, first.same, first.only_read_as) == (3, 2, 1)
+    assert (first.successes, first.successes_read_as) == (3, 3)
+    assert (second.n, second.answered, second.same, second.only_read_as) == (1, 1, 1, 0)
+    assert read_as([], asked, CONSTANTS) == []

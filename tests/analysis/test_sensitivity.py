@@ -1,0 +1,155 @@
+"""Admissibility under other thresholds: whom each setting admits, and the margins over whom it admits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.analysis.sensitivity import margins
+from ovman.generation.readmission import admitting, settings_of
+from ovman.generation.verdict import reasons
+from ovman.models.admission import Admission
+from ovman.models.candidate import Candidate
+from ovman.models.change import Alteration
+from ovman.models.geometry import Spawn
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.models.sighting import Sighting, VisitPair
+from ovman.models.trial import Trial, TrialMeasurement
+from ovman.models.world_state import Instance, WorldState
+from ovman.workflow.config import ConfigError, load
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.test_arm_names import overlay
+
+CONSTANTS = stage_settings(CONFIG, "readmitted")
+SETTINGS = settings_of(CONSTANTS)
+OF_MARGINS = stage_settings(CONFIG, "sensitivity")
+COUNT = CONFIG.sensitivity.combinations
+
+
+def trial(
+    moved_m: float, bystander_m: float, px: int, drift_m: float, to_navigable_m: float, clear_m: float, seen_px: int
+) -> Trial:
+    """A chair that was displaced by moved_m along x, and another that nobody was to move."""
+    before, after = {"a": 0.0, "b": 5.0}, {"a": moved_m, "b": 5.0 + bystander_m}
+
+    def sightings(places: dict[str, float]) -> tuple[Sighting, ...]:
+        return tuple(Sighting(view=0, instance=name, px=px, x=x, z=0.0) for name, x in places.items())
+
+    def world(places: dict[str, float]) -> WorldState:
+        return WorldState(tuple(Instance(name, "Chair", x, 0.0) for name, x in places.items()))
+
+    change = Alteration(kind="displace", instance="a", placement=(moved_m, 0.0), height_m=0.5)
+    return Trial(
+        candidate=Candidate(
+            id="FloorPlan1/moved/0000",
+            scene="FloorPlan1",
+            relation=Relation.MOVED,
+            category="Chair",
+            target="a",
+            distractor=None,
+            first=(),
+            second=(change,),
+            spawn=Spawn(x=0.0, z=0.0, yaw_deg=0.0),
+            refused=None,
+        ),
+        measured=TrialMeasurement(
+            ended=None,
+            displacement_m={"a": moved_m},
+            spawn_clearance_m={"a": clear_m},
+            spawn_free_moves=1,
+            visible_px={0: seen_px},
+            answer=(moved_m, 0.0),
+            answer_to_navigable_m=to_navigable_m,
+            sightings=VisitPair(first=sightings(before), second=sightings(after)),
+            world_1=world(before),
+            world_2=world(after),
+            drift_m={"a": drift_m},
+        ),
+    )
+
+
+trials = st.builds(
+    trial,
+    st.sampled_from([1.2, 1.4, 1.6, 2.5]),
+    st.sampled_from([0.0, 0.6, 0.9, 1.4]),
+    st.sampled_from([100, 200, 400, 900]),
+    st.sampled_from([0.0, 0.2, 0.3, 0.6]),
+    st.sampled_from([0.1, 0.7, 0.95, 1.2]),
+    st.sampled_from([0.5, 1.2, 1.7, 2.5]),
+    st.sampled_from([10, 70, 150, 900]),
+)
+
+
+def test_the_settings_are_every_combination_and_the_one_in_force():
+    assert len(SETTINGS) == COUNT + 1 == 257
+    seen = {tuple(one.items()) for one in CONFIG.sensitivity.settings()}
+    assert len(seen) == COUNT
+    assert SETTINGS[0] == CONSTANTS and all(one != CONSTANTS for one in SETTINGS[1:])
+
+
+@given(trials)
+def test_a_setting_admits_what_the_verdict_has_nothing_against(one):
+    assert admitting(one, SETTINGS) == tuple(k for k, setting in enumerate(SETTINGS) if not any(reasons(one, setting)))
+
+
+def test_some_trials_are_admitted_by_some_settings_only():
+    assert admitting(trial(2.5, 0.0, 900, 0.0, 0.1, 2.5, 900), SETTINGS) == tuple(range(257))
+    assert len(admitting(trial(2.5, 0.0, 400, 0.0, 0.1, 2.5, 900), SETTINGS)) == 1 + COUNT // 2
+    assert admitting(trial(1.2, 0.0, 900, 0.0, 0.1, 2.5, 900), SETTINGS) == ()
+
+
+def test_a_trial_that_the_simulator_refused_is_admitted_by_none():
+    one = trial(2.5, 0.0, 900, 0.0, 0.1, 2.5, 900)
+    refused = one.model_copy(update={"measured": TrialMeasurement(ended=Rejection.SIMULATOR_ERROR)})
+    assert admitting(refused, SETTINGS) == ()
+
+
+admissions = st.lists(
+    st.tuples(st.sets(st.integers(0, COUNT), min_size=1), st.booleans(), st.sampled_from([0.0, 1.0]), st.floats(0, 1)), max_size=8
+)
+
+
+@given(admissions)
+def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(drawn):
+    given_ = [Admission(id=f"t{k}", settings=tuple(sorted(one[0])), released=one[1]) for k, one in enumerate(drawn)]
+    rows = margins(given_, [one[2] for one in drawn], [one[3] for one in drawn], OF_MARGINS)
+    assert [row.setting for row in rows] == list(range(COUNT + 1)) and [row.in_force for row in rows] == [True] + [False] * COUNT
+    for row in rows:
+        here = [one for one in drawn if row.setting in one[0]]
+        left = [one for one in here if one[1]]
+        assert (row.episodes, row.released) == (len(here), len(left))
+        for group, margin in ((here, row.margin), (left, row.released_margin)):
+            assert (margin is None) == (not group)
+            if group:
+                assert margin == pytest.approx(np.mean([one[2] - one[3] for one in group]))
+        if here:
+            assert row.margin == pytest.approx(row.rate - row.baseline_rate)
+
+
+def test_an_admission_by_a_setting_that_is_not_there_is_one_line():
+    with pytest.raises(ValueError, match="there is no setting 999; make the stage readmitted again"):
+        margins([Admission(id="t", settings=(999,), released=False)], [1.0], [0.0], OF_MARGINS)
+
+
+@pytest.mark.parametrize(
+    ("section", "said"),
+    [
+        ({"sensitivity": {"tau_m": [0.5]}}, "combinations is 256, but the lists make 128; change one of them"),
+        ({"sensitivity": {"tau_m": [0.5, 0.5]}}, "a value is there twice"),
+        ({"sensitivity": {"tau_m": [0.5, 1.4]}}, "sensitivity.tau_m has 1.4, but delta_min_m has 1.3"),
+        ({"sensitivity": {"min_mask_px": [10, 600]}}, "sensitivity.min_mask_px has 10, but measurement.min_mask_px is 50"),
+        ({"sensitivity": {"visible_px": [1, 600]}}, "sensitivity.visible_px has 1, but measurement.visible_px is 25"),
+        ({"sensitivity": {"validity_radius_m": [0.6, 9.0]}}, "has 9.0, but measurement.answer_to_navigable_m is 1.5"),
+        ({"gate_sweep": {"gates_m": [2.0, 1.0]}}, "the gates do not rise"),
+        ({"comparisons": {"memory": {"arm": "cow"}}}, "comparisons.memory.arm is cow, which is no static arm; there are"),
+        ({"comparisons": {"memory": {"baseline": "dualmap_two_visits"}}}, "name an arm that needs maps at most"),
+    ],
+)
+def test_settings_that_make_no_sense_are_one_line(section, said):
+    with pytest.raises(ConfigError) as caught:
+        load(overlay(**section))
+    assert said in str(caught.value) and "\n" not in str(caught.value)

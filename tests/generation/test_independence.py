@@ -1,0 +1,76 @@
+"""No two episodes are seen in the same pair of tours; every pair that was certified serves one relation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.generation.independence import independent, left_out, tour_pair
+from ovman.models.relation import Relation
+from ovman.models.sighting import VisitPair
+from tests.generation.test_boundaries import TRIALS, admitted, measured
+
+PROPERTY = settings(derandomize=True, max_examples=60, deadline=None)
+CAME, WENT, ELSE = Relation.APPEARED, Relation.REMOVED, Relation.MOVED
+CLAIMS = st.lists(st.tuples(st.sampled_from("AB"), st.sampled_from([(CAME,), (WENT,), (CAME, WENT), (ELSE,)])), max_size=14)
+
+
+def drawn(claims):
+    """Trials by claims: one trial a relation of every pair of tours; the pairs and the relations by id."""
+    pairs, relation_of = {}, {}
+    for number, (scene, relations) in enumerate(claims):
+        for relation in relations:
+            key = f"{scene}/{relation.value}/{number:04d}"
+            pairs[key], relation_of[key] = (scene, frozenset(("untouched", str(number)))), relation
+    return pairs, relation_of
+
+
+@PROPERTY
+@given(CLAIMS, st.integers(0, 9), st.integers(0, 9), st.integers(0, 5))
+def test_every_pair_serves_one_trial_and_both_relations_have_enough_where_that_is_possible(claims, came, went, seed):
+    pairs, relation_of = drawn(claims)
+    wanted = dict.fromkeys(Relation, 0) | {CAME: came, WENT: went}
+    kept = independent(pairs, relation_of, wanted, np.random.default_rng(seed))
+    assert kept == sorted(kept) and len({pairs[k] for k in kept}) == len(kept) == len(set(pairs.values()))
+    alone, either = ([c for _, c in claims].count((r,)) for r in (CAME, WENT)), [c for _, c in claims].count((CAME, WENT))
+    lacking = sum(max(0, wish - has) for wish, has in zip((came, went), alone, strict=True))
+    has = [sum(relation_of[k] is r for k in kept) for r in (CAME, WENT)]
+    assert (has[0] >= came and has[1] >= went) == (lacking <= either)
+    shuffled = {k: pairs[k] for k in sorted(pairs, reverse=True)}
+    assert independent(shuffled, relation_of, wanted, np.random.default_rng(seed)) == kept
+
+
+@PROPERTY
+@given(CLAIMS, st.data())
+def test_what_is_left_out_shares_its_tours_with_what_is_released(claims, data):
+    pairs, relation_of = drawn(claims)
+    kept = independent(pairs, relation_of, dict.fromkeys(Relation, 3), np.random.default_rng(0))
+    released = [k for k in kept if data.draw(st.booleans())]
+    out = left_out(pairs, released)
+    assert not {*out} & {*released}
+    assert {pairs[k] for k in out} <= {pairs[k] for k in released}
+    assert not {pairs[k] for k in pairs if k not in out and k not in released} & {pairs[k] for k in released}
+
+
+def test_scenes_with_contested_pairs_give_to_both_relations():
+    pairs, relation_of = drawn([(scene, (CAME, WENT)) for scene in "AAAAAABBBBBB"])
+    wanted = dict.fromkeys(Relation, 0) | {CAME: 6, WENT: 6}
+    kept = independent(pairs, relation_of, wanted, np.random.default_rng(4))
+    assert {(k[0], r): sum(relation_of[j] is r and j[0] == k[0] for j in kept) for k in kept for r in (CAME, WENT)} == {
+        (scene, r): 3 for scene in "AB" for r in (CAME, WENT)
+    }
+
+
+def test_a_pair_read_backwards_is_the_same_and_that_of_another_scene_is_not():
+    trial = admitted(Relation.REMOVED)
+    visits = trial.measured.visits
+    turned = measured(trial, visits=VisitPair[str](first=visits.second, second=visits.first))
+    assert tour_pair(turned) == tour_pair(trial)
+    elsewhere = trial.model_copy(update={"candidate": trial.candidate.model_copy(update={"scene": "FloorPlan9"})})
+    assert tour_pair(elsewhere) != tour_pair(trial)
+    with pytest.raises(ValueError, match="no tours"):
+        tour_pair(measured(trial, visits=None))
+    came = {tour_pair(t) for t in TRIALS.values() if t.measured.visits and t.candidate.relation is CAME}
+    assert came & {tour_pair(t) for t in TRIALS.values() if t.measured.visits and t.candidate.relation is WENT}

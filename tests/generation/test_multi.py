@@ -1,0 +1,144 @@
+"""Pairs of tours with several changes: what is asked about them has one referent by Eq. 1 itself, whatever is drawn."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from functools import cache
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.generation import multi, release
+from ovman.generation.release import ShortSplitError
+from ovman.generation.verdict import _recorded
+from ovman.models.candidate import Candidate
+from ovman.models.query import Query
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
+from ovman.models.settings.benchmark import PerRelation
+from ovman.models.world_state import Instance, WorldState
+from ovman.task import referents
+from tests.arms import CONFIG
+from tests.generation.test_candidates import room
+from tests.generation.test_placement import thing
+
+SPLIT = CONFIG.splits["multi"].model_copy(
+    update={"tries": 1, "draws": PerRelation(**{relation.value: 1 for relation in Relation})}
+)
+FAR_M = CONFIG.candidates.delta_min_m
+
+
+def worlds(ids: tuple[str, ...], roles: Mapping[str, Relation], gone_by_m: float) -> tuple[WorldState, WorldState]:
+    """The world states that roles bring about. gone_by_m: where a mover ends, from where it was."""
+    first, second = [], []
+    for number, k in enumerate(ids):
+        x, role = 10.0 * number, roles.get(k)
+        if role is not Relation.APPEARED:
+            first.append(Instance(k, "A", x, 0.0))
+        if role is Relation.MOVING:
+            second.append(Instance.tracked(k, "A", ((x, 0.0), (x, 0.5), (x, gone_by_m))))
+        elif role is not Relation.REMOVED:
+            second.append(Instance(k, "A", x, FAR_M if role is Relation.MOVED else 0.0))
+    return WorldState(tuple(first)), WorldState(tuple(second))
+
+
+def rooms() -> list[Scene]:
+    pair = [thing(f"b|{k}", "B", 0.5 + 2.5 * k, 3.0, size=(0.3, 0.8, 0.3)) for k in range(2)]
+    four = [thing(f"a|{k}", "A", 0.5 + 1.5 * k, 1.0, size=(0.3, 0.8, 0.3)) for k in range(4)]
+    return [room(*pair, cells=18), room(*pair, *four[:3], cells=18), room(*four, cells=18)]
+
+
+@cache
+def drawn_in(number: int) -> tuple[Candidate, ...]:
+    return tuple(multi.candidates(rooms()[number], SPLIT, CONFIG))
+
+
+@given(st.integers(2, 5).flatmap(lambda n: st.tuples(st.just(n), st.permutations(multi.KINDS), st.integers(2, 3))))
+def test_what_is_asked_has_one_referent_wherever_the_mover_ends(drawn):
+    count, kinds, size = drawn
+    ids = tuple(f"a|{k}" for k in range(count))
+    roles = dict(zip(ids, kinds[:size], strict=False))
+    moving = Relation.MOVING in roles.values()
+    for relation in Relation:
+        predicted = multi.referents(ids, roles, relation)
+        for gone_by_m in (0.0, FAR_M / 2, FAR_M + 1.0):
+            true = referents(*worlds(ids, roles, gone_by_m), Query("A", relation), CONFIG)
+            assert {*true} <= {*predicted} and (moving or true == predicted)
+            if relation in multi.asked(ids, roles):
+                assert true == predicted and len(true) == 1
+    if multi.asked(ids, roles):
+        assert max(map(len, worlds(ids, roles, 0.0))) >= 2
+
+
+def test_every_relation_can_be_asked_about():
+    three, two = ([thing(f"a|{k}", "A", k, 0) for k in range(count)] for count in (3, 2))
+    served = {relation: multi._served({"A": three}, SPLIT, relation, {"a|1"}) for relation in Relation}
+    assert all(served.values())
+    assert served[Relation.MOVING] and all(
+        Relation.MOVING in roles for sets in served[Relation.MOVING].values() for roles in sets
+    )
+    assert not multi._served({"A": two}, SPLIT, Relation.STABLE, {"a|1"})
+    assert not multi._served({"A": three}, SPLIT, Relation.MOVING, ()) and multi._served({"A": three}, SPLIT, Relation.MOVED, ())
+
+
+@pytest.mark.parametrize("number", [0, 1, 2], ids=["a pair", "a pair and three", "four"])
+def test_a_candidate_changes_two_or_three_of_its_category_each_in_another_way(number):
+    scene, drawn = rooms()[number], drawn_in(number)
+    if number == 0:
+        assert drawn == tuple(multi.candidates(scene, SPLIT, CONFIG))
+    assert len({c.id for c in drawn}) == len(drawn)
+    made = [c for c in drawn if c.refused is None]
+    counts = Counter(c.relation for c in made)
+    assert counts and all(counts[relation] <= getattr(SPLIT.draws, relation.value) for relation in Relation)
+    categories = {o.id: o.category for o in scene.objects}
+    for c in made:
+        changed = [a.instance for a in c.first + c.second]
+        ways = [("first", a.kind) for a in c.first] + [("second", a.kind) for a in c.second]
+        assert len(changed) == len({*changed}) in SPLIT.changes and len({*ways}) == len(ways)
+        assert {categories[k] for k in changed} == {c.category} == {categories[c.target]}
+        assert c.split == SPLIT.name and c.id.startswith(f"{scene.scene}/{c.relation.value}/{SPLIT.name}-")
+        assert (c.distractor in changed) == (c.relation is Relation.STABLE) == (c.target not in changed)
+        assert ("second", "motion") not in ways or c.relation is Relation.MOVING
+        assert c.spawn is not None
+
+
+def test_a_pair_of_tours_serves_several_queries():
+    made = [c for c in drawn_in(2) if c.refused is None and c.relation is not Relation.MOVING]
+    pairs = {(c.first, c.second) for c in made}
+    assert len(made) > len(pairs)
+
+
+def test_what_cannot_be_drawn_is_named():
+    """A room without a free place, a way to go, or a spawn away from the target."""
+    small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 3.0, 0.0), cells=2)
+    refused = {c.refused for c in multi.candidates(small, SPLIT, CONFIG)}
+    assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
+    assert multi.candidates(room(thing("a|1", "A", 0.0, 0.0)), SPLIT, CONFIG) == []
+
+
+def test_each_change_has_to_be_recorded_in_the_tours_that_define_it():
+    found = [c for c in drawn_in(1) if c.refused is None]
+    seen = {
+        "disable": ({"first"}, {"first", "second"}),
+        "displace": ({"first", "second"},),
+        "motion": ({"second"}, {"first", "second"}),
+    }
+    for c in found:
+        for first, alteration in [(True, a) for a in c.first] + [(False, a) for a in c.second]:
+            wanted = ({"second"}, {"first", "second"}) if first else seen[alteration.kind]
+            for visits in (set(), {"first"}, {"second"}, {"first", "second"}):
+                there = [world(c, alteration.instance, name in visits) for name in ("first", "second")]
+                assert _recorded(c, alteration.instance, *there) == (visits in wanted)
+
+
+def world(candidate: Candidate, instance: str, there: bool) -> WorldState:
+    return WorldState((Instance(instance, candidate.category, 0.0, 0.0),) if there else ())
+
+
+def test_a_short_split_names_its_own_settings(tmp_path):
+    outputs = [tmp_path / name for name in ("multi.jsonl", "sightings.jsonl", "rejections.csv")]
+    with pytest.raises(ShortSplitError, match=r"^splits.multi.episodes asks for .*\(moved 0 of 28, .*raise splits.multi.draws"):
+        release.run([], [], [], [], CONFIG, *outputs, "multi")

@@ -1,0 +1,52 @@
+"""A further split goes through the stages of the main one, to its table and its pages, and changes no record of main."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from ovman.models.episode import Episode
+from ovman.models.settings import arms_of
+from ovman.models.sighting import Sightings
+from ovman.report.show.results import Results
+from ovman.task import referents
+from ovman.workflow.parameter import stage_settings
+from tests.workflow.test_reruns import CONFIG
+
+SPLIT = CONFIG.splits["multi"]
+
+
+def of(world, name: str) -> Path:
+    return world.directory / "results" / name
+
+
+def test_its_episodes_have_several_changes_and_one_referent(world):
+    episodes = Episode.load(of(world, "episodes/multi.jsonl"))
+    main = {episode.id for episode in Episode.load(of(world, "episodes/main.jsonl"))}
+    wanted = {relation: count for relation, count in SPLIT.episodes if count}
+    assert {relation: sum(e.relation == relation for e in episodes) for relation in wanted} == wanted
+    for episode in episodes:
+        assert episode.split == "multi" and episode.id not in main
+        assert len(episode.changes) == len(episode.changed) in SPLIT.changes
+        assert len({change.kind for change in episode.changes}) == len(episode.changes)
+        assert all(run.success for run in episode.certification)
+        assert referents(*episode.states, episode.query, stage_settings(CONFIG, "admissible")) == (episode.target,)
+    seen = Sightings.read(of(world, "episodes/multi_sightings.jsonl"))
+    assert [record.episode for record in seen] == [episode.id for episode in episodes]
+
+
+def test_its_table_has_the_arms_that_its_entry_names(world):
+    with of(world, "tables/multi.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(SPLIT.arms) == len(list(of(world, "predictions/multi").glob("*.jsonl")))
+    assert {row["n"] for row in rows} == {str(sum(count for _, count in SPLIT.episodes))}
+    assert of(world, "tables/multi_rejections.csv").is_file()
+
+
+def test_its_episodes_are_shown_with_what_arms_answered(world):
+    results = Results(world.directory / "results", arms_of(CONFIG.arms), CONFIG.splits)
+    (chosen,) = results.chosen(["*/multi-*"])
+    assert {*results.predictions(chosen)} == {*SPLIT.arms}
+    assert all(results.static_verdict(arm, 0, chosen) for arm in SPLIT.arms)
+    assert results.sightings(results.episodes[chosen]) is not None
+    assert results.map(results.episodes[chosen], "second") is not None

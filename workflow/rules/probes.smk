@@ -1,0 +1,16 @@
+# The two-visit agent asked again: under other association gates, and REMOVED as if it had been FORMER.
+rule probes:
+    input:
+        episodes="results/episodes/main.jsonl",
+        maps=expand("results/maps/{scene}.npz", scene=SCENES),
+        nouns="results/nouns.npz",
+    output:
+        expand("results/metrics/{name}.csv", name=of_stage("probes")),
+    log:
+        "logs/probes.log",
+    benchmark:
+        "benchmarks/probes.tsv"
+    params:
+        constants=lambda wildcards: canonical(settings, "probes", settings.comparisons.memory.arm),
+    script:
+        "../scripts/probes.py"
