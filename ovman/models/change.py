@@ -96,7 +96,7 @@ class Alteration(Record):
 
 
 class MoverStart(Record):
-    """Where a run finds the mover: at the end of the recorded tour of visit 2.
+    """Where a run finds a mover: at the end of the recorded tour of visit 2.
 
     position: of the centre of its box, metres, a point of its lattice; heading_deg: which way it goes on.
     """
@@ -107,7 +107,7 @@ class MoverStart(Record):
 
 
 class MoverRecord(MoverStart):
-    """The mover of a recorded tour. path: its floor-plane positions in metres, agent step by agent step; else as `MoverStart`."""
+    """A mover of a recorded tour. path: its floor-plane positions in metres, agent step by agent step; else as `MoverStart`."""
 
     path: tuple[Point, ...]
 
@@ -118,14 +118,15 @@ class MoverRecord(MoverStart):
 
 
 class Change(Record):
-    """One scripted change of one instance between the visits of an episode.
+    """One change of one instance between the visits of an episode: scripted for its query, or of another category.
 
-    kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as `Alteration.kind`. before, after: where
+    category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as `Alteration.kind`. before, after: where
     the instance was at the end of visit 1 and of visit 2, None where it is absent. path: floor-plane positions of a mover, agent
     step by agent step. placement, height_m, roam: how the simulator brings the change about, as `Alteration` has them.
     """
 
     instance: Text
+    category: Text
     kind: Literal["displace", "enable", "disable", "motion"]
     before: Position | None
     after: Position | None

@@ -1,4 +1,4 @@
-"""An episode, "ovman-episode/3": all that is needed to bring it about, tour it, ask it, run it and judge it.
+"""An episode, "ovman-episode/4": all that is needed to bring it about, tour it, ask it, run it and judge it.
 
 What only diagnostic arms may know lies beside it, in `ovman.models.sighting.Sightings`.
 """
@@ -20,17 +20,11 @@ from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera, Mover, Primitives, Success
 from ovman.models.sighting import VisitPair
+from ovman.models.tour import Tour
 from ovman.models.trial import ReachableBox
 from ovman.models.world_state import Instance, RecordedWorld, WorldState
 
-SCHEMA = "ovman-episode/3"
-
-
-class EpisodeTour(Record):
-    """The tour of both visits: its waypoints in metres, in order, and the views at each, equally spaced in yaw from 0."""
-
-    waypoints: tuple[Point, ...] = Field(min_length=1)
-    headings: int = Field(ge=1)
+SCHEMA = "ovman-episode/4"
 
 
 class Protocol(Record):
@@ -52,14 +46,14 @@ class Provenance(Record):
 class Episode(Record):
     """One released episode. Floor-plane coordinates (x, z) in metres, world frame.
 
-    changes: what differs between the visits and how it is brought about; tour: of both visits; visits: names of the recorded
-    tours; mover: its state where a run begins, for MOVING; spawn: where a run begins; answer: Eq. 3 at the end of visit 2;
+    changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of others;
+    tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins, for MOVING; spawn: where a run begins; answer: Eq. 3 at the end of visit 2;
     nearest_navigable: nu(answer); shortest_path_m: L* of Eq. 5; reachable_box: around what can be reached in visit 2; world_1,
     world_2: the present instances of the category at the end of each visit; drift_m: how far each changed instance was from its
     placement. Raises RecordError, one line, for a record that contradicts itself.
     """
 
-    schema_id: Literal["ovman-episode/3"] = Field("ovman-episode/3", alias="schema")
+    schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
     id: Text
     split: Text
     backend: Literal["embedded", "thor"]
@@ -71,9 +65,9 @@ class Episode(Record):
     target: Text
     distractor: Text | None
     changes: tuple[Change, ...]
-    tour: EpisodeTour
+    tours: VisitPair[Tour]
     visits: VisitPair[str]
-    mover: MoverStart | None
+    movers: tuple[MoverStart, ...]
     spawn: Spawn
     answer: Point
     nearest_navigable: Point
@@ -97,15 +91,18 @@ class Episode(Record):
             raise ValueError(f"instances_in_category is {self.instances_in_category}; a query needs a category with at least 2")
         if (self.distractor is not None) != (self.relation is Relation.STABLE):
             raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
-        if (self.mover is not None) != (self.relation is Relation.MOVING):
-            raise ValueError("mover: MOVING has one and no other relation does")
-        if self.mover is not None and self.mover.instance != self.target:
-            raise ValueError(f"mover is {self.mover.instance!r}; the target {self.target!r} moves")
+        moving = [mover.instance for mover in self.movers]
+        if bool(moving) != (self.relation is Relation.MOVING):
+            raise ValueError("movers: MOVING has some and no other relation does")
+        if sorted(moving) != sorted(change.instance for change in self.changes if change.kind == "motion"):
+            raise ValueError(f"movers are {moving}; they are the instances of the changes of kind motion")
+        if moving and self.target not in moving:
+            raise ValueError(f"movers are {moving}; the target {self.target!r} moves")
         visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
         if self.target not in world or world[self.target].category != self.category:
             raise ValueError(f"target {self.target!r} is no {self.category} of {visit}, which {self.relation} answers from")
         cause = self.distractor if self.distractor is not None else self.target
-        if cause not in self.changed:
+        if cause not in {change.instance for change in self.scripted}:
             raise ValueError(f"changes do not hold {cause!r}, whose change defines the episode")
         return self
 
@@ -126,8 +123,18 @@ class Episode(Record):
 
     @property
     def changed(self) -> frozenset[str]:
-        """Ids of the instances of the scripted changes."""
+        """Ids of all instances that change."""
         return frozenset(change.instance for change in self.changes)
+
+    @property
+    def scripted(self) -> tuple[Change, ...]:
+        """The changes of instances of the queried category; all others are of other categories."""
+        return tuple(change for change in self.changes if change.category == self.category)
+
+    @property
+    def others(self) -> tuple[Change, ...]:
+        """The changes of instances of other categories."""
+        return tuple(change for change in self.changes if change.category != self.category)
 
     def alterations(self, visit: str) -> tuple[Alteration, ...]:
         """What differs from the untouched scene in the visit "first" or "second"."""
@@ -142,7 +149,7 @@ class Episode(Record):
     def settings(self) -> Settings:
         """The constants of the episode's protocol as settings; another constant raises AttributeError when it is read."""
         sections = {name: dict(getattr(self.protocol, name)) for name in type(self.protocol).model_fields}
-        known = {"benchmark": {"seed": self.provenance.seed, "backend": self.backend}, "tour": {"headings": self.tour.headings}}
+        known = {"benchmark": {"seed": self.provenance.seed, "backend": self.backend}}
         return Settings.owned(known | sections, f"episode {self.id}")
 
     @property

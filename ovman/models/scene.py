@@ -1,4 +1,4 @@
-"""The record of a scene before anything changes, "ovman-scene/1"."""
+"""The record of a scene before anything changes, "ovman-scene/2"."""
 
 from __future__ import annotations
 
@@ -32,14 +32,16 @@ class Scene(Record):
     """An untouched scene. Metres, floor plane (x, z).
 
     start: where AI2-THOR puts the agent; floor_y: height of the floor; reachable: positions that the agent can reach, sorted;
-    components: numbers of cells of the connected parts, largest first; waypoints: of the tour, in its order.
+    components: numbers of cells of the connected parts, largest first; waypoints: of a tour, in its order; other_waypoints:
+    as many, sampled from another cell, for a second tour that is not the first again.
     """
 
-    schema_id: Literal["ovman-scene/1"] = Field("ovman-scene/1", alias="schema")
+    schema_id: Literal["ovman-scene/2"] = Field("ovman-scene/2", alias="schema")
     scene: Text
     start: Point
     floor_y: float
     reachable: tuple[tuple[float, float], ...]
     components: tuple[Count, ...]
     waypoints: tuple[Point, ...]
+    other_waypoints: tuple[Point, ...]
     objects: tuple[SceneObject, ...]

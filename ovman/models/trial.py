@@ -1,4 +1,4 @@
-"""A trial, "ovman-trial/1": a candidate that was brought about in the simulator, and all that was measured. Nothing is judged."""
+"""A trial, "ovman-trial/2": a candidate that was brought about in the simulator, and all that was measured. Nothing is judged."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ class TrialMeasurement(Record):
     from the spawn to the box of the target, None where it is gone in visit 2. spawn_free_moves: quarters
     of a turn in which the spawn can be left. reachable_box: in visit 2. visible_px: mask of the target from nu(a) by pitch.
     visits: names of the recorded tours. sightings: of the category's instances in both tours. world_1, world_2: every present
-    instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the placement.
+    instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the placement. movers: of the second
+    tour. other_px: largest mask of each instance of another category that changes, in either tour.
     """
 
     ended: Rejection | Bound | None
@@ -68,17 +69,19 @@ class TrialMeasurement(Record):
     world_2: RecordedWorld | None = None
     changed: Mapping[str, Displaced] | None = None
     drift_m: Mapping[str, Length] | None = None
-    mover: MoverRecord | None = None
+    movers: tuple[MoverRecord, ...] = ()
+    other_px: Mapping[str, VisitPair[Count]] | None = None
 
     @model_serializer(mode="wrap")
     def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return {name: value for name, value in handler(self).items() if value is not None or name == "ended"}
+        absent = {"ended": False, "movers": not self.movers}
+        return {name: value for name, value in handler(self).items() if not absent.get(name, value is None)}
 
 
 class Trial(Record):
     """A trial: the candidate and what was measured."""
 
-    schema_id: Literal["ovman-trial/1"] = Field("ovman-trial/1", alias="schema")
+    schema_id: Literal["ovman-trial/2"] = Field("ovman-trial/2", alias="schema")
     candidate: Candidate
     measured: TrialMeasurement
 

@@ -1,4 +1,4 @@
-"""The record of a recorded tour, visit.json, "ovman-visit/1". Pictures lie beside it (`ovman.sim.visit`)."""
+"""The record of a recorded tour, visit.json, "ovman-visit/2". Pictures lie beside it (`ovman.sim.visit`)."""
 
 from __future__ import annotations
 
@@ -49,13 +49,13 @@ class View(Record):
 class Visit(Record):
     """A recorded visit. Positions are centres of axis-aligned boxes, metres."""
 
-    schema_id: Literal["ovman-visit/1"] = Field("ovman-visit/1", alias="schema")
+    schema_id: Literal["ovman-visit/2"] = Field("ovman-visit/2", alias="schema")
     scene: Text
     visit: Text
     alterations: tuple[Alteration, ...]
     placed: Mapping[str, Position]
     present: Mapping[str, Present]
-    mover: MoverRecord | None
+    movers: tuple[MoverRecord, ...]
     views: tuple[View, ...]
 
     @classmethod
