@@ -49,7 +49,7 @@ def mover(episodes: Sequence[Episode], radius_m: float, moved_m: float) -> list[
 
     radius_m: R; moved_m: the displacement from which Eq. 1 calls an instance moved.
     """
-    moving = [episode for episode in episodes if episode.mover is not None]
+    moving = [episode for episode in episodes if episode.target in {one.instance for one in episode.movers}]
     if not moving:
         return []
     between = [displacement_m(episode.world_1, episode.world_2, episode.target) for episode in moving]
@@ -63,8 +63,7 @@ def mover(episodes: Sequence[Episode], radius_m: float, moved_m: float) -> list[
 
 def _away_m(episode: Episode) -> list[list[float]]:
     """Distances to the recorded end point after each number of AFTER, walk by walk."""
-    start = episode.mover
-    assert start is not None
+    (start,) = (one for one in episode.movers if one.instance == episode.target)
     begun = Mover(_roam(episode)).resumed(start)
     found = []
     for number in range(WALKS):
@@ -75,7 +74,7 @@ def _away_m(episode: Episode) -> list[list[float]]:
 
 
 def _roam(episode: Episode) -> Roam:
-    return next(change.roam for change in episode.changes if change.roam is not None)
+    return next(one.roam for one in episode.changes if one.instance == episode.target and one.roam is not None)
 
 
 def _row(phase: str, actions: int | None, metres: Sequence[float], radius_m: float, moved: int | None) -> MoverDistance:

@@ -48,8 +48,8 @@ class Runnable(Protocol):
         """nu(a): the cell nearest to the answer that the benchmark's own body can reach."""
 
     @property
-    def mover(self) -> MoverStart | None:
-        """The state of the mover when the run begins; None where nothing moves."""
+    def movers(self) -> tuple[MoverStart, ...]:
+        """The states of the movers when the run begins; none where nothing moves."""
 
     @property
     def gone(self) -> frozenset[str]:
@@ -80,7 +80,7 @@ class Limits:
 
 
 def begin(session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False) -> World:
-    """The world of visit 2 with the mover where the recorded visit left it; `rng` drives the mover.
+    """The world of visit 2 with its movers where the recorded visit left them; `rng` drives them.
 
     every_object: whether the session reports all objects from then on, or those of the query's category alone. settings: mover.*.
     SimulatorError if the simulator refuses.
@@ -91,8 +91,7 @@ def begin(session: Session, episode: Runnable, settings: Settings, rng: np.rando
         return bool(metadata["objectType"] == category)
 
     world = World(session, episode.alterations("second"), settings.mover, rng, None if every_object else of_category)
-    if episode.mover is not None:
-        world.send_mover_to(episode.mover)
+    world.send_movers_to(episode.movers)
     return world
 
 
@@ -106,12 +105,12 @@ def measure_at_stop(
 ) -> tuple[Terms, Mapping[str, InstanceTerms]]:
     """The terms of Eq. 4 where the agent stands, and with any_instance those of every instance of the category by id.
 
-    region: what the agent could reach from its spawn; without it `nearest_navigable` holds. Where something moves, its present
-    place is the answer, and nu(a) is found anew. settings: primitives.step_m and success.sweep_deg.
+    region: what the agent could reach from its spawn; without it `nearest_navigable` holds. Where the target moves, its
+    present place is the answer, and nu(a) is found anew. settings: primitives.step_m and success.sweep_deg.
     """
     answer, navigable = episode.answer, episode.nearest_navigable
-    if world.mover is not None:
-        answer = world.mover.position
+    if episode.target in world.movers:
+        answer = world.movers[episode.target].position
         region = ReachableRegion.around(session, session.pose, settings.primitives.step_m)
     if region is not None:
         navigable = region.navigable(*answer)
@@ -139,7 +138,7 @@ def roll_out(
 
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
     reachable positions (K, 2) around the spawn; name_of: names of the instances in the positions that an agent is given, None for
-    an agent without positions. `rng` drives the mover. settings: sections camera, primitives and mover and success.sweep_deg.
+    an agent without positions. `rng` drives the movers. settings: sections camera, primitives and mover and success.sweep_deg.
     noise: seed of the actuation noise of a noisy body.
 
     Agents with a body of their own get no reachable grid and are exempt from the stall rule. An agent that is given positions, or
@@ -201,21 +200,21 @@ def _driven(
     step_m = settings.primitives.step_m
     budget = settings.primitives.action_budget if limits.budget is None else limits.budget
     travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
-    mover_in: tuple[int, int] | None = None
+    movers_in: list[tuple[int, int]] = []
     path_at_m: dict[int, float] = {}
     outcome: Outcome = "budget"
     while actions < budget:
         reachable = None
-        if world.mover is not None and not own_body:
-            mover_in, before_in = _cell(world.mover.position, step_m), mover_in
-            if mover_in != before_in:
+        if world.movers and not own_body:
+            movers_in, before_in = [_cell(mover.position, step_m) for mover in world.movers.values()], movers_in
+            if movers_in != before_in:
                 reachable = cells(ReachableRegion.around(session, session.pose, step_m))
         action = agent.act(observe(succeeded, reachable))
         if action in (Action.STOP, Action.ABSTAIN):
             outcome = "stopped" if action is Action.STOP else "abstained"
             break
         before = session.pose
-        done = session.step(action.value, image=looks and world.mover is None, allowed=True)
+        done = session.step(action.value, image=looks and not world.movers, allowed=True)
         succeeded = bool(done.metadata["lastActionSuccess"])
         after = session.pose
         moved = math.hypot(after.x - before.x, after.z - before.z)

@@ -17,12 +17,12 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
     """Tours the home in the visit "first" or "second" of an episode and records the frames in `directory`, named as the visit.
 
     session: on the episode's scene with the benchmark's body, as `ovman.evaluation.rollouts.session_for` makes it for an arm
-    without a body of its own. min_mask_px: masks of fewer pixels are not recorded as seen. The mover draws as it did when the
+    without a body of its own. min_mask_px: masks of fewer pixels are not recorded as seen. Movers draw as they did when the
     episode was made, so the tour ends in the state in which a run begins. SimulatorError if the simulator refuses.
     """
     alterations, name = episode.alterations(which), episode.visits[which]
     rng = seeds.generator(episode.provenance.seed, "mover", episode.id, "tour")
     world = World(session, alterations, episode.protocol.mover, rng, dynamic)
-    views = visit.tour(episode.tour.waypoints, episode.tour.headings)
+    views = visit.views(episode.tours[which])
     key = digest(episode.scene, name, [alteration.to_json() for alteration in alterations], min_mask_px)
     return visit.record(session, world, name, alterations, views, min_mask_px, directory / name, key)

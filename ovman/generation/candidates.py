@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from ovman.generation import placement
+from ovman.generation import others, placement
+from ovman.generation.others import NOBODY, Beside
 from ovman.generation.placement import FreeFloor
+from ovman.generation.protocol import Drawing, drawings
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
+from ovman.generation.spawning import spawn
 from ovman.models.candidate import Candidate
 from ovman.models.change import Alteration
-from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.record import DEGREE_DECIMALS, lines
+from ovman.models.record import lines
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene, SceneObject
@@ -24,6 +28,8 @@ from ovman.workflow import seeds
 
 GONE_OR_THERE = frozenset((Relation.APPEARED, Relation.REMOVED))
 """Relations of an instance that is in one of the visits, always in the same place."""
+AMONG = 8
+"""A displacement is drawn among so many places, or among those that there are."""
 
 
 def eligible(scene: Scene) -> Mapping[str, list[SceneObject]]:
@@ -63,8 +69,12 @@ def displacement(
     distance_m: float,
     uncrowded: Callable[[Alteration], bool],
     rng: np.random.Generator,
+    foreseen: Callable[[Alteration], bool] | None = None,
 ) -> Alteration | Rejection:
-    """`item` put onto free floor or a surface `distance_m` metres away or more, the answer uncrowded; or why it cannot be."""
+    """`item` put onto free floor or a surface `distance_m` metres away or more, the answer uncrowded; or why it cannot be.
+
+    foreseen: whether a tour is foreseen to record it there; such places go first.
+    """
     everywhere = [
         Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
         for spot in placement.spots(scene, item, floor, distance_m, rng)
@@ -72,7 +82,9 @@ def displacement(
     found = list(filter(uncrowded, everywhere))
     if not found:
         return Rejection.CROWDED if everywhere else Rejection.NO_PLACEMENT
-    return found[int(rng.integers(min(len(found), 8)))]
+    if foreseen is not None:
+        found = list(islice(filter(foreseen, found), AMONG)) or found
+    return found[int(rng.integers(min(len(found), AMONG)))]
 
 
 def motion(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Alteration | Rejection:
@@ -81,46 +93,33 @@ def motion(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> 
     return Rejection.CANNOT_MOVE if found is None else Alteration(kind="motion", instance=item.id, roam=found)
 
 
-def spawn_away(
-    floor: FreeFloor,
-    keep_from: list[tuple[Point, float]],
-    headings: int,
-    rng: np.random.Generator,
-    boxes: Sequence[tuple[Point, Point, float]] = (),
-) -> Spawn | None:
-    """A reachable position at least so many metres from each of the points of `keep_from`, and farther than so many metres from
-    the rectangle of half extents `half` around a point of `boxes`; None if no position is."""
-    free = [
-        (x, z)
-        for x, z in floor.cells
-        if all(np.hypot(x - kx, z - kz) >= metres for (kx, kz), metres in keep_from)
-        and all(np.hypot(max(abs(x - kx) - hx, 0.0), max(abs(z - kz) - hz, 0.0)) > metres for (kx, kz), (hx, hz), metres in boxes)
-    ]
-    if not free:
-        return None
-    x, z = free[int(rng.integers(len(free)))]
-    yaw_deg = round(float(360.0 / headings * rng.integers(headings)), DEGREE_DECIMALS)
-    return Spawn(x=round(float(x), 4), z=round(float(z), 4), yaw_deg=yaw_deg)
+@dataclass(frozen=True)
+class Asked:
+    """What a candidate is about: its relation, its target, and for STABLE the instance that moves in the target's place."""
+
+    relation: Relation
+    target: SceneObject
+    distractor: SceneObject | None
+
+    @property
+    def changed(self) -> SceneObject:
+        """The instance of the scripted change."""
+        return self.target if self.distractor is None else self.distractor
 
 
 def draw(
-    scene: Scene,
-    relation: Relation,
-    index: int,
-    item: SceneObject,
-    distractor: SceneObject | None,
-    constants: Settings,
+    scene: Scene, asked: Asked, index: int, drawing: Drawing, constants: Settings, beside: Beside | None = None
 ) -> Candidate:
-    """One candidate for the target `item`; its field `refused` says why nothing could be drawn for it, or is None.
+    """One candidate; its field `refused` says why nothing could be drawn for it, or is None.
 
-    index: of the candidate among those of scene and relation. distractor: the instance that is moved in place of the target, for
-    STABLE. Deterministic under benchmark.seed.
+    index: of the candidate among those of scene, split and relation. beside: what may change beside the scripted instance, for a
+    split that has such. Deterministic under benchmark.seed.
     """
-    rng = seeds.generator(constants.benchmark.seed, "candidate", scene.scene, relation.value, index)
-    changed = distractor if distractor is not None else item
-    floor = FreeFloor.of(scene, changed, constants.primitives.step_m)
+    relation, item, changed = asked.relation, asked.target, asked.changed
+    rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.names, scene.scene, relation.value, index)
+    floor = FreeFloor.of(scene, changed, constants.primitives.step_m, drawing.tours.second.waypoints)
     script = Script(scene, Query(item.category, relation), item.id)
-    apart_m, clearance_m = constants.candidates.crowding_m, constants.candidates.spawn_clearance_m
+    apart_m = constants.candidates.crowding_m
     gone = Alteration(kind="disable", instance=item.id)
     first: tuple[Alteration, ...] = (gone,) if relation is Relation.APPEARED else ()
     second: tuple[Alteration, ...] = (gone,) if relation is Relation.REMOVED else ()
@@ -131,66 +130,84 @@ def draw(
         drawn = Rejection.CROWDED if script.crowded(first, second, apart_m) else gone
     else:
         drawn = displacement(
-            scene, changed, floor, constants.candidates.delta_min_m, lambda made: not script.crowded((), (made,), apart_m), rng
+            scene,
+            changed,
+            floor,
+            constants.candidates.delta_min_m,
+            lambda made: not script.crowded((), (made,), apart_m),
+            rng,
+            None if beside is None else lambda made: beside.recorded_at(changed, made),
         )
     if isinstance(drawn, Rejection):
         refused = drawn
     elif drawn is not gone:
         second = (drawn,)
-    keep_from: list[tuple[Point, float]] = [((item.position.x, item.position.z), clearance_m)]
-    boxes: list[tuple[Point, Point, float]] = []
-    for alteration in second:
-        if alteration.placement is not None:
-            keep_from.append((alteration.placement, clearance_m))
-    if relation is not Relation.MOVING:
-        at, beyond_m = script.answer(first, second), constants.candidates.spawn_beyond_m
-        half = (item.size.x / 2, item.size.z / 2) if relation.current else (0.0, 0.0)
-        boxes = [(at, half, beyond_m), (floor.nearest(at), (0.0, 0.0), beyond_m)]
-    spawn = spawn_away(floor, keep_from, constants.tour.headings, rng, boxes)
-    if spawn is None and refused is None:
+    also = NOBODY
+    if beside is not None and refused is None:
+        found = others.draw(beside, changed, relation, script, first, second, constants, rng)
+        if isinstance(found, Rejection):
+            refused = found
+        else:
+            first, second, also = found.first, found.second, found.categories
+    begins = spawn(script, item, first, second, floor, constants, rng, also)
+    if begins is None and refused is None:
         refused = Rejection.NO_SPAWN
     return Candidate(
-        id=f"{scene.scene}/{relation.value}/{index:04d}",
+        id=drawing.id(scene.scene, relation.value, index),
+        split=drawing.split,
         scene=scene.scene,
         relation=relation,
         category=item.category,
         target=item.id,
-        distractor=None if distractor is None else distractor.id,
+        distractor=None if asked.distractor is None else asked.distractor.id,
+        tours=drawing.tours,
         first=first,
         second=second,
-        spawn=spawn,
+        others=also,
+        spawn=begins,
         refused=refused,
     )
 
 
-def candidates(scene: Scene, constants: Settings) -> list[Candidate]:
-    """All candidates of a scene, relation after relation; a relation that no category can serve has none.
+def candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
+    """All candidates of a scene with one scripted change, relation after relation; a relation that no category can serve has none.
 
-    Every relation draws its targets itself. APPEARED and REMOVED draw an instance once: it is gone or there, and a second draw
-    would be the same pair of tours.
+    Every relation draws its targets itself. Where nothing else changes, APPEARED and REMOVED draw an instance once: it is gone or
+    there, and a second draw would be the same pair of tours.
     """
     by_category = eligible(scene)
-    drawn = []
+    beside = None if drawing.others is None else Beside(scene, drawing.tours, drawing.others, constants)
+    drawn: list[Candidate] = []
     for relation in Relation:
-        rng = seeds.generator(constants.benchmark.seed, "targets", scene.scene, relation.value)
+        rng = seeds.generator(constants.benchmark.seed, "targets", *drawing.names, scene.scene, relation.value)
         # With a third instance that stays, the stable one would not be unique (Eq. 2).
         pool = {c: items for c, items in by_category.items() if relation is not Relation.STABLE or len(items) == 2}
+        if beside is not None:
+            pool = {c: left for c, items in pool.items() if (left := [k for k in items if beside.serves(k, relation)])}
         if not pool:
             continue
-        order = once(targets(pool, rng), sum(map(len, pool.values()))) if relation in GONE_OR_THERE else targets(pool, rng)
-        for index, item in zip(range(getattr(constants.candidates.draws, relation.value)), order, strict=False):
-            others = [o for o in pool[item.category] if o.id != item.id]
-            drawn.append(draw(scene, relation, index, item, others[0] if relation is Relation.STABLE else None, constants))
+        order = targets(pool, rng)
+        if relation in GONE_OR_THERE and beside is None:
+            order = once(order, sum(map(len, pool.values())))
+        lacking = getattr(drawing.draws, relation.value)
+        most = lacking if drawing.tries is None else lacking * drawing.tries
+        for index, item in enumerate(islice(order, most)):
+            if lacking <= 0:
+                break
+            away = [o for o in by_category[item.category] if o.id != item.id]
+            asked = Asked(relation, item, away[0] if relation is Relation.STABLE else None)
+            drawn.append(draw(scene, asked, index, drawing, constants, beside))
+            lacking -= drawing.tries is None or drawn[-1].refused is None
     return drawn
 
 
 def run(scene_file: Path, constants: Settings, output: Path) -> None:
-    """Write the candidates of the scene in `scene_file` for all splits, a JSON line each."""
+    """Write the candidates of the scene in `scene_file` for all splits that have it, a JSON line each."""
     from ovman.generation import multi  # draws with this module's functions
 
     (scene,) = Scene.read(scene_file)
-    drawn = candidates(scene, constants)
-    for split in constants.splits.values():
-        drawn += multi.candidates(scene, split, constants)
+    drawn: list[Candidate] = []
+    for drawing in drawings(scene, constants):
+        drawn += (candidates if drawing.changes == (1,) else multi.candidates)(scene, drawing, constants)
     output.write_text(lines(drawn), encoding="utf-8")
     print(f"{scene_file.stem}: {len(drawn)} candidates", flush=True)

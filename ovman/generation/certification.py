@@ -36,7 +36,7 @@ class TrialRun:
     spawn: Spawn
     answer: Point
     nearest_navigable: Point
-    mover: MoverStart | None
+    movers: tuple[MoverStart, ...]
     second: tuple[Alteration, ...]
 
     @staticmethod
@@ -45,14 +45,13 @@ class TrialRun:
         candidate, measured = trial.candidate, trial.measured
         if candidate.spawn is None or measured.answer is None or measured.nearest_navigable is None:
             raise ValueError(f"{candidate.id}: the trial ended early and cannot be run")
-        query, mover = Query(candidate.category, candidate.relation), measured.mover
         return TrialRun(
-            query,
+            Query(candidate.category, candidate.relation),
             candidate.target,
             candidate.spawn,
             measured.answer,
             measured.nearest_navigable,
-            None if mover is None else mover.start,
+            tuple(mover.start for mover in measured.movers),
             candidate.second,
         )
 
@@ -67,7 +66,7 @@ class TrialRun:
 
 
 def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettings) -> Measured:
-    """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the mover.
+    """One run of the oracle agent on a trial under `seed`, which orders equal paths and drives the movers.
 
     ValueError for a trial that ended early, SimulatorError if the simulator refuses.
     """

@@ -13,18 +13,20 @@ from itertools import combinations
 
 import numpy as np
 
-from ovman.generation.candidates import displacement, eligible, motion, spawn_away
-from ovman.generation.placement import FreeFloor
+from ovman.generation.candidates import displacement, eligible, motion
+from ovman.generation.placement import FreeFloor, put
+from ovman.generation.protocol import Drawing
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
+from ovman.generation.spawning import spawn
 from ovman.models.candidate import Candidate
 from ovman.models.change import Alteration
-from ovman.models.geometry import Point, Position, Spawn
+from ovman.models.geometry import Point
 from ovman.models.query import Query
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Settings, Split
+from ovman.models.settings import Settings
 from ovman.workflow import seeds
 
 Roles = Mapping[str, Relation]
@@ -84,11 +86,17 @@ def role_sets(count: int, changes: Sequence[int]) -> Iterator[tuple[Relation, ..
 
 
 def draw(
-    scene: Scene, items: Sequence[SceneObject], roles: Roles, relation: Relation, constants: Settings, rng: np.random.Generator
+    scene: Scene,
+    items: Sequence[SceneObject],
+    roles: Roles,
+    relation: Relation,
+    constants: Settings,
+    rng: np.random.Generator,
+    waypoints: Sequence[Point],
 ) -> Changes:
     """The alterations that `roles` ask for, drawn for a query for `relation`, whose answer they leave uncrowded.
 
-    What is displaced is put first, so that a mover is given a way around it.
+    What is displaced is put first, so that a mover is given a way around it. waypoints: of the second tour.
     """
     by_id = {item.id: item for item in items}
     (target,) = referents(list(by_id), roles, relation)
@@ -98,7 +106,7 @@ def draw(
     there = scene
     for role in (Relation.MOVED, Relation.MOVING):
         for item in (by_id[k] for k, given in roles.items() if given is role):
-            floor = FreeFloor.of(there, item, constants.primitives.step_m)
+            floor = FreeFloor.of(there, item, constants.primitives.step_m, waypoints)
 
             def uncrowded(made: Alteration, before: tuple[Alteration, ...] = second) -> bool:
                 return not script.crowded(first, (*before, made), constants.candidates.crowding_m)
@@ -111,35 +119,28 @@ def draw(
                 return Changes(items, roles, first, second, drawn)
             second = (*second, drawn)
             if drawn.placement is not None and drawn.height_m is not None:
-                there = _with(there, item, drawn.placement, drawn.height_m)
+                there = put(there, item, drawn.placement, drawn.height_m)
     return Changes(items, roles, first, second, None)
 
 
-def _with(scene: Scene, item: SceneObject, placement: Point, height_m: float) -> Scene:
-    """The scene with the instance where it is put."""
-    x, z = placement
-    put = item.model_copy(update={"position": Position(x=x, y=height_m + item.size.y / 2, z=z)})
-    return scene.model_copy(update={"objects": tuple(put if o.id == item.id else o for o in scene.objects)})
-
-
-def _changes(scene: Scene, split: Split, constants: Settings, lacking: Counter[Relation]) -> Iterator[Changes]:
+def _changes(scene: Scene, drawing: Drawing, constants: Settings, lacking: Counter[Relation]) -> Iterator[Changes]:
     """Changes for what is `lacking` still, which the reader counts down: the relation that lacks most chooses what changes.
 
     Categories take turns for each relation. Nothing is drawn for a relation that no category can serve.
     """
-    rng = seeds.generator(constants.benchmark.seed, "changes", split.name, scene.scene)
+    rng = seeds.generator(constants.benchmark.seed, "changes", drawing.split, scene.scene)
     by_category = eligible(scene)
-    step_m = constants.primitives.step_m
-    floors = {item.id: FreeFloor.of(scene, item, step_m) for items in by_category.values() for item in items}
+    step_m, waypoints = constants.primitives.step_m, drawing.tours.second.waypoints
+    floors = {item.id: FreeFloor.of(scene, item, step_m, waypoints) for items in by_category.values() for item in items}
     can_move = {
         item.id
         for items in by_category.values()
         for item in items
         if roam(scene, item, floors[item.id], constants.mover.step_m) is not None
     }
-    served = {relation: _served(by_category, split, relation, can_move) for relation in Relation}
+    served = {relation: _served(by_category, drawing, relation, can_move) for relation in Relation}
     order = {relation: [list(found)[k] for k in rng.permutation(len(found))] for relation, found in served.items()}
-    limit = {relation: split.tries * count for relation, count in lacking.items()}
+    limit = {relation: (drawing.tries or 1) * count for relation, count in lacking.items()}
     turns: Counter[Relation] = Counter()
     while left := [one for one in Relation if lacking[one] > 0 and order[one] and turns[one] < limit[one]]:
         relation = min(left, key=lambda one: (-lacking[one], turns[one]))
@@ -149,7 +150,7 @@ def _changes(scene: Scene, split: Split, constants: Settings, lacking: Counter[R
         alternatives = []
         for _ in range(ALTERNATIVES):
             roles = sets[int(rng.integers(len(sets)))]
-            alternatives.append(draw(scene, items, _given(items, roles, can_move, rng), relation, constants, rng))
+            alternatives.append(draw(scene, items, _given(items, roles, can_move, rng), relation, constants, rng, waypoints))
         yield max(alternatives, key=lambda changes: sum(lacking[one] > 0 for one in _uncrowded(scene, changes, constants)))
 
 
@@ -178,7 +179,7 @@ def _uncrowded(scene: Scene, changes: Changes, constants: Settings) -> list[Rela
 
 
 def _served(
-    by_category: Mapping[str, Sequence[SceneObject]], split: Split, relation: Relation, can_move: Container[str]
+    by_category: Mapping[str, Sequence[SceneObject]], drawing: Drawing, relation: Relation, can_move: Container[str]
 ) -> dict[str, list[tuple[Relation, ...]]]:
     """By category the sets of changes after which `relation` has exactly one referent; without categories that have none.
 
@@ -189,7 +190,7 @@ def _served(
         ids = [item.id for item in items]
         sets = [
             roles
-            for roles in role_sets(len(ids), split.changes)
+            for roles in role_sets(len(ids), drawing.changes)
             if relation in asked(ids, dict(zip(ids, roles, strict=False)))
             and (Relation.MOVING not in roles or any(k in can_move for k in ids))
         ]
@@ -198,64 +199,53 @@ def _served(
     return found
 
 
-def candidates(scene: Scene, split: Split, constants: Settings) -> list[Candidate]:
+def candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
     """The candidates of a scene for a split, in the order in which they are drawn. What was refused is there beside what is asked
     for.
 
     Deterministic under benchmark.seed, split by split.
     """
-    lacking = Counter({relation: getattr(split.draws, relation.value) for relation in Relation})
+    lacking = Counter({relation: getattr(drawing.draws, relation.value) for relation in Relation})
     numbers: Counter[Relation] = Counter()
     drawn = []
-    for changes in _changes(scene, split, constants, lacking):
+    for changes in _changes(scene, drawing, constants, lacking):
         for relation in (one for one in asked([item.id for item in changes.items], changes.roles) if lacking[one] > 0):
-            name = f"{scene.scene}/{relation.value}/{split.name}-{numbers[relation]:04d}"
+            name = drawing.id(scene.scene, relation.value, numbers[relation])
             numbers[relation] += 1
-            drawn.append(_candidate(name, scene, split, changes, relation, constants))
+            drawn.append(_candidate(name, scene, drawing, changes, relation, constants))
             lacking[relation] -= drawn[-1].refused is None
     return drawn
 
 
-def _candidate(name: str, scene: Scene, split: Split, changes: Changes, relation: Relation, constants: Settings) -> Candidate:
+def _candidate(
+    name: str, scene: Scene, drawing: Drawing, changes: Changes, relation: Relation, constants: Settings
+) -> Candidate:
     """The query for `relation` in a pair of tours with `changes`."""
     (target,) = referents([item.id for item in changes.items], changes.roles, relation)
     (item,) = (item for item in changes.items if item.id == target)
-    refused, spawn = changes.refused, None
+    refused, begins = changes.refused, None
     if refused is None:
         script = Script(scene, Query(item.category, relation), target)
         if script.crowded(changes.first, changes.second, constants.candidates.crowding_m):
             refused = Rejection.CROWDED
         else:
-            spawn = _spawn_of(name, script, item, changes, constants)
-            refused = Rejection.NO_SPAWN if spawn is None else None
+            floor = FreeFloor.of(scene, item, constants.primitives.step_m, drawing.tours.second.waypoints)
+            rng = seeds.generator(constants.benchmark.seed, "spawn", name)
+            begins = spawn(script, item, changes.first, changes.second, floor, constants, rng)
+            refused = Rejection.NO_SPAWN if begins is None else None
     displaced = [k for k, role in changes.roles.items() if role is Relation.MOVED]
     return Candidate(
         id=name,
-        split=split.name,
+        split=drawing.split,
         scene=scene.scene,
         relation=relation,
         category=item.category,
         target=target,
         distractor=displaced[0] if relation is Relation.STABLE else None,
+        tours=drawing.tours,
         first=changes.first,
         second=changes.second,
-        spawn=spawn,
+        others={},
+        spawn=begins,
         refused=refused,
     )
-
-
-def _spawn_of(name: str, script: Script, target: SceneObject, changes: Changes, constants: Settings) -> Spawn | None:
-    """A spawn clear of where the target was, of all that is put somewhere and of a mover's way, and no success to begin with."""
-    clearance_m, beyond_m = constants.candidates.spawn_clearance_m, constants.candidates.spawn_beyond_m
-    floor = FreeFloor.of(script.scene, target, constants.primitives.step_m)
-    keep_from = [((target.position.x, target.position.z), clearance_m)]
-    for alteration in changes.second:
-        if alteration.placement is not None:
-            keep_from.append((alteration.placement, clearance_m))
-    boxes: list[tuple[Point, Point, float]] = []
-    if script.query.relation is not Relation.MOVING:
-        at = script.answer(changes.first, changes.second)
-        half = (target.size.x / 2, target.size.z / 2) if script.query.relation.current else (0.0, 0.0)
-        boxes = [(at, half, beyond_m), (floor.nearest(at), (0.0, 0.0), beyond_m)]
-    rng = seeds.generator(constants.benchmark.seed, "spawn", name)
-    return spawn_away(floor, keep_from, constants.tour.headings, rng, boxes)

@@ -5,11 +5,12 @@ Pure geometry on the record of a scene, floor plane in metres. It only proposes;
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.models.geometry import Point
+from ovman.models.geometry import Point, Position
 from ovman.models.scene import Scene, SceneObject
 from ovman.sim.change import AGENT_RADIUS_M
 
@@ -59,8 +60,8 @@ class FreeFloor:
     step_m: float
 
     @staticmethod
-    def of(scene: Scene, item: SceneObject, step_m: float) -> FreeFloor:
-        """The free floor of `scene` for `item`. step_m: spacing of the navigation grid, metres."""
+    def of(scene: Scene, item: SceneObject, step_m: float, waypoints: Sequence[Point]) -> FreeFloor:
+        """The free floor of `scene` for `item`. step_m: spacing of the navigation grid, metres; waypoints: to leave free."""
         top = scene.floor_y + item.size.y
         boxes = [
             (o.position.x, o.position.z, o.size.x / 2, o.size.z / 2)
@@ -69,7 +70,7 @@ class FreeFloor:
         ]
         return FreeFloor(
             np.array(sorted(scene.reachable)),
-            np.array(scene.waypoints),
+            np.array(waypoints),
             np.array(boxes).reshape(-1, 4),
             np.array(_half(item)),
             step_m,
@@ -160,6 +161,13 @@ def _clears(other: SceneObject, x: float, z: float, half_x: float, half_z: float
         or _bottom(other) > high
         or centre.y + size.y / 2 < low - FLUSH_M
     )
+
+
+def put(scene: Scene, item: SceneObject, placement: Point, height_m: float) -> Scene:
+    """The scene with the instance where it is put."""
+    x, z = placement
+    there = item.model_copy(update={"position": Position(x=x, y=height_m + item.size.y / 2, z=z)})
+    return scene.model_copy(update={"objects": tuple(there if o.id == item.id else o for o in scene.objects)})
 
 
 def spots(scene: Scene, item: SceneObject, floor: FreeFloor, distance_m: float, rng: np.random.Generator) -> list[Spot]:

@@ -15,7 +15,6 @@ from ovman.models.admission import Admission
 from ovman.models.episode import Episode
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection
-from ovman.models.scene import Scene
 from ovman.models.settings import MAIN, Settings
 from ovman.models.settings.sensitivity import THRESHOLDS
 from ovman.models.trial import Trial
@@ -55,7 +54,6 @@ def admitting(trial: Trial, settings: Sequence[Settings]) -> tuple[int, ...]:
 
 
 def run(
-    scene_files: Sequence[Path],
     trials_files: Sequence[Path],
     episodes_file: Path,
     constants: StageSettings,
@@ -66,7 +64,6 @@ def run(
 
     episodes_file: the released ones.
     """
-    scenes = {scene.scene: scene for file in scene_files for scene in Scene.read(file)}
     released = {one.id for one in Episode.load(episodes_file)}
     settings = settings_of(constants)
     episodes: list[Episode] = []
@@ -75,7 +72,7 @@ def run(
     for trial in main:
         name = trial.candidate.id
         if numbers := admitting(trial, settings):
-            episodes.append(episode(trial, (), scenes[trial.candidate.scene], constants))
+            episodes.append(episode(trial, (), constants))
             admissions.append(Admission(id=name, settings=numbers, released=name in released))
     if lost := released - {one.id for one in admissions}:
         raise ValueError(f"{min(lost)} is released, but no setting admits it; make the stages trials and episodes again")

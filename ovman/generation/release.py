@@ -19,15 +19,14 @@ from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.language import noun, sentence
 from ovman.models.certification import Certification, CertificationRun, OracleRun
 from ovman.models.change import Alteration, Change
-from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
+from ovman.models.episode import Episode, Protocol, Provenance
 from ovman.models.record import Record, lines
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.settings import MAIN, Settings
+from ovman.models.settings import MAIN, Settings, scenes_of
 from ovman.models.settings.benchmark import Success
 from ovman.models.sighting import Sightings
-from ovman.models.trial import Trial, TrialMeasurement, Verdict
+from ovman.models.trial import Trial, Verdict
 from ovman.workflow import seeds
 
 T = TypeVar("T")
@@ -49,7 +48,7 @@ def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> 
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
 
 
-def episode(trial: Trial, runs: Sequence[OracleRun], scene: Scene, settings: Settings) -> Episode:
+def episode(trial: Trial, runs: Sequence[OracleRun], settings: Settings) -> Episode:
     """The episode of a certified trial. ValueError for a trial that ended early."""
     candidate, measured = trial.candidate, trial.measured
     relation, word = candidate.relation, noun(candidate.category)
@@ -66,13 +65,13 @@ def episode(trial: Trial, runs: Sequence[OracleRun], scene: Scene, settings: Set
         target=candidate.target,
         distractor=candidate.distractor,
         changes=tuple(
-            _change(measured, alteration, first)
+            _change(trial, alteration, first)
             for first, alterations in ((True, candidate.first), (False, candidate.second))
             for alteration in alterations
         ),
-        tour=EpisodeTour(waypoints=scene.waypoints, headings=settings.tour.headings),
+        tours=candidate.tours,
         visits=known(measured.visits),
-        mover=None if measured.mover is None else measured.mover.start,
+        movers=tuple(mover.start for mover in measured.movers),
         spawn=known(candidate.spawn),
         answer=known(measured.answer),
         nearest_navigable=known(measured.nearest_navigable),
@@ -110,15 +109,17 @@ def _certified(run: OracleRun, relation: Relation, success: Success) -> Certific
     return CertificationRun(**terms, success=judged(run, relation, success))
 
 
-def _change(measured: TrialMeasurement, alteration: Alteration, first: bool) -> Change:
+def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
     """What happened to an instance between the visits. What is gone in the first visit is "enable": it is there in the second."""
-    where = known(measured.changed)[alteration.instance]
+    candidate, measured, instance = trial.candidate, trial.measured, alteration.instance
+    where, paths = known(measured.changed)[instance], {mover.instance: mover.path for mover in measured.movers}
     return Change(
-        instance=alteration.instance,
+        instance=instance,
+        category=candidate.others.get(instance, candidate.category),
         kind="enable" if first else alteration.kind,
         before=where.before,
         after=where.after,
-        path=known(measured.mover).path if alteration.kind == "motion" else None,
+        path=paths[instance] if alteration.kind == "motion" else None,
         placement=alteration.placement,
         height_m=alteration.height_m,
         roam=alteration.roam,
@@ -139,7 +140,6 @@ def select(certified: Mapping[str, Sequence[str]], wanted: int, rng: np.random.G
 
 
 def run(
-    scene_files: Sequence[Path],
     trials_files: Sequence[Path],
     admissible_files: Sequence[Path],
     certified_files: Sequence[Path],
@@ -153,7 +153,6 @@ def run(
 
     ShortSplitError where a relation has fewer certified episodes than the split asks for, unless the settings allow that.
     """
-    scenes = {scene.scene: scene for scene in _read(Scene, scene_files)}
     trials = {trial.candidate.id: trial for trial in _read(Trial, trials_files) if trial.candidate.split == split}
     verdicts = {verdict.id: verdict for verdict in _read(Verdict, admissible_files)}
     runs = {record.id: record.runs for record in _read(Certification, certified_files)}
@@ -166,9 +165,9 @@ def run(
         names = ("split", split)
     certified = [k for k, against in rejections.items() if against is None]
     wishes = {relation: getattr(asked, relation.value) for relation in Relation}
-    if split == MAIN:
+    if split == MAIN or settings.splits[split].single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
-        apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, "split", "pairs"))
+        apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
     else:  # a pair of tours with several changes serves several queries
         pairs, apart = {}, certified
     released: list[str] = []
@@ -191,10 +190,10 @@ def run(
         remedy = f"raise {draws}, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
-    order = {scene: i for i, scene in enumerate(settings.benchmark.scenes)}
+    order = {scene: i for i, scene in enumerate(scenes_of(split, settings.benchmark, settings.splits))}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(
-        lines(episode(trials[k], runs[k], scenes[trials[k].candidate.scene], settings) for k in released), encoding="utf-8"
+        lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8"
     )
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
     with rejections_out.open("w", newline="") as file:

@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
 from ovman.models.change import Cell, Roam
+from ovman.models.geometry import Point
 from ovman.models.scene import Scene, SceneObject
 from ovman.sim.change import AGENT_RADIUS_M
 from ovman.sim.mover import WAYS
@@ -47,6 +48,20 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
         free |= set(_way_out(step, int(np.ceil(own_m / step_m)), known, clear, apart))
     reached = _connected(free)
     return None if len(reached) == 1 else Roam.over(item.position.x, item.position.z, step_m, reached)
+
+
+def side(floor: Roam, other: Point, apart_m: float) -> Roam | None:
+    """The part of a mover's floor on its own side of the line half-way to `other`, where another mover stands, and apart_m / 2 or
+    more from that line; None if it cannot move there. Movers on the two sides are never nearer to each other than `apart_m`.
+    """
+    here, there = np.array([floor.x, floor.z]), np.array(other)
+    length = float(np.hypot(*(there - here)))
+    if length < apart_m:
+        return None
+    along = (there - here) / length
+    kept = {cell for cell in floor.cells if float((np.array(floor.at(cell)) - here) @ along) <= (length - apart_m) / 2}
+    reached = _connected(kept)
+    return None if len(reached) == 1 else Roam.over(floor.x, floor.z, floor.step_m, reached)
 
 
 def carries(scene: Scene, item: SceneObject) -> bool:

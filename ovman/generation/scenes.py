@@ -1,12 +1,13 @@
-"""Stage `scenes`: what is in a scene before anything changes, where the agent can stand, and the waypoints of its tour."""
+"""Stage `scenes`: what is in a scene before anything changes, where the agent can stand, and the waypoints of its tours."""
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
 
-from ovman.models.geometry import Position
+from ovman.models.geometry import Point, Position
 from ovman.models.scene import Scene, SceneObject
-from ovman.navigation import Grid, farthest_points
+from ovman.navigation import Cell, Grid, farthest_points
 from ovman.sim.change import position
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
@@ -20,7 +21,7 @@ class SceneError(ValueError):
 
 
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
-    """The record of an untouched scene. waypoints: of its tour; step_m: spacing of the navigation grid, metres.
+    """The record of an untouched scene. waypoints: of each of its tours; step_m: spacing of the navigation grid, metres.
 
     SceneError for a scene with fewer cells than waypoints.
     """
@@ -34,6 +35,11 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     if len(component) < waypoints:
         says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of benchmark.scenes"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
+    first = farthest_points(grid, component, waypoints, spawn)
+
+    def placed(cells: Iterable[Cell]) -> tuple[Point, ...]:
+        return tuple((round(x, 4), round(z, 4)) for x, z in map(grid.centre, cells))
+
     floor = next(o for o in objects.values() if o["objectType"] == "Floor")["axisAlignedBoundingBox"]
     return Scene(
         scene=session.scene,
@@ -41,9 +47,8 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         floor_y=round(floor["center"]["y"] + floor["size"]["y"] / 2, 4),
         reachable=tuple(sorted((round(x, 4), round(z, 4)) for x, z in points)),
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
-        waypoints=tuple(
-            (round(x, 4), round(z, 4)) for x, z in map(grid.centre, farthest_points(grid, component, waypoints, spawn))
-        ),
+        waypoints=placed(first),
+        other_waypoints=placed(farthest_points(grid, component, waypoints, _farthest(grid, component, first))),
         objects=tuple(
             SceneObject(
                 id=k,
@@ -58,6 +63,12 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
             for k, o in sorted(objects.items())
         ),
     )
+
+
+def _farthest(grid: Grid, component: Collection[Cell], cells: Sequence[Cell]) -> Cell:
+    """The cell that would be the next one after `cells`, where there is one that is not among them."""
+    count = min(len(cells) + 1, len(component))
+    return farthest_points(grid, component, count, cells[0])[-1]
 
 
 def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> None:

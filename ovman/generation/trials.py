@@ -22,6 +22,7 @@ from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
 from ovman.models.sighting import VisitPair
+from ovman.models.tour import Tour
 from ovman.models.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
 from ovman.models.visit import Visit
 from ovman.models.visit_files import VisitFiles, VisitManifest, damages
@@ -52,7 +53,7 @@ class Trials:
 
     def __init__(self, session: Session, scene: Scene, constants: StageSettings, visits_dir: Path) -> None:
         self._session, self._constants, self._visits_dir = session, constants, Path(visits_dir)
-        self._views = visit.tour(scene.waypoints, constants.tour.headings)
+        self._waypoints = scene.waypoints
         self._position: Mapping[str, Position] = {o.id: o.position for o in scene.objects}
         self._visits: dict[str, Visit] = {}
 
@@ -60,28 +61,29 @@ class Trials:
         rng = seeds.generator(self._constants.benchmark.seed, "mover", candidate, "tour")
         return World(self._session, alterations, self._constants.mover, rng, dynamic)
 
-    def _visit(self, alterations: Sequence[Alteration], candidate: str) -> Visit:
+    def _visit(self, which: str, candidate: Candidate) -> Visit:
+        alterations, tour = (candidate.first if which == "first" else candidate.second), candidate.tours[which]
         moving = any(a.kind == "motion" for a in alterations)
-        seed = seeds.integer(self._constants.benchmark.seed, "mover", candidate, "tour") if moving else None
-        name = visit.visit_name(alterations, seed)
+        seed = seeds.integer(self._constants.benchmark.seed, "mover", candidate.id, "tour") if moving else None
+        usual = Tour(waypoints=self._waypoints, headings=tour.headings)
+        name = visit.visit_name(alterations, seed, None if tour == usual else tour)
         if name not in self._visits:
             directory = self._visits_dir / name
-            key = digest(self._constants.canonical, [a.to_json() for a in alterations], seed)
+            key = digest(self._constants.canonical, tour.to_json(), [a.to_json() for a in alterations], seed)
             if _kept(directory, key):
                 self._visits[name] = Visit.load(directory)
             else:
-                world = self._world(alterations, candidate)
+                world, views = self._world(alterations, candidate.id), visit.views(tour)
                 self._visits[name] = visit.record(
-                    self._session, world, name, alterations, self._views, self._constants.measurement.min_mask_px, directory, key
+                    self._session, world, name, alterations, views, self._constants.measurement.min_mask_px, directory, key
                 )
         return self._visits[name]
 
     def tours(self, trial: Trial) -> Mapping[str, str]:
         """Digests of content of the recorded tours of a trial, by name; what is missing or damaged is recorded again."""
-        candidate = trial.candidate
         if trial.measured.visits is None:
             return {}
-        names = [self._visit(alterations, candidate.id).visit for alterations in (candidate.first, candidate.second)]
+        names = [self._visit(which, trial.candidate).visit for which in ("first", "second")]
         return {name: VisitFiles.load(self._visits_dir / name).content for name in names}
 
     def measure(self, candidate: Candidate) -> Trial:
@@ -108,12 +110,13 @@ class Trials:
         self._placed(candidate, world, spawn, draft)
         if candidate.relation is Relation.MOVING:
             self._observed(candidate, draft)
-            start = _made(draft.mover)
             world = self._world(candidate.second, candidate.id)
-            world.send_mover_to(start.start)
-            # Where a run begins, the mover is neither where it stood nor in the way.
-            draft.spawn_clearance_m = {candidate.target: round(math.dist(start.position, (spawn.x, spawn.z)), 4)}
-            self._ground(candidate, spawn, start.position, draft)
+            world.send_movers_to(draft.movers)
+            # Where a run begins, a mover is neither where it stood nor in the way.
+            draft.spawn_clearance_m = {
+                mover.instance: round(math.dist(mover.position, (spawn.x, spawn.z)), 4) for mover in draft.movers
+            }
+            self._ground(candidate, spawn, world.movers[candidate.target].position, draft)
             return
         origin = self._position[candidate.target]
         place = world.placed.get(candidate.target, origin) if candidate.relation.current else origin
@@ -169,7 +172,7 @@ class Trials:
     def _observed(self, candidate: Candidate, draft: _Draft) -> None:
         """Both tours: what was recorded of the category, where its instances were, how far what was placed drifted."""
         category = candidate.category
-        before, after = self._visit(candidate.first, candidate.id), self._visit(candidate.second, candidate.id)
+        before, after = self._visit("first", candidate), self._visit("second", candidate)
         draft.visits = VisitPair[str](first=before.visit, second=after.visit)
         draft.sightings = VisitPair(first=before.sightings(category), second=after.sightings(category))
         draft.world_1, draft.world_2 = _truth(before, category), _truth(after, category)
@@ -186,7 +189,11 @@ class Trials:
             origin = self._position[alteration.instance]
             drift_m[alteration.instance] = round(visit.drift_m(after, alteration.instance, (origin.x, origin.z)), 4)
         draft.drift_m = drift_m
-        draft.mover = after.mover
+        draft.movers = after.movers
+        if candidate.others:
+            draft.other_px = {
+                k: VisitPair[int](first=before.largest_px(k), second=after.largest_px(k)) for k in candidate.others
+            }
 
 
 def _kept(directory: Path, key: str) -> bool:
@@ -240,7 +247,6 @@ def run(
     also where the trial was kept.
     """
     (scene,) = Scene.read(scene_file)
-    waypoints = [{"x": x, "z": z} for x, z in scene.waypoints]
     kept = Journal(journal)
     done = []
     with Session(scene.scene, constants) as session:
@@ -252,7 +258,7 @@ def run(
             return session.with_restarts(lambda: trials.measure(candidate).to_json())
 
         for candidate in Candidate.read(candidates_file):
-            key = digest(candidate.to_json(), waypoints, constants.canonical)
+            key = digest(candidate.to_json(), [dict(zip("xz", at, strict=True)) for at in scene.waypoints], constants.canonical)
             done.append(Trial.from_json(kept.unit(key, partial(measured, candidate))))
             tours |= session.with_restarts(partial(trials.tours, done[-1]))
             print(f"{candidate.id}: {done[-1].measured.ended or 'measured'}", flush=True)

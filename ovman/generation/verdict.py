@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ovman.models.candidate import Candidate
+from ovman.models.geometry import Point
 from ovman.models.query import Query
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection
@@ -38,7 +39,8 @@ def against_geometry(candidate: Candidate, measured: TrialMeasurement, constants
     displacement_m = [metres for k, metres in (measured.displacement_m or {}).items() if k in displaced]
     if any(metres < constants.candidates.delta_min_m for metres in displacement_m):
         yield Rejection.DISPLACEMENT_BELOW_MINIMUM
-    if any(metres < constants.candidates.spawn_clearance_m for metres in (measured.spawn_clearance_m or {}).values()):
+    clearance_m = [metres for k, metres in (measured.spawn_clearance_m or {}).items() if k not in candidate.others]
+    if any(metres < constants.candidates.spawn_clearance_m for metres in clearance_m):
         yield Rejection.SPAWN_TOO_CLOSE
     if _at_answer(candidate, measured, constants.candidates.spawn_beyond_m):
         yield Rejection.SPAWN_AT_ANSWER
@@ -61,11 +63,15 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
     at, apart_m = measured.answer, constants.candidates.crowding_m
     if crowding(measured.world_1, measured.world_2, query, candidate.target, at, apart_m):
         yield Rejection.CROWDED
-    changed = frozenset(a.instance for a in candidate.first + candidate.second)
+    if _other_near(candidate, measured, constants.candidates.apart_m):
+        yield Rejection.OTHER_CHANGE_NEAR
+    changed = frozenset(a.instance for a in candidate.first + candidate.second if a.instance not in candidate.others)
     first = recorded_world(measured.sightings.first, candidate.category, limits.min_mask_px)
     second = recorded_world(measured.sightings.second, candidate.category, limits.min_mask_px)
     if not all(_recorded(candidate, k, first, second) for k in changed):
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
+    if not all(_other_recorded(candidate, k, measured, limits.min_mask_px) for k in candidate.others):
+        yield Rejection.OTHER_CHANGE_NOT_RECORDED
     # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
     visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
     for recorded, there in visits:
@@ -73,7 +79,7 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
         if n and category_pick(recorded, query, at, apart_m) > 1 / n + limits.above_chance:
             yield Rejection.ABOVE_CHANCE
             break
-    for world_1, world_2 in ((first, second), (measured.world_1, true_world(measured.world_2, measured.mover))):
+    for world_1, world_2 in ((first, second), (measured.world_1, true_world(measured.world_2, measured.movers))):
         against = admissible(world_1, world_2, query, changed, constants, candidate.target)
         if against is not None:
             yield against.reason
@@ -99,10 +105,34 @@ def _at_answer(candidate: Candidate, measured: TrialMeasurement, beyond_m: float
 
 def _recorded(candidate: Candidate, instance: str, first: WorldState, second: WorldState) -> bool:
     """Whether a changed instance is recorded in the tour, or tours, that define its change."""
+    in_first, in_second = _defined_in(candidate, instance)
+    return (not in_first or instance in first.ids) and (not in_second or instance in second.ids)
+
+
+def _other_recorded(candidate: Candidate, instance: str, measured: TrialMeasurement, min_mask_px: int) -> bool:
+    """The same of an instance of another category."""
+    assert measured.other_px is not None
+    seen = measured.other_px[instance]
+    in_first, in_second = _defined_in(candidate, instance)
+    return (not in_first or seen.first >= min_mask_px) and (not in_second or seen.second >= min_mask_px)
+
+
+def _defined_in(candidate: Candidate, instance: str) -> tuple[bool, bool]:
+    """In which tours an instance must be recorded for its change to be."""
     if any(alteration.instance == instance for alteration in candidate.first):
-        return instance in second.ids
+        return False, True
     kind = next(alteration.kind for alteration in candidate.second if alteration.instance == instance)
-    return (kind == "motion" or instance in first.ids) and (kind == "disable" or instance in second.ids)
+    return kind != "motion", kind != "disable"
+
+
+def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float) -> bool:
+    """Whether something of another category that changes is, or was, nearer than allowed to a scripted place or the answer."""
+    assert measured.changed is not None and measured.answer is not None
+    places: dict[bool, list[Point]] = {False: [measured.answer], True: []}
+    for instance, where in measured.changed.items():
+        there = (at for at in (where.before, where.after) if at is not None)
+        places[instance in candidate.others] += [(at.x, at.z) for at in there]
+    return any(math.dist(one, other) < apart_m for one in places[True] for other in places[False])
 
 
 def verdict(trial: Trial, constants: Settings) -> Verdict:

@@ -22,6 +22,7 @@ class Rejection(StrEnum):
 
     NO_PLACEMENT = "no_placement"
     CANNOT_MOVE = "cannot_move"
+    NO_OTHERS = "no_others"
     NO_SPAWN = "no_spawn"
     PLACEMENT_REFUSED = "placement_refused"
     DISPLACEMENT_BELOW_MINIMUM = "displacement_below_minimum"
@@ -31,7 +32,9 @@ class Rejection(StrEnum):
     ANSWER_UNREACHABLE = "answer_unreachable"
     ANSWER_NOT_VISIBLE = "answer_not_visible"
     CROWDED = "crowded"
+    OTHER_CHANGE_NEAR = "other_change_near"
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
+    OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded"
     ABOVE_CHANCE = "above_chance"
     REFERENT_ABSENT = "referent_absent"
     REFERENT_AMBIGUOUS = "referent_ambiguous"
@@ -52,6 +55,7 @@ class Rejection(StrEnum):
 _STAGES = {
     Rejection.NO_PLACEMENT: RejectionStage.DRAW,
     Rejection.CANNOT_MOVE: RejectionStage.DRAW,
+    Rejection.NO_OTHERS: RejectionStage.DRAW,
     Rejection.NO_SPAWN: RejectionStage.DRAW,
     Rejection.PLACEMENT_REFUSED: RejectionStage.PLACEMENT,
     Rejection.DISPLACEMENT_BELOW_MINIMUM: RejectionStage.PLACEMENT,
@@ -61,7 +65,9 @@ _STAGES = {
     Rejection.ANSWER_UNREACHABLE: RejectionStage.GEOMETRY,
     Rejection.ANSWER_NOT_VISIBLE: RejectionStage.GEOMETRY,
     Rejection.CROWDED: RejectionStage.GEOMETRY,
+    Rejection.OTHER_CHANGE_NEAR: RejectionStage.GEOMETRY,
     Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
+    Rejection.OTHER_CHANGE_NOT_RECORDED: RejectionStage.OBSERVATION,
     Rejection.ABOVE_CHANCE: RejectionStage.OBSERVATION,
     Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
     Rejection.REFERENT_AMBIGUOUS: RejectionStage.OBSERVATION,

@@ -77,6 +77,10 @@ class Visit(Record):
             at_views.append(here)
         return tuple(at_views)
 
+    def largest_px(self, instance: str) -> int:
+        """The size of the largest mask of an instance in the tour, pixels; 0 where none was written down."""
+        return max((view.seen.get(instance, 0) for view in self.views), default=0)
+
     def sightings(self, category: str) -> tuple[Sighting, ...]:
         """The views of the instances of a category, in the order of the tour."""
         return tuple(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -37,12 +38,25 @@ def dynamic(metadata: Mapping[str, Any]) -> bool:
     return bool(metadata["moveable"] or metadata["pickupable"])
 
 
-class World:
-    """A scene in the state of one visit: applies alterations to a freshly reset session, and drives the mover if one is set off.
+@dataclass(frozen=True)
+class _Body:
+    """What it takes to teleport a mover. offset: from the centre of its box to its pivot, metres; clearance_m: the agent keeps it
+    from coming nearer."""
 
-    object_filter: given the metadata of an object in the untouched scene, whether later events report it; None for all. Metadata
-    are most of the cost of a change. placed: positions right after placement by instance; path: floor-plane positions of the
-    mover in metres, agent step by agent step. Raises SimulatorError if the simulator refuses an alteration.
+    rotation: Mapping[str, float]
+    pivot_y: float
+    offset: tuple[float, float]
+    clearance_m: float
+
+
+class World:
+    """A scene in the state of one visit: applies alterations to a freshly reset session, and drives the movers that are set off.
+
+    rng: drives the first mover; every further one has a stream of its own, which is spawned from it, so that the walk of one does
+    not depend on how many there are. object_filter: given the metadata of an object in the untouched scene, whether later events
+    report it; None for all. Metadata are most of the cost of a change. placed: positions right after placement by instance;
+    movers, paths: the movers and their floor-plane positions in metres, agent step by agent step, by instance. Raises
+    SimulatorError if the simulator refuses an alteration.
     """
 
     def __init__(
@@ -53,11 +67,13 @@ class World:
         rng: np.random.Generator,
         object_filter: Callable[[Mapping[str, Any]], bool] | None = None,
     ) -> None:
-        self._session, self._params, self._rng = session, params, rng
+        self._session, self._params = session, params
+        moving = [alteration.instance for alteration in alterations if alteration.kind == "motion"]
+        self._streams = dict(zip(moving, [rng, *rng.spawn(max(len(moving) - 1, 0))], strict=False))
+        self._bodies: dict[str, _Body] = {}
         self.placed: dict[str, Position] = {}
-        self.mover: Mover | None = None
-        self.mover_id: str | None = None
-        self.path: list[Point] = []
+        self.movers: dict[str, Mover] = {}
+        self.paths: dict[str, list[Point]] = {}
         session.reset()
         altered = {alteration.instance for alteration in alterations}
         reported = None if object_filter is None else {k for k, o in session.objects.items() if object_filter(o)}
@@ -77,7 +93,7 @@ class World:
             self._place(alteration.instance, alteration.placement, alteration.height_m)
         else:
             assert alteration.roam is not None
-            self._set_off(alteration.instance, Mover.setting_off(alteration.roam, self._rng))
+            self._set_off(alteration.instance, Mover.setting_off(alteration.roam, self._streams[alteration.instance]))
 
     def _place(self, instance: str, point: Point, height_m: float) -> None:
         metadata = self._session.objects[instance]
@@ -97,47 +113,52 @@ class World:
         stands, begins = (box["center"]["x"], box["center"]["z"]), mover.position
         if math.dist(stands, begins) > STANDS_M:
             raise SimulatorError(f"{self._session.scene}: {instance} stands at {stands}, not at {begins}, where its walk begins")
-        self.mover, self.mover_id = mover, instance
-        self._rotation = metadata["rotation"]
-        self._pivot_y = pivot["y"]
-        self._offset = (pivot["x"] - box["center"]["x"], pivot["z"] - box["center"]["z"])
-        self._clearance_m = AGENT_RADIUS_M + math.hypot(box["size"]["x"], box["size"]["z"]) / 2
-        if not any(self._teleport(mover.roam.at(cell), lifted_m=LIFTED_M) for cell in mover.neighbours()):
+        self._bodies[instance] = _Body(
+            metadata["rotation"],
+            pivot["y"],
+            (pivot["x"] - box["center"]["x"], pivot["z"] - box["center"]["z"]),
+            AGENT_RADIUS_M + math.hypot(box["size"]["x"], box["size"]["z"]) / 2,
+        )
+        if not any(self._teleport(instance, mover.roam.at(cell), lifted_m=LIFTED_M) for cell in mover.neighbours()):
             raise SimulatorError(f"{self._session.scene}: {instance} cannot move from where it stands: every way is barred")
-        self._move(mover)
+        self.paths[instance] = []
+        self._move(instance, mover)
 
-    def _teleport(self, point: Point, lifted_m: float = 0.0) -> bool:
-        """Put the mover's centre at a point, whatever is there; lifted off the floor, only where it touches nothing."""
-        x, z = point
+    def _teleport(self, instance: str, point: Point, lifted_m: float = 0.0) -> bool:
+        """Put a mover's centre at a point, whatever is there; lifted off the floor, only where it touches nothing."""
+        body, (x, z) = self._bodies[instance], point
         event = self._session.step(
             "TeleportObject",
             allowed=lifted_m > 0.0,
-            objectId=self.mover_id,
-            position={"x": x + self._offset[0], "y": self._pivot_y + lifted_m, "z": z + self._offset[1]},
-            rotation=self._rotation,
+            objectId=instance,
+            position={"x": x + body.offset[0], "y": body.pivot_y + lifted_m, "z": z + body.offset[1]},
+            rotation=body.rotation,
             forceAction=lifted_m == 0.0,
             forceKinematic=True,
         )
         return bool(event.metadata["lastActionSuccess"])
 
-    def _move(self, mover: Mover) -> None:
-        self._teleport(mover.position)
-        self.mover = mover
-        self.path.append(mover.position)
+    def _move(self, instance: str, mover: Mover) -> None:
+        self._teleport(instance, mover.position)
+        self.movers[instance] = mover
+        self.paths[instance].append(mover.position)
 
-    def send_mover_to(self, start: MoverStart) -> None:
-        """Put the mover where a recorded visit left it; its path starts anew there."""
-        assert self.mover is not None
-        self.path = []
-        self._move(self.mover.resumed(start))
+    def send_movers_to(self, starts: Sequence[MoverStart]) -> None:
+        """Put movers where a recorded visit left them; their paths start anew there."""
+        for start in starts:
+            self.paths[start.instance] = []
+            self._move(start.instance, self.movers[start.instance].resumed(start))
 
     def after_action(self) -> None:
-        """Let the mover take its step. To be called after every action of the agent."""
-        if self.mover is not None:
-            here = self._session.pose
-            after = self.mover.advance(self._params, self._rng, (here.x, here.z), self._clearance_m)
-            if after.cell == self.mover.cell:
-                self.mover = after
-                self.path.append(self.path[-1])
+        """Let every mover take its step. To be called after every action of the agent."""
+        if not self.movers:
+            return
+        here = self._session.pose
+        for instance, mover in list(self.movers.items()):
+            clearance_m = self._bodies[instance].clearance_m
+            after = mover.advance(self._params, self._streams[instance], (here.x, here.z), clearance_m)
+            if after.cell == mover.cell:
+                self.movers[instance] = after
+                self.paths[instance].append(self.paths[instance][-1])
             else:
-                self._move(after)
+                self._move(instance, after)

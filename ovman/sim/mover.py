@@ -1,4 +1,4 @@
-"""The mover of a MOVING episode: an object that walks at random over free floor while the agent acts.
+"""A mover of a MOVING episode: an object that walks at random over free floor while the agent acts.
 
 It starts where it stands. For every action of the agent (views of a tour count as actions) it goes one step of its lattice along
 its heading, pauses or turns at random, turns where its way is barred, and stays where every way is. It is driven by teleporting

@@ -17,7 +17,7 @@ import numpy as np
 from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
-from ovman.models.record import DEGREE_DECIMALS
+from ovman.models.tour import Tour
 from ovman.models.visit import Present, View, ViewPose, Visit
 from ovman.models.visit_files import MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
@@ -28,12 +28,16 @@ PNG = (cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_F
 """One filter for every row: hardly larger than the best filter for each row, in half the time."""
 
 
-def visit_name(alterations: Sequence[Alteration], seed: int | None) -> str:
-    """Name of the visit of a world state; equal states share it. seed: of the mover, None where nothing moves."""
+def visit_name(alterations: Sequence[Alteration], seed: int | None, tour: Tour | None = None) -> str:
+    """Name of the visit of a world state; equal visits share it.
+
+    seed: of the movers, None where nothing moves. tour: None for the scene's own, which no name mentions.
+    """
+    own = [] if tour is None else [journal.digest(tour.to_json())[:6]]
     if not alterations:
-        return "untouched"
+        return "-".join(["untouched", *own])
     content = journal.digest([a.to_json() for a in alterations], seed)
-    return "-".join([alterations[0].kind, alterations[0].instance.split("|")[0], content[:10]])
+    return "-".join([alterations[0].kind, alterations[0].instance.split("|")[0], content[:10], *own])
 
 
 def write_png(path: Path, image: np.ndarray) -> None:
@@ -59,14 +63,14 @@ def _seen(event: Any, min_mask_px: int) -> tuple[np.ndarray, list[str], dict[str
     return index, names, sizes
 
 
-def tour(waypoints: Sequence[tuple[float, float]], headings: int) -> list[AgentPose]:
-    """The views of a tour: `headings` equally spaced yaws at each waypoint, in order; degrees as records round them."""
-    return [AgentPose(x, z, round(360.0 * h / headings, DEGREE_DECIMALS)) for x, z in waypoints for h in range(headings)]
+def views(tour: Tour) -> list[AgentPose]:
+    """The views of a tour, in order."""
+    return [AgentPose(pose.x, pose.z, pose.yaw_deg) for pose in tour.poses]
 
 
 def look(session: Session, world: World, pose: AgentPose) -> Any:
-    """The event of the agent's view from `pose`, after the mover, if the world has one, has taken its step."""
-    if world.mover is None:
+    """The event of the agent's view from `pose`, after every mover of the world has taken its step."""
+    if not world.movers:
         return session.teleport(pose, image=True)
     session.step("UnpausePhysicsAutoSim")  # a walk stops time between its views; every view takes the same time
     session.teleport(pose)
@@ -126,7 +130,7 @@ def record(
         alterations=tuple(alterations),
         placed=world.placed,
         present=present,
-        mover=_mover(world),
+        movers=movers_of(world),
         views=tuple(recorded),
     )
     (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
@@ -135,15 +139,11 @@ def record(
     return visit
 
 
-def _mover(world: World) -> MoverRecord | None:
-    if world.mover is None:
-        return None
-    assert world.mover_id is not None
-    return MoverRecord(
-        instance=world.mover_id,
-        position=world.mover.position,
-        heading_deg=world.mover.heading_deg,
-        path=tuple(world.path),
+def movers_of(world: World) -> tuple[MoverRecord, ...]:
+    """The movers of a world as they are now, in the order in which they were set off."""
+    return tuple(
+        MoverRecord(instance=k, position=mover.position, heading_deg=mover.heading_deg, path=tuple(world.paths[k]))
+        for k, mover in world.movers.items()
     )
 
 

@@ -2,7 +2,7 @@
 
 A walk passes the views of the recorded tour in their order. At a waypoint it turns once around, a frame a turn; to the next one
 it follows a shortest path on the navigation grid, a frame a step, looking where it goes. World time stands still except at the
-tour's own views: the mover takes its step at exactly those, and physics stops between them where there is a mover, so that a walk
+tour's own views: movers take their steps at exactly those, and physics stops between them where there is one, so that a walk
 ends in the state that the recorded visit ended in.
 """
 
@@ -74,7 +74,7 @@ def frames(
     grid: Grid | None = None
 
     def seen(pose: AgentPose, number: int | None = None) -> Frame:
-        if number is None and world.mover is not None:
+        if number is None and world.movers:
             session.step("PausePhysicsAutoSim")
         event = session.teleport(pose, image=True) if number is None else visit.look(session, world, pose)
         at = session.camera
@@ -88,7 +88,7 @@ def frames(
         elif number:
             yield from map(seen, spin(before, first.yaw_deg, turn_deg))
             # What was placed may part the room, and a grid holds only what can be reached from where the body stands.
-            if grid is None or world.mover is not None or grid.cell_at(before.x, before.z) is None:
+            if grid is None or world.movers or grid.cell_at(before.x, before.z) is None:
                 grid = Grid.from_positions(session.reachable(), step_m)
             yield from map(seen, way(grid, before, pose))
             first = pose
@@ -124,10 +124,12 @@ def way(grid: Grid, here: AgentPose, there: AgentPose) -> list[AgentPose]:
 def check(session: Session, world: World, recorded: Visit) -> None:
     """Raise WalkError if a walk that has just ended left the world in another state than the recorded visit ended in."""
     where = f"{session.scene}: the walk of {recorded.visit}"
-    was, now = recorded.mover, world.mover
-    if was is not None and (now is None or (now.position, now.heading_deg) != (was.position, was.heading_deg)):
-        left = None if now is None else now.position
-        raise WalkError(f"{where} left the mover at {left}, not where the visit did ({was.position}); record the visits again")
+    for was in recorded.movers:
+        now = world.movers.get(was.instance)
+        if now is None or (now.position, now.heading_deg) != (was.position, was.heading_deg):
+            left = None if now is None else now.position
+            says = f"{where} left the mover {was.instance} at {left}, not where the visit did ({was.position})"
+            raise WalkError(f"{says}; record the visits again")
     session.step("ResetObjectFilter")
     objects = session.objects
     for instance, ended in recorded.positions[-1].items():

@@ -23,13 +23,12 @@ def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: in
     return WorldState(tuple(Instance.tracked(k, category, tuple(track)) for k, track in sorted(tracks.items())))
 
 
-def true_world(world: WorldState, mover: MoverRecord | None) -> WorldState:
-    """The world state with the whole path of the mover as its track. mover: of the visit, None where nothing moves."""
-    if mover is None:
-        return world
+def true_world(world: WorldState, movers: Sequence[MoverRecord]) -> WorldState:
+    """The world state with the whole path of every mover of the visit as its track."""
+    paths = {mover.instance: mover.path for mover in movers}
     return WorldState(
         tuple(
-            Instance.tracked(instance.id, instance.category, mover.path) if instance.id == mover.instance else instance
+            Instance.tracked(instance.id, instance.category, paths[instance.id]) if instance.id in paths else instance
             for instance in world
         )
     )

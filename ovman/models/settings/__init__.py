@@ -3,7 +3,7 @@
 from ovman.models.settings.arms import Arm, Arms, Kind, Need, Reading, Source, arms_of, named, of_kind
 from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
-from ovman.models.settings.splits import MAIN, Split, splits_of
+from ovman.models.settings.splits import MAIN, Others, SecondTour, Split, all_scenes, scenes_of, splits_of
 from ovman.models.settings.values import Section
 
 __all__ = [
@@ -13,15 +13,19 @@ __all__ = [
     "Comparisons",
     "Kind",
     "Need",
+    "Others",
     "Pair",
     "PaperRows",
     "Reading",
+    "SecondTour",
     "Section",
     "Settings",
     "Source",
     "Split",
+    "all_scenes",
     "arms_of",
     "named",
     "of_kind",
+    "scenes_of",
     "splits_of",
 ]

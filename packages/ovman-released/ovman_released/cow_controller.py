@@ -129,7 +129,7 @@ class EpisodeController:
             self._event = self._named(self._session.step("Pass", image=True), STOP, True, "")
         elif name == TELEPORT:
             self._event = self._session.teleport(_asked(request), image=True)
-        elif name in MOVES and self._world is not None and self._world.mover is not None:
+        elif name in MOVES and self._world is not None and self._world.movers:
             acted = self._session.step(name, allowed=True, **request).metadata
             outcome = bool(acted["lastActionSuccess"]), str(acted["errorMessage"])
             self._world.after_action()

@@ -1,0 +1,64 @@
+"""What candidates are drawn of a scene for a split: its tours, how many, and what changes beside the scripted change. Pure."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ovman.models.scene import Scene
+from ovman.models.settings import MAIN, Others, SecondTour, Settings, scenes_of
+from ovman.models.settings.benchmark import PerRelation
+from ovman.models.sighting import VisitPair
+from ovman.models.tour import Tour
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """How the candidates of a split are drawn in a scene.
+
+    tours: of the visits. draws: candidates by relation. tries: how many instances are tried at most for each candidate that is
+    not refused; None where a candidate counts that is refused, too. changes, others: as `Split` has them.
+    """
+
+    split: str
+    tours: VisitPair[Tour]
+    draws: PerRelation
+    tries: int | None = None
+    changes: tuple[int, ...] = (1,)
+    others: Others | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What the random numbers of the split are called after; the benchmark's own have no name of a split."""
+        return () if self.split == MAIN else (self.split,)
+
+    def id(self, scene: str, relation: str, number: int) -> str:
+        """The id of a candidate."""
+        return "/".join((scene, relation, "-".join((*self.names, f"{number:04d}"))))
+
+
+def tours(scene: Scene, headings: int, second: SecondTour | None) -> VisitPair[Tour]:
+    """The tours of both visits: the same twice, or a second one of its own."""
+    first = Tour(waypoints=scene.waypoints, headings=headings)
+    if second is None:
+        return VisitPair[Tour](first=first, second=first)
+    waypoints = scene.other_waypoints if second.other_waypoints else scene.waypoints
+    return VisitPair[Tour](
+        first=first, second=Tour(waypoints=waypoints, headings=headings, first_yaw_deg=second.first_yaw_deg)
+    )
+
+
+def main_drawing(scene: Scene, constants: Settings) -> Drawing:
+    """The benchmark's own split in a scene. constants: candidates.draws and tour.headings."""
+    return Drawing(MAIN, tours(scene, constants.tour.headings, None), constants.candidates.draws)
+
+
+def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
+    """The splits that have the scene, the benchmark's own first. constants: candidates.draws, splits, tour.headings, and
+    benchmark.scenes."""
+    if scene.scene in constants.benchmark.scenes:
+        yield main_drawing(scene, constants)
+    for name, split in constants.splits.items():
+        if scene.scene in scenes_of(name, constants.benchmark, constants.splits):
+            both = tours(scene, constants.tour.headings, split.second_tour)
+            yield Drawing(name, both, split.draws, split.tries, split.changes, split.others)
