@@ -12,7 +12,7 @@ import numpy as np
 from ovman.generation import others, placement
 from ovman.generation.others import NOBODY, Beside
 from ovman.generation.placement import FreeFloor
-from ovman.generation.protocol import Drawing, drawings
+from ovman.generation.protocol import Drawing, drawings, keeps_free
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
 from ovman.generation.spawning import spawn
@@ -117,7 +117,7 @@ def draw(
     """
     relation, item, changed = asked.relation, asked.target, asked.changed
     rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.names, scene.scene, relation.value, index)
-    floor = FreeFloor.of(scene, changed, constants.primitives.step_m, drawing.tours.second.waypoints)
+    floor = FreeFloor.of(scene, changed, constants.primitives.step_m, keeps_free(scene, drawing.tours))
     script = Script(scene, Query(item.category, relation), item.id)
     apart_m = constants.candidates.crowding_m
     gone = Alteration(kind="disable", instance=item.id)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ovman.generation.candidates import displacement, eligible, motion
 from ovman.generation.placement import FreeFloor, put
-from ovman.generation.protocol import Drawing
+from ovman.generation.protocol import Drawing, keeps_free
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
 from ovman.generation.spawning import spawn
@@ -96,7 +96,7 @@ def draw(
 ) -> Changes:
     """The alterations that `roles` ask for, drawn for a query for `relation`, whose answer they leave uncrowded.
 
-    What is displaced is put first, so that a mover is given a way around it. waypoints: of the second tour.
+    What is displaced is put first, so that a mover is given a way around it. waypoints: to leave free.
     """
     by_id = {item.id: item for item in items}
     (target,) = referents(list(by_id), roles, relation)
@@ -130,7 +130,7 @@ def _changes(scene: Scene, drawing: Drawing, constants: Settings, lacking: Count
     """
     rng = seeds.generator(constants.benchmark.seed, "changes", drawing.split, scene.scene)
     by_category = eligible(scene)
-    step_m, waypoints = constants.primitives.step_m, drawing.tours.second.waypoints
+    step_m, waypoints = constants.primitives.step_m, keeps_free(scene, drawing.tours)
     floors = {item.id: FreeFloor.of(scene, item, step_m, waypoints) for items in by_category.values() for item in items}
     can_move = {
         item.id
@@ -217,9 +217,7 @@ def candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Cand
     return drawn
 
 
-def _candidate(
-    name: str, scene: Scene, drawing: Drawing, changes: Changes, relation: Relation, constants: Settings
-) -> Candidate:
+def _candidate(name: str, scene: Scene, drawing: Drawing, changes: Changes, relation: Relation, constants: Settings) -> Candidate:
     """The query for `relation` in a pair of tours with `changes`."""
     (target,) = referents([item.id for item in changes.items], changes.roles, relation)
     (item,) = (item for item in changes.items if item.id == target)
@@ -229,7 +227,7 @@ def _candidate(
         if script.crowded(changes.first, changes.second, constants.candidates.crowding_m):
             refused = Rejection.CROWDED
         else:
-            floor = FreeFloor.of(scene, item, constants.primitives.step_m, drawing.tours.second.waypoints)
+            floor = FreeFloor.of(scene, item, constants.primitives.step_m, keeps_free(scene, drawing.tours))
             rng = seeds.generator(constants.benchmark.seed, "spawn", name)
             begins = spawn(script, item, changes.first, changes.second, floor, constants, rng)
             refused = Rejection.NO_SPAWN if begins is None else None

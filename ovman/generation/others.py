@@ -15,6 +15,7 @@ import numpy as np
 
 from ovman.generation import placement
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
+from ovman.generation.protocol import keeps_free
 from ovman.generation.roaming import carries, roam, side
 from ovman.generation.script import Script
 from ovman.generation.sight import Sight
@@ -67,23 +68,21 @@ class Beside:
     """What may change in a scene beside a scripted change, and what the tours are foreseen to record of it."""
 
     def __init__(self, scene: Scene, tours: VisitPair[Tour], terms: Others, constants: Settings) -> None:
-        self.scene, self.terms, self.waypoints = scene, terms, tours.second.waypoints
+        self.scene, self.terms, self.keeps_free = scene, terms, keeps_free(scene, tours)
         self._constants = constants
         self._sights = Sight.of(scene, tours.first.waypoints), Sight.of(scene, tours.second.waypoints)
         self.free = [o for o in scene.objects if o.dynamic and not carries(scene, o)]
         self._seen = {
-            o.id: tuple(sight.solid_angle(o, _centre(o)) >= SURE_SR for sight in self._sights)
-            for o in scene.objects
-            if o.dynamic
+            o.id: tuple(sight.solid_angle(o, _centre(o)) >= SURE_SR for sight in self._sights) for o in scene.objects if o.dynamic
         }
         self._places: dict[str, list[Alteration]] = {}
         step_m = constants.mover.step_m
-        walks = {o.id: roam(scene, o, self.floor(scene, o), step_m) for o in self.free}
+        walks = {o.id: roam(scene, o, self.floor(scene, o), step_m) for o in self.free if o.id in scene.mobile}
         self._walks = {k: Alteration(kind="motion", instance=k, roam=floor) for k, floor in walks.items() if floor is not None}
 
     def floor(self, scene: Scene, item: SceneObject) -> FreeFloor:
-        """The free floor for an instance, off the waypoints of the second tour."""
-        return FreeFloor.of(scene, item, self._constants.primitives.step_m, self.waypoints)
+        """The free floor for an instance, off the waypoints of the second tour and the place of the agent."""
+        return FreeFloor.of(scene, item, self._constants.primitives.step_m, self.keeps_free)
 
     def serves(self, item: SceneObject, relation: Relation) -> bool:
         """Whether a query for `relation` about `item` is foreseen to be recorded as it must be, and its answer within reach."""
@@ -199,9 +198,7 @@ def draw(
     return Found(first, second, categories)
 
 
-def _walks(
-    beside: Beside, there: Scene, moving: Sequence[SceneObject], constants: Settings
-) -> tuple[Alteration, ...] | None:
+def _walks(beside: Beside, there: Scene, moving: Sequence[SceneObject], constants: Settings) -> tuple[Alteration, ...] | None:
     """The motions of several instances in a scene, each on a floor of its own; None where one of them cannot move."""
     walks = []
     for item in moving:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ovman.models.geometry import Point
 from ovman.models.scene import Scene
 from ovman.models.settings import MAIN, Others, SecondTour, Settings, scenes_of
 from ovman.models.settings.benchmark import PerRelation
@@ -43,9 +44,14 @@ def tours(scene: Scene, headings: int, second: SecondTour | None) -> VisitPair[T
     if second is None:
         return VisitPair[Tour](first=first, second=first)
     waypoints = scene.other_waypoints if second.other_waypoints else scene.waypoints
-    return VisitPair[Tour](
-        first=first, second=Tour(waypoints=waypoints, headings=headings, first_yaw_deg=second.first_yaw_deg)
-    )
+    return VisitPair[Tour](first=first, second=Tour(waypoints=waypoints, headings=headings, first_yaw_deg=second.first_yaw_deg))
+
+
+def keeps_free(scene: Scene, both: VisitPair[Tour]) -> tuple[Point, ...]:
+    """Where nothing is put, as the agent stands there: the waypoints of the second tour, and where the simulator begins, which is
+    beside the first waypoint of the scene's own tour."""
+    again = both.second.waypoints == scene.waypoints
+    return both.second.waypoints if again else (*both.second.waypoints, scene.start)
 
 
 def main_drawing(scene: Scene, constants: Settings) -> Drawing:

@@ -192,9 +192,7 @@ def run(
     rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
     order = {scene: i for i, scene in enumerate(scenes_of(split, settings.benchmark, settings.splits))}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
-    episodes_out.write_text(
-        lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8"
-    )
+    episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")
     with rejections_out.open("w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

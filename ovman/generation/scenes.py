@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
+import numpy as np
+
+from ovman.generation.placement import FreeFloor
+from ovman.generation.roaming import roam
+from ovman.models.change import Alteration
 from ovman.models.geometry import Point, Position
 from ovman.models.scene import Scene, SceneObject
 from ovman.navigation import Cell, Grid, farthest_points
-from ovman.sim.change import position
-from ovman.sim.session import Session
+from ovman.sim.change import World, dynamic, position
+from ovman.sim.session import Session, SimulatorError
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 
@@ -22,6 +28,7 @@ class SceneError(ValueError):
 
 def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     """The record of an untouched scene. waypoints: of each of its tours; step_m: spacing of the navigation grid, metres.
+    What the simulator moves is not asked here (`surveyed`).
 
     SceneError for a scene with fewer cells than waypoints.
     """
@@ -49,6 +56,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
         components=tuple(sorted((len(c) for c in grid.components()), reverse=True)),
         waypoints=placed(first),
         other_waypoints=placed(farthest_points(grid, component, waypoints, _farthest(grid, component, first))),
+        mobile=(),
         objects=tuple(
             SceneObject(
                 id=k,
@@ -65,6 +73,29 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     )
 
 
+def surveyed(session: Session, constants: StageSettings) -> Scene:
+    """The record of an untouched scene, with what the simulator moves in it."""
+    found = survey(session, constants.tour.waypoints, constants.primitives.step_m)
+    return found.model_copy(update={"mobile": mobile(session, found, constants)})
+
+
+def mobile(session: Session, scene: Scene, constants: StageSettings) -> tuple[str, ...]:
+    """Ids of the instances that the simulator moves a step from where they stand, sorted. Resets the session for each.
+
+    constants: mover.step_m and primitives.step_m.
+    """
+    found = []
+    for item in (one for one in scene.objects if one.dynamic):
+        floor = FreeFloor.of(scene, item, constants.primitives.step_m, scene.waypoints)
+        walk = roam(scene, item, floor, constants.mover.step_m)
+        if walk is not None:
+            alteration = Alteration(kind="motion", instance=item.id, roam=walk)
+            with suppress(SimulatorError):
+                World(session, [alteration], constants.mover, np.random.default_rng(0), dynamic)
+                found.append(item.id)
+    return tuple(found)
+
+
 def _farthest(grid: Grid, component: Collection[Cell], cells: Sequence[Cell]) -> Cell:
     """The cell that would be the next one after `cells`, where there is one that is not among them."""
     count = min(len(cells) + 1, len(component))
@@ -77,9 +108,7 @@ def run(scene: str, constants: StageSettings, output: Path, journal: Path) -> No
     with Session(scene, constants) as session:
         record = kept.unit(
             digest(scene, constants.canonical),
-            lambda: session.with_restarts(
-                lambda: survey(session, constants.tour.waypoints, constants.primitives.step_m).to_json()
-            ),
+            lambda: session.with_restarts(lambda: surveyed(session, constants).to_json()),
         )
     found = Scene.from_json(record)
     output.write_text(found.to_line(), encoding="utf-8")

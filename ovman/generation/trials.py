@@ -191,9 +191,7 @@ class Trials:
         draft.drift_m = drift_m
         draft.movers = after.movers
         if candidate.others:
-            draft.other_px = {
-                k: VisitPair[int](first=before.largest_px(k), second=after.largest_px(k)) for k in candidate.others
-            }
+            draft.other_px = {k: VisitPair[int](first=before.largest_px(k), second=after.largest_px(k)) for k in candidate.others}
 
 
 def _kept(directory: Path, key: str) -> bool:

@@ -41,7 +41,7 @@ _JUDGING = (
 )
 STAGES: Mapping[str, tuple[str, ...]] = {
     "simulator": ("benchmark.backend",),
-    "scenes": (*_SIMULATOR, "tour.waypoints"),
+    "scenes": (*_SIMULATOR, "tour.waypoints", "mover.step_m"),
     "candidates": (
         "benchmark.seed",
         "benchmark.scenes",
