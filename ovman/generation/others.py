@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from ovman.generation import placement
-from ovman.generation.placement import CLEARANCE_M, FreeFloor
+from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
 from ovman.generation.protocol import keeps_free
 from ovman.generation.roaming import carries, roam, side
 from ovman.generation.script import Script
@@ -107,23 +107,26 @@ class Beside:
     ) -> Alteration | None:
         """A change of `item` of that kind; None where there is none. away: points to keep away from; full: boxes to leave alone.
 
-        A motion has the whole floor of the untouched scene.
+        What is to move on its own sets off from where it stands if it can. Otherwise it is put somewhere first, and what is given
+        back is that displacement.
         """
         first, second = self._seen[item.id]
         if not self._away((item.position.x, item.position.z), away):
             return None
-        if kind == "motion":
-            return self._walks.get(item.id) if second else None
+        if kind == "motion" and second and item.id in self._walks:
+            return self._walks[item.id]
         if kind == "enable":
             return _gone(item) if second else None
         if kind == "disable":
             return _gone(item) if first else None
-        if not first:
+        if kind == "displace" and not first:
             return None
+        on_floor = round(self.scene.floor_y + ABOVE_SURFACE_M, 4)
         apart = [
             made
             for made in self._places_of(item)
             if made.placement is not None and self._away(made.placement, away) and not _meets(item, made.placement, full)
+            if kind == "displace" or made.height_m == on_floor
         ]
         return apart[int(rng.integers(len(apart)))] if apart else None
 
@@ -170,6 +173,7 @@ def draw(
     pool = [o for o in beside.free if o.category != script.query.category and _comparable(o, changed, terms.size_ratio)]
     pool = [pool[k] for k in rng.permutation(len(pool))]
     there, moving, categories = beside.scene, [changed] if relation is Relation.MOVING else [], dict[str, str]()
+    begins: dict[str, Alteration] = {}
     for number in range(wanted):
         turns: list[Kind] = [own] if number < alike else [KINDS[k] for k in rng.permutation(len(KINDS))]
         options = ((kind, o) for kind in turns for o in pool if o.id not in categories and not _touch(o, full))
@@ -180,7 +184,8 @@ def draw(
         categories[item.id] = item.category
         full.append(item)
         if kind == "motion":
-            moving.append(item)
+            begins[item.id] = made
+            moving.append(item if made.placement is None else _standing(_put(item, made), beside.scene.floor_y))
         elif kind == "enable":
             first = (*first, made)
         else:
@@ -191,15 +196,20 @@ def draw(
     if len(categories) < max(alike, terms.count[0]):
         return Rejection.NO_OTHERS
     if moving:
-        walks = _walks(beside, there, moving, constants)
+        walks = _walks(beside, there, moving, begins, constants)
         if walks is None:
             return Rejection.NO_OTHERS
         second = (*walks, *(one for one in second if one.kind != "motion"))
     return Found(first, second, categories)
 
 
-def _walks(beside: Beside, there: Scene, moving: Sequence[SceneObject], constants: Settings) -> tuple[Alteration, ...] | None:
-    """The motions of several instances in a scene, each on a floor of its own; None where one of them cannot move."""
+def _walks(
+    beside: Beside, there: Scene, moving: Sequence[SceneObject], begins: Mapping[str, Alteration], constants: Settings
+) -> tuple[Alteration, ...] | None:
+    """The motions of several instances in a scene, each on a floor of its own; None where one of them cannot move.
+
+    begins: where those begin that are put somewhere first.
+    """
     walks = []
     for item in moving:
         floor = roam(there, item, beside.floor(there, item), constants.mover.step_m)
@@ -208,7 +218,9 @@ def _walks(beside: Beside, there: Scene, moving: Sequence[SceneObject], constant
                 floor = side(floor, (other.position.x, other.position.z), constants.candidates.apart_m)
         if floor is None:
             return None
-        walks.append(Alteration(kind="motion", instance=item.id, roam=floor))
+        begin = begins.get(item.id)
+        placement, height_m = (None, None) if begin is None else (begin.placement, begin.height_m)
+        walks.append(Alteration(kind="motion", instance=item.id, placement=placement, height_m=height_m, roam=floor))
     return tuple(walks)
 
 
@@ -230,6 +242,11 @@ def _comparable(one: SceneObject, other: SceneObject, ratio: float) -> bool:
     """Whether the volumes of two boxes are within a ratio of each other."""
     volumes = [max(item.size.x * item.size.y * item.size.z, 1e-9) for item in (one, other)]
     return max(volumes) <= ratio * min(volumes)
+
+
+def _standing(item: SceneObject, floor_y: float) -> SceneObject:
+    """The instance on the floor where it is, metres."""
+    return item.model_copy(update={"position": item.position.model_copy(update={"y": floor_y + item.size.y / 2})})
 
 
 def _meets(item: SceneObject, at: Point, full: Sequence[SceneObject]) -> bool:

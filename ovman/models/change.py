@@ -74,7 +74,8 @@ def _require(record: Record, instance: str, kind: str, names: tuple[str, ...]) -
 class Alteration(Record):
     """One instance that is not as in the untouched scene.
 
-    kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (over `roam`, from where it stands).
+    kind: "displace" (to `placement`, settling under gravity), "disable" (gone) or "motion" (over `roam`, from
+    where it stands, or from `placement` where there is one).
     placement: where the centre of the instance's box is put, metres. height_m: the height from which the simulator looks down
     for a surface at the placement. In files, keys without a value are left out.
     """

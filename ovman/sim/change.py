@@ -93,6 +93,9 @@ class World:
             self._place(alteration.instance, alteration.placement, alteration.height_m)
         else:
             assert alteration.roam is not None
+            if alteration.placement is not None and alteration.height_m is not None:
+                self._place(alteration.instance, alteration.placement, alteration.height_m)
+                self._session.settle()
             self._set_off(alteration.instance, Mover.setting_off(alteration.roam, self._streams[alteration.instance]))
 
     def _place(self, instance: str, point: Point, height_m: float) -> None:
@@ -111,7 +114,7 @@ class World:
         metadata = self._session.objects[instance]
         pivot, box = metadata["position"], metadata["axisAlignedBoundingBox"]
         stands, begins = (box["center"]["x"], box["center"]["z"]), mover.position
-        if math.dist(stands, begins) > STANDS_M:
+        if math.dist(stands, begins) > STANDS_M and instance not in self.placed:
             raise SimulatorError(f"{self._session.scene}: {instance} stands at {stands}, not at {begins}, where its walk begins")
         self._bodies[instance] = _Body(
             metadata["rotation"],
