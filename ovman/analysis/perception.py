@@ -13,6 +13,7 @@ from ovman.analysis.localisation import box_distance_m
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
+from ovman.models.episode import Episode
 from ovman.models.settings import Settings
 from ovman.models.visit import Visit
 from ovman.perception.detected import Detected
@@ -24,22 +25,32 @@ STILL_M = 0.001
 
 
 def run(
-    scenes: Sequence[Path], detections: Sequence[Path], nouns_file: Path, visits: Path, constants: Settings, output: Path
+    scenes: Sequence[Path],
+    detections: Sequence[Path],
+    episodes: Sequence[Path],
+    nouns_file: Path,
+    visits: Path,
+    constants: Settings,
+    output: Path,
 ) -> None:
     """Writes the rows of `scores`. Each distinct tour counts once: visits of equal content were seen once.
 
-    scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; visits: the
+    scenes: records of the stage "scenes"; detections: files of the stage "detections", named after the scenes; episodes:
+    whose tours are looked at, a file a split; visits: the
     directory of the recorded visits. constants: perception.detector.min_mask_px.
     A scene that no episode uses has no tours and no row. Raises ValueError in one line for a scene without a file of detections.
     """
     of_scene = {path.stem: path for path in detections}
     text = read_nouns(nouns_file)
+    pairs = {(one.scene, one.visits) for path in episodes for one in Episode.load(path)}
+    toured = {(scene, name) for scene, both in pairs for name in (both.first, both.second)}
     seen = []
     for path in scenes:
         scene = TrueScene.load(path)
         if scene.name not in of_scene:
             raise ValueError(f"{scene.name}: no file of detections; make it first: results/detections/{scene.name}.npz")
-        tours = distinct(read_detections(of_scene[scene.name]))
+        looked_at = read_detections(of_scene[scene.name])
+        tours = distinct({name: one for name, one in looked_at.items() if (scene.name, name) in toured})
         if tours:
             seen.append(seen_in(scene, tours, text, visits / scene.name, constants.perception.detector.min_mask_px))
     rows = scores(seen)

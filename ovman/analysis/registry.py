@@ -6,10 +6,10 @@ Snakefile imports this module, so it imports nothing heavy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from ovman.models.settings import Arm, Need
+from ovman.models.settings import Arm, Kind, Need, Split
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,11 +65,16 @@ METRICS: tuple[Metric, ...] = (
 )
 
 
-def of_split(split: str) -> tuple[Metric, ...]:
-    """The metrics of a split beside the benchmark's own."""
+def of_split(split: str, embodied: bool = True) -> tuple[Metric, ...]:
+    """The metrics of a split beside the benchmark's own. embodied: whether embodied arms run its episodes."""
+    driven = (
+        Metric(f"{split}_embodied_outcomes", stage="split_metrics"),
+        Metric(f"{split}_embodied_rates", stage="split_metrics", table=f"{split}_embodied"),
+    )
     return (
         Metric(f"{split}_outcomes", stage="split_metrics"),
         Metric(f"{split}_rates", stage="split_metrics", table=split),
+        *(driven if embodied else ()),
         Metric(f"{split}_rejections", stage="episodes", table=f"{split}_rejections"),
     )
 
@@ -79,10 +84,17 @@ def of_stage(stage: str) -> tuple[str, ...]:
     return tuple(metric.name for metric in METRICS if metric.stage == stage)
 
 
-def in_tables(arms: Iterable[Arm], splits: Iterable[str] = ()) -> tuple[str, ...]:
-    """The names of the metrics that tables show, of those that are made for these arms and these splits beside the main one."""
-    metrics = (*_made_for(arms), *(metric for split in splits for metric in of_split(split)))
-    return tuple(metric.name for metric in metrics if metric.table is not None)
+def in_tables(arms: Iterable[Arm], splits: Mapping[str, Split] = {}) -> tuple[str, ...]:
+    """The names of the metrics that results/tables shows, of those that are made for these arms and splits beside the main one."""
+    arms = tuple(arms)
+    of_splits = (name for split in splits.values() if split.main_job for name in in_split_tables(arms, split))
+    return (*(metric.name for metric in _made_for(arms) if metric.table is not None), *of_splits)
+
+
+def in_split_tables(arms: Iterable[Arm], split: Split) -> tuple[str, ...]:
+    """The names of the metrics that the tables of one split show, of those that are made for these arms."""
+    embodied = any(arm.kind is Kind.EMBODIED and arm.name in split.arms for arm in arms)
+    return tuple(metric.name for metric in of_split(split.name, embodied) if metric.table is not None)
 
 
 def in_static_tables() -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The stage "split_metrics": the static arms on a split beside the benchmark's own, one row an (episode, arm, run) and rates."""
+"""The stage "split_metrics": the arms on a split beside the benchmark's own, one row an (episode, arm, run or seed) and rates."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ovman.analysis import frames
-from ovman.analysis.outcomes import StaticOutcome, read_cases, static_outcomes
-from ovman.analysis.rates import Rate, static_rates
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, embodied_outcomes, read_cases, static_outcomes
+from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.models.prediction import Prediction
+from ovman.models.run import Score
 from ovman.models.settings import Settings
 
 
@@ -27,3 +28,16 @@ def run(episodes_file: Path, prediction_files: Sequence[Path], constants: Settin
     )
     frames.write(outcomes_out, StaticOutcome, outcomes)
     frames.write(rates_out, Rate, static_rates(outcomes, constants.evaluation.confidence))
+
+
+def run_embodied(
+    episodes_file: Path, score_files: Sequence[Path], constants: Settings, outcomes_out: Path, rates_out: Path
+) -> None:
+    """The same of the arms whose judged runs these are.
+
+    constants: evaluation.confidence. Raises ValueError in one line unless each arm ran every episode exactly once under each seed.
+    """
+    runs = [run for file in score_files for run in Score.read(file)]
+    outcomes = embodied_outcomes(read_cases(episodes_file), runs)
+    frames.write(outcomes_out, EmbodiedOutcome, outcomes)
+    frames.write(rates_out, Rate, embodied_rates(outcomes, constants.evaluation.confidence))

@@ -51,10 +51,14 @@ def cut(rollout: Rollout, arm: Arm) -> Rollout:
 
 
 def run(rollout_files: Sequence[Path], episodes_file: Path, outputs: Sequence[Path], arm: Arm | None = None) -> None:
-    """Judge each file of rollouts into the output of the same position; arm: whose they are, if they may have to be cut."""
+    """Judge each file of rollouts into the output of the same position, or all of them into the one output.
+
+    arm: whose they are, if they may have to be cut.
+    """
     episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
-    for source, output in zip(rollout_files, outputs, strict=True):
-        rollouts = [rollout if arm is None else cut(rollout, arm) for rollout in Rollout.read(source)]
+    parts = [list(rollout_files)] if len(outputs) == 1 else [[file] for file in rollout_files]
+    for sources, output in zip(parts, outputs, strict=True):
+        rollouts = [run if arm is None else cut(run, arm) for source in sources for run in Rollout.read(source)]
         own_task = arm is not None and arm.any_instance
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(lines(score(rollout, episodes[rollout.episode], own_task) for rollout in rollouts), encoding="utf-8")

@@ -16,13 +16,15 @@ def together(first: str, second: str) -> str:
     return f"{first} and {second}"
 
 
-def run(detections: Sequence[Path], episodes_file: Path, constants: Settings, maps: Sequence[Path]) -> None:
+def run(detections: Sequence[Path], episodes_files: Sequence[Path], constants: Settings, maps: Sequence[Path]) -> None:
     """Writes the one map of both visits of every episode, one file for each file of detections in their order.
+
+    episodes_files: of the splits that have the scenes.
 
     The detections of the second tour go on where those of the first ended: what stays where it is joins its cluster, what is
     somewhere else begins one, and nothing is taken back.
     """
-    episodes = Episode.load(episodes_file)
+    episodes = [episode for file in episodes_files for episode in Episode.load(file)]
     for source, output in zip(detections, maps, strict=True):
         seen = read_detections(source)
         pairs = dict.fromkeys((e.visits.first, e.visits.second) for e in episodes if e.scene == source.stem)

@@ -15,7 +15,7 @@ from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from ovman.models.settings import Arm, Kind, Need, Settings, Split
+from ovman.models.settings import Arm, Kind, Need, Settings, job_scenes, scenes_of
 from ovman.models.settings.comparisons import contradictions as of_comparisons
 from ovman.models.settings.sensitivity import contradictions as of_sensitivity
 from ovman.workflow.parameter import flat
@@ -36,7 +36,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_motion(settings)
     yield from _of_arms(settings.arms, settings.plugins, flat(settings))
     yield from of_comparisons(settings.comparisons, settings.arms)
-    yield from _of_splits(settings.splits, settings.arms)
+    yield from _of_splits(settings)
     yield from of_sensitivity(settings.sensitivity, settings.measurement)
     yield from _of_appearance(settings.appearance.agent, settings.arms)
 
@@ -70,6 +70,7 @@ def _of_counts(settings: Settings) -> Iterator[Contradiction]:
             says = f"candidates.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
             yield ("benchmark", "split", relation), f"is {episodes}, but {says}"
     for name, split in settings.splits.items():
+        scenes = len(scenes_of(name, benchmark, settings.splits))
         for relation, episodes in split.episodes:
             if episodes > (draws := getattr(split.draws, relation)) * scenes:
                 says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
@@ -99,15 +100,22 @@ def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradictio
         yield ("appearance", "agent"), f"is {agent}, {says}"
 
 
-def _of_splits(splits: Mapping[str, Split], arms: Mapping[str, Arm]) -> Iterator[Contradiction]:
-    """Arms of a split answer from what is made for all splits. An arm that does not exist is left out of its splits, too."""
-    for name, split in splits.items():
+def _of_splits(settings: Settings) -> Iterator[Contradiction]:
+    """Arms of a split answer from what is made for all splits. An arm that does not exist is left out of its splits, too.
+
+    A scene's tours are looked at together, so what is no part of the main job has scenes of its own.
+    """
+    arms = settings.arms
+    job = set(job_scenes(settings.benchmark, settings.splits))
+    for name, split in settings.splits.items():
         for number, arm in enumerate(split.arms):
             place = ("splits", name, "arms", str(number))
-            if arm in arms and arms[arm].kind is not Kind.STATIC:
-                yield place, f"is {arm}, which is embodied; name a static arm"
-            elif arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
-                yield place, f"is {arm}, whose records are made of benchmark.split alone; name another static arm"
+            if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
+                yield place, f"is {arm}, whose records are made of benchmark.split alone; name another arm"
+        shared = sorted(job & {*scenes_of(name, settings.benchmark, settings.splits)})
+        if not split.main_job and shared:
+            says = f"but {shared[0]} is a scene of the main job; name other scenes, or set main_job to true"
+            yield ("splits", name, "main_job"), f"is false, {says}"
 
 
 def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:

@@ -111,6 +111,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "scores": (),
     "metrics": _METRICS,
     "split_metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "split_tables": ("arms", "splits", "success.radius_m", "evaluation.confidence"),
     "static_tables": (*_METRICS, "comparisons.difficulty", "comparisons.shortcuts"),
     "language": (
         "comparisons.agent",

@@ -2,8 +2,8 @@
 
 import functools
 
-from ovman.analysis.registry import compared, drawn, in_tables, of_stage
-from ovman.models.settings import Kind, Need, named, of_kind, arms_of, splits_of
+from ovman.analysis.registry import compared, drawn, in_split_tables, in_tables, of_stage
+from ovman.models.settings import Kind, Need, named, of_kind, arms_of, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
@@ -22,6 +22,9 @@ except ConfigError as error:
     raise SystemExit(str(error))
 
 SCENES = settings.benchmark.scenes
+# Those of the main job, and those of splits that are no part of it.
+JOB_SCENES = job_scenes(settings.benchmark, settings.splits)
+OTHER_SCENES = [one for one in all_scenes(settings.benchmark, settings.splits) if one not in JOB_SCENES]
 SEEDS = settings.evaluation.seeds
 ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
@@ -29,6 +32,11 @@ EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
 SPLITS = splits_of(settings.splits)
 # The splits beside the benchmark's own, whose files bear no name of a split.
 FURTHER = list(settings.splits)
+SCENES_OF = {name: scenes_of(name, settings.benchmark, settings.splits) for name in SPLITS}
+# Those of the main job, and of these the ones whose tours are like the benchmark's own.
+JOB_SPLITS = [SPLITS[0], *in_main_job(settings.splits)]
+PLAIN = [name for name in JOB_SPLITS if name == SPLITS[0] or settings.splits[name].plain]
+OF_OTHER_SCENES = "|".join(OTHER_SCENES) or "none"
 PLUGINS = plugins_of(settings)
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
 OF_NO_PLUGIN = "|".join(arm.name for arm in ARMS if arm.made_by is None) or "none"
@@ -56,11 +64,13 @@ def stage_of_arm(name):
 
 
 def needed(what, *files):
-    """Inputs of an arm that needs one of these; others do not depend on them."""
+    """Inputs of an arm that needs one of these; others do not depend on them. A file of a scene is that of the job's scene, or those
+    of all scenes of the split that it answers."""
 
     def found(wildcards):
         needs = set(named(ARMS, wildcards.arm).needs) & {Need(one) for one in what}
-        return [file.format(**dict(wildcards.items())) for file in files] if needs else []
+        of_scenes = {"scene": SCENES_OF[split_answered(wildcards)]} | dict(wildcards.items())
+        return [one for file in files for one in expand(file, **of_scenes)] if needs else []
 
     return found
 
@@ -92,10 +102,36 @@ def sightings_answered(wildcards):
     return "results/episodes/" + ("" if split == SPLITS[0] else f"{split}_") + "sightings.jsonl"
 
 
+def arms_of_split(split, kind):
+    """The arms of a kind that a split names; what names an arm that is not there is left out."""
+    return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]
+
+
 def predictions_of_split(wildcards):
-    """The predictions of the arms of a split; what names an arm that is not there is left out."""
-    arms = [name for name in settings.splits[wildcards.split].arms if name in settings.arms]
+    """The predictions of the static arms of a split."""
+    arms = arms_of_split(wildcards.split, Kind.STATIC)
     return expand("results/predictions/{split}/{arm}.jsonl", split=wildcards.split, arm=arms)
+
+
+def scores_of_split(wildcards):
+    """The judged runs of the embodied arms of a split."""
+    arms = arms_of_split(wildcards.split, Kind.EMBODIED)
+    return expand("results/scores/{split}/{arm}.jsonl", split=wildcards.split, arm=arms)
+
+
+def metrics_of_split(wildcards):
+    """The metrics that the tables of a split show."""
+    return expand("results/metrics/{name}.csv", name=in_split_tables(ARMS, settings.splits[wildcards.split]))
+
+
+def of_split_scenes(file):
+    """A file of each scene of the split that a job is of; the benchmark's own where it has no wildcard of a split."""
+    return lambda wildcards: expand(file, scene=SCENES_OF[dict(wildcards.items()).get("split", SPLITS[0])])
+
+
+def episodes_of_scene(wildcards):
+    """The episodes of the splits that have a scene."""
+    return [f"results/episodes/{split}.jsonl" for split in SPLITS if wildcards.scene in SCENES_OF[split]]
 
 
 def labels_of_map(wildcards):
@@ -103,13 +139,16 @@ def labels_of_map(wildcards):
     arm = named(ARMS, wildcards.arm)
     if not arm.reads_labels:
         return []
-    return expand("results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz", scene=SCENES)
+    file = "results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz"
+    return expand(file, scene=SCENES_OF[split_answered(wildcards)])
 
 
 def rollouts_of(wildcards):
     """An arm's own rollouts, or those of the arm whose runs it cuts."""
     arm = named(ARMS, wildcards.arm).cut_from or wildcards.arm
-    return expand("results/rollouts/{arm}/seed{seed}/{scene}.jsonl", arm=arm, seed=SEEDS, scene=SCENES)
+    split = dict(wildcards.items()).get("split", SPLITS[0])
+    of = "" if split == SPLITS[0] else f"{split}/"
+    return expand("results/rollouts/{of}{arm}/seed{seed}/{scene}.jsonl", of=of, arm=arm, seed=SEEDS, scene=SCENES_OF[split])
 
 
 def network_gpu(wildcards):

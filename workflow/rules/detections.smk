@@ -3,7 +3,7 @@
 
 rule detections:
     input:
-        episodes=[f"results/episodes/{split}.jsonl" for split in SPLITS],
+        episodes=episodes_of_scene,
         visits="results/visits/{scene}.json",
         networks=weights("detector.weights", "encoder.weights", "encoder.model"),
     output:

@@ -1,13 +1,15 @@
+# A job releases a split: what is asked of one depends on no other.
+
+
 rule episodes:
     input:
-        scenes=expand("results/scenes/{scene}.json", scene=SCENES),
-        trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
-        admissible=expand("results/admissible/{scene}.jsonl", scene=SCENES),
-        certified=expand("results/certified/{scene}.jsonl", scene=SCENES),
+        trials=of_split_scenes("results/trials/{scene}.jsonl"),
+        admissible=of_split_scenes("results/admissible/{scene}.jsonl"),
+        certified=of_split_scenes("results/certified/{scene}.jsonl"),
     output:
-        episodes=[f"results/episodes/{split}.jsonl" for split in SPLITS],
-        sightings=["results/episodes/sightings.jsonl", *(f"results/episodes/{split}_sightings.jsonl" for split in FURTHER)],
-        rejections=["results/metrics/rejections.csv", *(f"results/metrics/{split}_rejections.csv" for split in FURTHER)],
+        episodes="results/episodes/main.jsonl",
+        sightings="results/episodes/sightings.jsonl",
+        rejections="results/metrics/rejections.csv",
     log:
         "logs/episodes.log",
     benchmark:
@@ -16,3 +18,14 @@ rule episodes:
         constants=stage("episodes"),
     script:
         "../scripts/episodes.py"
+
+
+use rule episodes as split_episodes with:
+    output:
+        episodes="results/episodes/{split}.jsonl",
+        sightings="results/episodes/{split}_sightings.jsonl",
+        rejections="results/metrics/{split}_rejections.csv",
+    log:
+        "logs/split_episodes/{split}.log",
+    benchmark:
+        "benchmarks/split_episodes/{split}.tsv"

@@ -4,7 +4,6 @@
 
 rule readmitted:
     input:
-        scenes=expand("results/scenes/{scene}.json", scene=SCENES),
         trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
         released="results/episodes/main.jsonl",
     output:

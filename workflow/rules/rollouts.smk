@@ -1,19 +1,19 @@
 # One job runs a scene under all seeds: the simulator starts once.
 rule rollouts:
     input:
-        episodes="results/episodes/main.jsonl",
-        sightings=handed("results/episodes/sightings.jsonl"),
+        episodes=episodes_answered,
+        sightings=handed(sightings_answered),
         visits=needed(["tours", "maps"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
         nouns=needed(["maps", "dualmap"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
-        **{f"seed{seed}": f"results/rollouts/{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
+        **{f"seed{seed}": f"results/rollouts/{{of}}{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
     log:
-        "logs/rollouts/{arm}/{scene}.log",
+        "logs/rollouts/{of}{arm}/{scene}.log",
     benchmark:
-        "benchmarks/rollouts/{arm}/{scene}.tsv"
+        "benchmarks/rollouts/{of}{arm}/{scene}.tsv"
     wildcard_constraints:
         arm=OF_NO_PLUGIN,
     resources:

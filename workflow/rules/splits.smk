@@ -1,6 +1,22 @@
 # Splits beside the benchmark's own: what the arms that they name answer, and how often that is right.
 
 
+rule split_scores:
+    input:
+        episodes="results/episodes/{split}.jsonl",
+        rollouts=rollouts_of,
+    output:
+        scores="results/scores/{split}/{arm}.jsonl",
+    log:
+        "logs/scores/{split}/{arm}.log",
+    benchmark:
+        "benchmarks/scores/{split}/{arm}.tsv"
+    params:
+        constants=stage_of_arm("scores"),
+    script:
+        "../scripts/scores.py"
+
+
 rule split_metrics:
     input:
         episodes="results/episodes/{split}.jsonl",
@@ -16,3 +32,36 @@ rule split_metrics:
         constants=stage("split_metrics"),
     script:
         "../scripts/split_metrics.py"
+
+
+rule split_embodied_metrics:
+    input:
+        episodes="results/episodes/{split}.jsonl",
+        scores=scores_of_split,
+    output:
+        outcomes="results/metrics/{split}_embodied_outcomes.csv",
+        rates="results/metrics/{split}_embodied_rates.csv",
+    log:
+        "logs/split_embodied_metrics/{split}.log",
+    benchmark:
+        "benchmarks/split_embodied_metrics/{split}.tsv"
+    params:
+        constants=stage("split_metrics"),
+    script:
+        "../scripts/split_metrics.py"
+
+
+# The tables of one split, whether or not the main job has it: snakemake --cores 2 results/splits/NAME
+rule split_tables:
+    input:
+        metrics=metrics_of_split,
+    output:
+        tables=directory("results/splits/{split}"),
+    log:
+        "logs/split_tables/{split}.log",
+    benchmark:
+        "benchmarks/split_tables/{split}.tsv"
+    params:
+        constants=stage("split_tables"),
+    script:
+        "../scripts/split_tables.py"

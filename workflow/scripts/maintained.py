@@ -4,4 +4,4 @@ from ovman.perception import maintained
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    maintained.run(work.inputs("detections"), work.input("episodes"), work.constants, work.outputs("maintained"))
+    maintained.run(work.inputs("detections"), work.inputs("episodes"), work.constants, work.outputs("maintained"))

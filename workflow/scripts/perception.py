@@ -11,6 +11,7 @@ with job(snakemake) as work:
     perception.run(
         work.inputs("scenes"),
         work.inputs("detections"),
+        work.inputs("episodes"),
         work.input("nouns"),
         VISITS,
         work.constants,

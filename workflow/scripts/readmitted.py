@@ -5,7 +5,6 @@ from ovman.workflow.job import job
 
 with job(snakemake) as work:
     readmission.run(
-        work.inputs("scenes"),
         work.inputs("trials"),
         work.input("released"),
         work.constants,

@@ -3,7 +3,7 @@
 from ovman.models.settings.arms import Arm, Arms, Kind, Need, Reading, Source, arms_of, named, of_kind
 from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
-from ovman.models.settings.splits import MAIN, Others, SecondTour, Split, all_scenes, scenes_of, splits_of
+from ovman.models.settings.splits import MAIN, Others, SecondTour, Split, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
 from ovman.models.settings.values import Section
 
 __all__ = [
@@ -24,6 +24,8 @@ __all__ = [
     "Split",
     "all_scenes",
     "arms_of",
+    "in_main_job",
+    "job_scenes",
     "named",
     "of_kind",
     "scenes_of",

@@ -98,6 +98,11 @@ class Split(Section):
         return self
 
     @property
+    def plain(self) -> bool:
+        """Whether it differs from the paper's protocol in nothing but the scripted changes: its tours are like the main split's."""
+        return self.others is None and self.second_tour is None
+
+    @property
     def single(self) -> bool:
         """Whether one instance of the queried category changes in a pair of tours, which then serves one query."""
         return self.changes == (1,)
@@ -128,6 +133,17 @@ def scenes_of(split: str, benchmark: Benchmark, splits: Mapping[str, Split]) -> 
     """The floor plans of a split, in their order. KeyError for a name that is no split's."""
     own = None if split == MAIN else splits[split].scenes
     return benchmark.scenes if own is None else own
+
+
+def in_main_job(splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The splits beside the benchmark's own that results/tables has."""
+    return tuple(name for name, split in splits.items() if split.main_job)
+
+
+def job_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The floor plans of the main job, each once, those of the benchmark first."""
+    names = (MAIN, *in_main_job(splits))
+    return tuple(dict.fromkeys(scene for split in names for scene in scenes_of(split, benchmark, splits)))
 
 
 def all_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:

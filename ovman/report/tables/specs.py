@@ -52,7 +52,7 @@ from ovman.report.tables.seeds import seeds_table
 from ovman.report.tables.sensitivity import sensitivity_table
 from ovman.report.tables.shortcuts import shortcuts_table
 from ovman.report.tables.significance import pairings_table, significance_table
-from ovman.report.tables.splits import split_rejections_table, split_table
+from ovman.report.tables.splits import split_embodied_table, split_rejections_table, split_table
 from ovman.report.tables.table import Table
 from ovman.report.tables.taxonomy import taxonomy_table
 
@@ -107,6 +107,7 @@ def spec_of(metric: str, splits: Iterable[str] = ()) -> TableSpec:
         for split in splits
         for name, spec in (
             (f"{split}_rates", TableSpec(Rate, partial(split_table, split), Kind.STATIC)),
+            (f"{split}_embodied_rates", TableSpec(Rate, partial(split_embodied_table, split), Kind.EMBODIED)),
             (f"{split}_rejections", TableSpec(RejectionCount, partial(split_rejections_table, split))),
         )
     }

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import pandas as pd
 
-from ovman.models.settings import Settings
-from ovman.report.tables.rates import static_table
+from ovman.models.settings import Settings, Split
+from ovman.report.tables.rates import embodied_table, static_table
 from ovman.report.tables.rejections import rejections_table
 from ovman.report.tables.table import Table
 
@@ -17,12 +17,30 @@ def split_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table:
     return _of(split, static_table(rates, settings), settings)
 
 
+def split_embodied_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table:
+    """The embodied evaluation on a split, one row an arm that has rates. rates: rows of `Rate`; else as `embodied_table`."""
+    return _of(split, embodied_table(rates, settings), settings)
+
+
 def split_rejections_table(split: str, counts: pd.DataFrame, settings: Settings) -> Table:
     """The audit of a split's candidates. counts: rows of `RejectionCount`; else as `rejections_table`."""
     return _of(split, rejections_table(counts, settings), settings)
 
 
 def _of(split: str, table: Table, settings: Settings) -> Table:
-    changes = " or ".join(map(str, settings.splits[split].changes))
-    says = f"Split {split}: {changes} instances of the queried category change, each under another relation."
-    return replace(table, caption=f"{says} {table.caption}")
+    return replace(table, caption=f"Split {split}: {differs(settings.splits[split])}. {table.caption}")
+
+
+def differs(split: Split) -> str:
+    """In what a split differs from the paper's protocol, in words."""
+    says = []
+    if not split.single:
+        changes = " or ".join(map(str, split.changes))
+        says.append(f"{changes} instances of the queried category change, each under another relation")
+    if split.others is not None:
+        fewest, most = split.others.count
+        number = f"{fewest}" if fewest == most else f"{fewest} to {most}"
+        says.append(f"{number} instances of other categories change as well")
+    if split.second_tour is not None:
+        says.append("the second tour has views of its own")
+    return "; ".join(says) or "the paper's protocol"

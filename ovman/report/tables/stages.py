@@ -40,6 +40,12 @@ def run(
     write({"position": position_table(position), "constants": constants_table(constants), **made}, output_dir)
 
 
+def run_split(metrics_files: Sequence[Path], constants: Settings, output_dir: Path) -> None:
+    """Write the table of each file of metrics of a split into output_dir, made if need be. Else as `run`."""
+    splits = list(constants.splits)
+    write({table_of(path.stem, splits): table(path, constants) for path in metrics_files}, output_dir)
+
+
 def run_static(episodes: Path, predictions: Sequence[Path], constants: Settings, output_dir: Path) -> None:
     """Write the tables of the static arms into output_dir: what the stages "metrics" and "tables" make of predictions alone.
 
