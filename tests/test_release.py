@@ -14,7 +14,6 @@ from ovman.generation import candidates, certification, release, scenes, trials,
 from ovman.models.certification import Certification
 from ovman.models.episode import Episode
 from ovman.models.run import Score
-from ovman.models.scene import Scene
 from ovman.models.settings import Arm, Kind, Source, of_kind
 from ovman.models.trial import Trial
 from ovman.task import referents, spl
@@ -90,7 +89,9 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     visits = tmp_path / "visits"
     files = path("candidates"), path("scene", "json")
     trials.run(*files, constants("trials"), path("trials"), path("visits", "json"), visits, journal("trials"))
-    assert Trial.read(path("trials")) == Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    released = Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    splits = {trial.candidate.split for trial in released}
+    assert [trial for trial in Trial.read(path("trials")) if trial.candidate.split in splits] == released
     verdict.run(path("trials"), constants("admissible"), path("admissible"))
     (tmp_path / f"{scene}.jsonl").write_bytes(path("trials").read_bytes())
     certification.run(
@@ -98,11 +99,10 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     )
     made = {record.id: record.runs for record in Certification.read(path("certified"))}
     by_id = {trial.candidate.id: trial for trial in Trial.read(path("trials"))}
-    (surveyed,) = Scene.read(path("scene", "json"))
     kept = [episode for episode in Episode.load(EPISODES) if episode.scene == scene]
     assert kept
     for episode in kept:
-        again = release.episode(by_id[episode.id], made[episode.id], surveyed, constants("episodes"))
+        again = release.episode(by_id[episode.id], made[episode.id], constants("episodes"))
         assert again.to_json() == episode.to_json()
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.settings import Settings, splits_of
+from ovman.models.settings import Settings, job_scenes, splits_of
 from ovman.models.visit_files import check_visits
 from ovman.workflow import checksums, journal
 
@@ -110,7 +110,7 @@ def missing_scenes(results: Results) -> Iterator[str]:
     """Scenes of the settings of which a file of a stage is not there, while other scenes' are."""
     for folder, suffix in PER_SCENE.items():
         there = {path.stem for path in (results.directory / checksums.MADE / folder).glob(f"*{suffix}")}
-        for scene in results.settings.benchmark.scenes:
+        for scene in job_scenes(results.settings.benchmark, results.settings.splits):
             path = checksums.MADE / folder / f"{scene}{suffix}"
             recorded = (results.directory / checksums.path_of(path)).exists()  # then `damages` has it
             if there and scene not in there and not recorded:

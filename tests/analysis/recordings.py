@@ -89,7 +89,7 @@ def write_visit(directory, views=2, alterations=(), moved=None, present=None):
         "alterations": list(alterations),
         "placed": {},
         "present": present or {},
-        "mover": None,
+        "movers": [],
         "views": [
             {
                 "pose": {"x": 0.0, "z": 0.0, "yaw_deg": 0.0, "horizon_deg": 0.0},

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+import json
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from ovman.analysis.instances import TrueScene
 from ovman.analysis.scores import CATEGORY, SCENE, SIZE, scores
 from ovman.language.vocabulary import nouns
 from tests.analysis.recordings import MIN_MASK_PX, detected, mask, write_scene, write_visit
+from tests.episodes import episode_record
 
 PHRASES = sorted({phrase for category in ("Sofa", "Vase") for phrase in nouns(category)})
 TEXT = {phrase: np.eye(len(PHRASES))[i] for i, phrase in enumerate(PHRASES)}
@@ -120,7 +122,11 @@ def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch):
     monkeypatch.setattr(perception, "read_nouns", lambda path: TEXT)
     constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(min_mask_px=MIN_MASK_PX)))
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again")
-    where = [tmp_path / "scenes" / "FloorPlan1.json"], [tmp_path / "FloorPlan1.npz"], tmp_path / "nouns.npz", tmp_path / "visits"
+    toured = episode_record("moved", scene="FloorPlan1", visits={"first": "untouched", "second": "again"})
+    (tmp_path / "episodes.jsonl").write_text(json.dumps(toured) + "\n")
+    tours["of another split"] = perfect(content="b")
+    scenes, detections = [tmp_path / "scenes" / "FloorPlan1.json"], [tmp_path / "FloorPlan1.npz"]
+    where = scenes, detections, [tmp_path / "episodes.jsonl"], tmp_path / "nouns.npz", tmp_path / "visits"
     for name in ("one.csv", "other.csv"):
         perception.run(*where, constants, tmp_path / name)
         tours = dict(reversed(tours.items()))

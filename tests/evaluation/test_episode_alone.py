@@ -90,7 +90,7 @@ def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, 
         ),
     )
     assert seen == next(record for record in Sightings.read(SIGHTINGS) if record.episode == episode.id)
-    assert (None if second.mover is None else second.mover.start) == episode.mover
+    assert tuple(mover.start for mover in second.movers) == episode.movers
     for arm in ("positions_single_visit", "positions_two_visits"):
         given = stage_settings(CONFIG, "predictions", arm)
         outcome, _ = predict(given.arm, episode, given, ObservationStore(given.arm, given, 90.0, alone), seen)

@@ -9,8 +9,10 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.generation.candidates import candidates, eligible, spawn_away, targets
+from ovman.generation.candidates import candidates, eligible, targets
 from ovman.generation.placement import FreeFloor
+from ovman.generation.protocol import main_drawing
+from ovman.generation.spawning import spawn_away
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
@@ -23,13 +25,17 @@ def room(*objects, cells=12) -> Scene:
     reachable = tuple((0.25 * i, 0.25 * j) for i in range(cells) for j in range(cells))
     return Scene(
         scene="Room", start=(0.0, 0.0), floor_y=0.0, reachable=reachable, components=(len(reachable),),
-        waypoints=((0.0, 0.0),), objects=objects,
+        waypoints=((0.0, 0.0),), other_waypoints=((0.0, 0.0),), mobile=(), objects=objects,
     )  # fmt: skip
+
+
+def of_main(scene, constants):
+    return candidates(scene, main_drawing(scene, constants), constants)
 
 
 def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
     item = thing("chair|1", "Chair", 9.0, 9.0)
-    floor = FreeFloor.of(room(item, cells=3), item, 0.25)
+    floor = FreeFloor.of(room(item, cells=3), item, 0.25, room(item, cells=3).waypoints)
     rng = np.random.default_rng(0)
     found = {(s.x, s.z) for _ in range(60) if (s := spawn_away(floor, [((0.0, 0.0), 0.5), ((0.5, 0.5), 0.25)], 4, rng))}
     assert found == {(0.5, 0.0), (0.0, 0.5), (0.5, 0.25), (0.25, 0.5)}
@@ -59,7 +65,7 @@ def test_categories_take_turns_and_instances_within_them():
 def test_stable_takes_categories_of_two_and_moves_the_other():
     pair = [thing("a|1", "A", 0.5, 0.5), thing("a|2", "A", 2.0, 2.0)]
     three = [thing(f"b|{k}", "B", 1.0 + k, 0.5) for k in range(3)]
-    drawn = candidates(room(*pair, *three), CONFIG)
+    drawn = of_main(room(*pair, *three), CONFIG)
     stable = [c for c in drawn if c.relation is Relation.STABLE]
     assert len(stable) == CONFIG.candidates.draws.stable
     assert {c.category for c in stable} == {"A"} and {(c.target, c.distractor) for c in stable} == {
@@ -68,14 +74,14 @@ def test_stable_takes_categories_of_two_and_moves_the_other():
     }
     assert all(a.instance == c.distractor for c in stable for a in c.second)
     assert all(c.distractor is None for c in drawn if c.relation is not Relation.STABLE)
-    assert {c.relation for c in candidates(room(*three), CONFIG)} == set(Relation) - {Relation.STABLE}
-    assert candidates(room(pair[0]), CONFIG) == []
+    assert {c.relation for c in of_main(room(*three), CONFIG)} == set(Relation) - {Relation.STABLE}
+    assert of_main(room(pair[0]), CONFIG) == []
 
 
 def test_what_cannot_be_drawn_is_named():
     """A room of four cells has no free place, no way to go, and no spawn away from the target."""
     small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 0.25, 9.0), cells=2)
-    refused = {c.relation: c.refused for c in candidates(small, CONFIG)}
+    refused = {c.relation: c.refused for c in of_main(small, CONFIG)}
     assert refused == {
         Relation.MOVED: Rejection.NO_PLACEMENT,
         Relation.FORMER: Rejection.NO_PLACEMENT,
@@ -89,16 +95,16 @@ def test_what_cannot_be_drawn_is_named():
 def test_heights_have_four_decimals():
     scene = room(*(thing(f"a|{k}", "A", 0.3 + k, 0.5, size=(0.2, 0.2, 0.2)) for k in range(3)), cells=16)
     scene = scene.model_copy(update={"floor_y": 0.123456})
-    heights = {(a.kind, a.height_m) for c in candidates(scene, CONFIG) for a in c.first + c.second}
+    heights = {(a.kind, a.height_m) for c in of_main(scene, CONFIG) for a in c.first + c.second}
     assert {("displace", 0.1735), ("motion", None), ("disable", None)} == heights
 
 
 def test_appeared_and_removed_draw_an_instance_once_each_in_an_order_of_its_own():
     things = [thing(f"{c}|{k}", c, 0.3 + 1.5 * k, 0.5) for c in "ab" for k in range(4)]
-    drawn = candidates(room(*things), CONFIG)
+    drawn = of_main(room(*things), CONFIG)
     came, went = ([c.target for c in drawn if c.relation is relation] for relation in (Relation.APPEARED, Relation.REMOVED))
     assert sorted(came) == sorted(went) == sorted(item.id for item in things) and came != went
-    fewer = candidates(room(*things), drawing(appeared=3, removed=0))
+    fewer = of_main(room(*things), drawing(appeared=3, removed=0))
     assert [c.target for c in fewer if c.relation in (Relation.APPEARED, Relation.REMOVED)] == came[:3]
     for c in drawn:
         assert len(c.first + c.second) == 1 or c.refused is not None or c.relation is Relation.MOVING
@@ -117,7 +123,7 @@ def test_what_is_drawn_is_neither_crowded_nor_trivial_as_far_as_it_is_known(plac
     """Of what is not refused, no other instance is near the answer, and no spawn is where a run would succeed."""
     things = [thing(f"a|{k}", "A", 0.25 * i, 0.25 * j, size=(0.2, 0.3, 0.2)) for k, (i, j) in enumerate(places)]
     scene, limits = room(*things, cells=24), CONFIG.candidates
-    for c in candidates(scene, drawing(moved=3, former=4, stable=3, appeared=9, removed=9)):
+    for c in of_main(scene, drawing(moved=3, former=4, stable=3, appeared=9, removed=9)):
         at = {o.id: (o.position.x, o.position.z) for o in things}
         later = at | {a.instance: a.placement for a in c.second if a.placement is not None}
         answer = at[c.target] if c.relation.past else later[c.target]
@@ -133,7 +139,7 @@ def test_what_is_drawn_is_neither_crowded_nor_trivial_as_far_as_it_is_known(plac
 
 def test_a_spawn_is_farther_from_a_box_than_a_run_may_stop():
     item = thing("bed|1", "Bed", 9.0, 9.0)
-    floor = FreeFloor.of(room(item, cells=3), item, 0.25)
+    floor = FreeFloor.of(room(item, cells=3), item, 0.25, room(item, cells=3).waypoints)
     rng, box = np.random.default_rng(0), [((0.0, 0.0), (0.25, 0.0), 0.25)]
     found = {(s.x, s.z) for _ in range(90) if (s := spawn_away(floor, [], 4, rng, box))}
     assert found == {(0.0, 0.5), (0.25, 0.5), (0.5, 0.5)} | {(0.5, 0.25)}

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation import multi, release
+from ovman.generation.protocol import Drawing, tours
 from ovman.generation.release import ShortSplitError
 from ovman.generation.verdict import _recorded
 from ovman.models.candidate import Candidate
@@ -51,9 +52,13 @@ def rooms() -> list[Scene]:
     return [room(*pair, cells=18), room(*pair, *four[:3], cells=18), room(*four, cells=18)]
 
 
+def drawing(scene: Scene) -> Drawing:
+    return Drawing(SPLIT.name, tours(scene, 4, None), SPLIT.draws, SPLIT.tries, SPLIT.changes)
+
+
 @cache
 def drawn_in(number: int) -> tuple[Candidate, ...]:
-    return tuple(multi.candidates(rooms()[number], SPLIT, CONFIG))
+    return tuple(multi.candidates(rooms()[number], drawing(rooms()[number]), CONFIG))
 
 
 @given(st.integers(2, 5).flatmap(lambda n: st.tuples(st.just(n), st.permutations(multi.KINDS), st.integers(2, 3))))
@@ -88,7 +93,7 @@ def test_every_relation_can_be_asked_about():
 def test_a_candidate_changes_two_or_three_of_its_category_each_in_another_way(number):
     scene, drawn = rooms()[number], drawn_in(number)
     if number == 0:
-        assert drawn == tuple(multi.candidates(scene, SPLIT, CONFIG))
+        assert drawn == tuple(multi.candidates(scene, drawing(scene), CONFIG))
     assert len({c.id for c in drawn}) == len(drawn)
     made = [c for c in drawn if c.refused is None]
     counts = Counter(c.relation for c in made)
@@ -114,9 +119,10 @@ def test_a_pair_of_tours_serves_several_queries():
 def test_what_cannot_be_drawn_is_named():
     """A room without a free place, a way to go, or a spawn away from the target."""
     small = room(thing("a|1", "A", 0.0, 0.0), thing("a|2", "A", 3.0, 0.0), cells=2)
-    refused = {c.refused for c in multi.candidates(small, SPLIT, CONFIG)}
+    refused = {c.refused for c in multi.candidates(small, drawing(small), CONFIG)}
     assert refused and refused <= {Rejection.NO_PLACEMENT, Rejection.CANNOT_MOVE, Rejection.NO_SPAWN, Rejection.CROWDED}
-    assert multi.candidates(room(thing("a|1", "A", 0.0, 0.0)), SPLIT, CONFIG) == []
+    alone = room(thing("a|1", "A", 0.0, 0.0))
+    assert multi.candidates(alone, drawing(alone), CONFIG) == []
 
 
 def test_each_change_has_to_be_recorded_in_the_tours_that_define_it():
@@ -141,4 +147,4 @@ def world(candidate: Candidate, instance: str, there: bool) -> WorldState:
 def test_a_short_split_names_its_own_settings(tmp_path):
     outputs = [tmp_path / name for name in ("multi.jsonl", "sightings.jsonl", "rejections.csv")]
     with pytest.raises(ShortSplitError, match=r"^splits.multi.episodes asks for .*\(moved 0 of 28, .*raise splits.multi.draws"):
-        release.run([], [], [], [], CONFIG, *outputs, "multi")
+        release.run([], [], [], CONFIG, *outputs, "multi")

@@ -37,6 +37,8 @@ def scene():
         reachable=tuple((0.25 * i, 0.25 * j) for i, j in cells),
         components=(len(cells),),
         waypoints=((0.5, 0.5), (4.0, 3.0)),
+        other_waypoints=((0.5, 0.5), (4.0, 3.0)),
+        mobile=(),
         objects=(
             thing("chair|1", "Chair", 1.0, 1.0),
             thing("chair|2", "Chair", 4.0, 1.0),
@@ -48,7 +50,7 @@ def scene():
 
 
 def floor_for(scene, item):
-    return FreeFloor.of(scene, item, 0.25)
+    return FreeFloor.of(scene, item, 0.25, scene.waypoints)
 
 
 @settings(derandomize=True, max_examples=80, deadline=None)

@@ -32,7 +32,7 @@ def beyond(metres: float) -> float:
 
 
 def floor_of(scene, item, **changes) -> FreeFloor:
-    made = FreeFloor.of(scene, item, STEP)
+    made = FreeFloor.of(scene, item, STEP, scene.waypoints)
     fields = {name: getattr(made, name) for name in ("cells", "waypoints", "boxes", "half", "step_m")}
     return FreeFloor(**(fields | changes))
 
@@ -85,13 +85,13 @@ def test_what_begins_at_the_top_of_a_thing_or_above_is_no_obstacle_unless_it_is_
     lower = thing("lower", "Shelf", 1.0, 1.0, (0.4, 0.5, 0.2), y=1.249)
     slab = thing("slab", "CounterTop", 2.0, 1.0, (0.4, 0.1, 0.6), y=3.0)
     ground = thing("floor", "Floor", 2.0, 2.0, (9.0, 0.1, 9.0), y=-0.05)
-    assert len(FreeFloor.of(room(item, shelf, ground), item, STEP).boxes) == 0
-    assert FreeFloor.of(room(item, lower, ground, slab), item, STEP).boxes.tolist() == [
+    assert len(FreeFloor.of(room(item, shelf, ground), item, STEP, ()).boxes) == 0
+    assert FreeFloor.of(room(item, lower, ground, slab), item, STEP, ()).boxes.tolist() == [
         [1.0, 1.0, 0.2, 0.1],
         [2.0, 1.0, 0.2, 0.3],
     ]
     raised = room(item, shelf).model_copy(update={"floor_y": 0.01})
-    assert len(FreeFloor.of(raised, item, STEP).boxes) == 1
+    assert len(FreeFloor.of(raised, item, STEP, raised.waypoints).boxes) == 1
 
 
 def test_floor_spots_begin_at_the_distance_and_lie_within_the_jitter_of_a_cell():
@@ -179,7 +179,7 @@ def test_a_thing_clears_what_is_beside_above_or_let_into_the_surface(other, clea
 def test_small_things_fall_back_to_the_floor():
     item = thing("a", "Vase", 0.0, 0.0, (0.1, 0.3, 0.1))
     scene = room(item)
-    floor = FreeFloor.of(scene, item, STEP)
+    floor = FreeFloor.of(scene, item, STEP, scene.waypoints)
     found = spots(scene, item, floor, 1.0, np.random.default_rng(0))
     assert found and {s.height_m for s in found} == {ABOVE_SURFACE_M}
     on_table = spots(room(item, table(x=2.0, z=2.0)), item, floor, 1.0, np.random.default_rng(0))

@@ -23,8 +23,10 @@ SOME = SCENES[::4]
 def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
     drawn = tmp_path / "candidates.jsonl"
     candidates.run(DATA / "scenes" / f"{scene}.json", CONFIG, drawn)
-    assert drawn.read_text() == lines(trial.candidate for trial in Trial.read(DATA / "trials" / f"{scene}.jsonl"))
-    assert len(Candidate.read(drawn)) > 0
+    released = [trial.candidate for trial in Trial.read(DATA / "trials" / f"{scene}.jsonl")]
+    splits = {candidate.split for candidate in released}
+    assert lines(candidate for candidate in Candidate.read(drawn) if candidate.split in splits) == lines(released)
+    assert len(released) > 0
 
 
 @pytest.mark.parametrize("scene", SOME)
@@ -44,7 +46,7 @@ def test_trials_and_certifications_give_the_episodes_their_sightings_and_the_aud
         verdict.run(trials, CONFIG, verdicts)
     made = [tmp_path / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")]
     capsys.readouterr()
-    release.run(files["scenes"], files["trials"], admissible, files["certified"], CONFIG, *made)
+    release.run(files["trials"], admissible, files["certified"], CONFIG, *made)
     expected = (DATA / "episodes/main.jsonl", DATA / "episodes/sightings.jsonl", DATA / "metrics/rejections.csv")
     assert [file.read_bytes() for file in made] == [file.read_bytes() for file in expected]
     said = capsys.readouterr().out.splitlines()

@@ -33,14 +33,15 @@ def room(item, *others, cells=14, waypoint=(0.0, 0.0)) -> Scene:
         )
     )  # fmt: skip
     return Scene(
-        scene="Room", start=(0.0, 0.0), floor_y=0.0, reachable=reachable, components=(len(reachable),), waypoints=(waypoint,),
+        scene="Room", start=(0.0, 0.0), floor_y=0.0, reachable=reachable, components=(len(reachable),),
+        waypoints=(waypoint,), other_waypoints=(waypoint,), mobile=(),
         objects=objects,
     )  # fmt: skip
 
 
 def roamed(item, *others, **of_room):
     scene = room(item, *others, **of_room)
-    return roam(scene, item, FreeFloor.of(scene, item, CELL_M), STEP_M)
+    return roam(scene, item, FreeFloor.of(scene, item, CELL_M, scene.waypoints), STEP_M)
 
 
 def test_alone_in_a_room_it_goes_everywhere_but_to_the_waypoint_and_the_walls():
@@ -105,7 +106,8 @@ def test_what_is_walled_in_cannot_move():
 def test_in_real_scenes_the_floor_is_connected_and_the_body_is_over_what_the_agent_can_reach(scene):
     (record,) = Scene.read(DATA / "scenes" / f"{scene}.json")
     reachable = np.array(record.reachable)
-    roams = {o.id: roam(record, o, FreeFloor.of(record, o, CELL_M), STEP_M) for o in record.objects if o.moveable}
+    floors = {o.id: FreeFloor.of(record, o, CELL_M, record.waypoints) for o in record.objects}
+    roams = {o.id: roam(record, o, floors[o.id], STEP_M) for o in record.objects if o.moveable}
     found = {k: one for k, one in roams.items() if one is not None}
     assert found and len(found) < len(roams)
     for k, one in found.items():

@@ -12,6 +12,7 @@ import pytest
 
 from ovman.models.change import Alteration, Roam
 from ovman.models.settings.benchmark import Mover
+from ovman.models.tour import Tour
 from ovman.models.visit import Visit
 from ovman.sim import controller, visit
 from ovman.sim.change import World, position
@@ -37,7 +38,7 @@ def session():
 def views(session):
     session.reset()
     start = session.pose
-    return visit.tour([(start.x, start.z)], 4)
+    return visit.views(Tour(waypoints=((start.x, start.z),), headings=4))
 
 
 def world(session, *alterations, seed=0):
@@ -131,9 +132,9 @@ def test_a_mover_takes_its_step_before_every_view_and_its_path_is_its_seeds(sess
         for k, seed in enumerate((3, 3))
     ]
     assert visits[0] == visits[1]
-    path = visits[0].mover.path
+    path = visits[0].movers[0].path
     assert len(path) == 1 + len(views) and path[0] == (stands.x, stands.z)
-    assert (visits[0].mover.start.position, visits[0].placed) == (path[-1], {})
+    assert (visits[0].movers[0].start.position, visits[0].placed) == (path[-1], {})
     for point, here in zip(path[1:], visits[0].positions, strict=True):
         # The engine takes the rotation that it reports, which is rounded.
         assert np.hypot(point[0] - here[item].x, point[1] - here[item].z) < 1e-3

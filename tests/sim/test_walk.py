@@ -18,6 +18,7 @@ from ovman.generation.roaming import roam
 from ovman.models.change import Alteration
 from ovman.models.scene import Scene
 from ovman.models.settings.benchmark import Mover
+from ovman.models.tour import Tour
 from ovman.models.visit import Visit
 from ovman.navigation import Grid, farthest_points
 from ovman.sim import visit, walk
@@ -90,7 +91,7 @@ def ground(session):
 def views(ground):
     grid, start = ground
     waypoints = [grid.centre(cell) for cell in farthest_points(grid, grid.component(start), 3, start)]
-    return visit.tour([(round(x, 4), round(z, 4)) for x, z in waypoints], HEADINGS)
+    return visit.views(Tour(waypoints=tuple((round(x, 4), round(z, 4)) for x, z in waypoints), headings=HEADINGS))
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +100,7 @@ def moving(views):
     (scene,) = Scene.read(DATA / "scenes" / f"{SCENE}.json")
     scene = scene.model_copy(update={"waypoints": tuple({(pose.x, pose.z): None for pose in views})})
     for item in scene.objects:
-        found = roam(scene, item, FreeFloor.of(scene, item, STEP_M), PARAMS.step_m) if item.moveable else None
+        found = roam(scene, item, FreeFloor.of(scene, item, STEP_M, scene.waypoints), PARAMS.step_m) if item.moveable else None
         if found is not None:
             return [Alteration(kind="motion", instance=item.id, roam=found)]
     raise AssertionError("nothing in the scene can move")
@@ -123,7 +124,7 @@ def walked(session, views, moving, recorded):
     frames, clock = [], []
     for frame in walk.frames(session, there, views, TURN_DEG, STEP_M, LENS_DEG):
         frames.append(frame)
-        clock.append((len(there.path), there.mover))
+        clock.append((*map(len, there.paths.values()), there.movers.copy()))
     walk.check(session, there, Visit.load(recorded))
     return frames, clock
 
@@ -194,6 +195,6 @@ def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, mo
         pass
     with pytest.raises(walk.WalkError, match="moving left the mover at .* record the visits again"):
         walk.check(session, there, Visit.load(recorded))
-    unmoved = Visit.load(recorded).model_copy(update={"mover": None})
-    with pytest.raises(walk.WalkError, match=f"{re.escape(there.mover_id)}.* record the visits again"):
+    unmoved = Visit.load(recorded).model_copy(update={"movers": ()})
+    with pytest.raises(walk.WalkError, match=f"{re.escape(next(iter(there.movers)))}.* record the visits again"):
         walk.check(session, there, unmoved)

@@ -46,8 +46,9 @@ RUN = {
     "path_length_m": 3.25,
     "actions": 31,
 }
+TOUR = {"waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}], "headings": 4, "first_yaw_deg": 0.0}
 MOVED = {
-    "schema": "ovman-episode/3",
+    "schema": "ovman-episode/4",
     "id": "FloorPlan201/moved/0003",
     "split": "main",
     "backend": "embedded",
@@ -61,6 +62,7 @@ MOVED = {
     "changes": [
         {
             "instance": "Chair|1",
+            "category": "Chair",
             "kind": "displace",
             "before": {"x": 0.0, "y": 0.4, "z": 0.0},
             "after": {"x": 2.0, "y": 0.4, "z": 0.0},
@@ -70,9 +72,9 @@ MOVED = {
             "roam": None,
         }
     ],
-    "tour": {"waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}], "headings": 4},
+    "tours": {"first": TOUR, "second": TOUR},
     "visits": {"first": "untouched", "second": "displace-Chair-1a2b"},
-    "mover": None,
+    "movers": [],
     "spawn": {"x": -1.0, "z": 0.25, "yaw_deg": 270.0},
     "answer": {"x": 2.0, "z": 0.0},
     "nearest_navigable": {"x": 1.75, "z": 0.25},
@@ -99,7 +101,7 @@ def moving():
     path = [{"x": 0.0, "z": 0.0}, {"x": 0.1, "z": 0.0}, {"x": 2.0, "z": 0.0}]
     roam = {"x": 0.0, "z": 0.0, "step_m": 0.1, "rows": [[0, 0, 25]]}
     record["changes"][0] |= {"kind": "motion", "path": path, "placement": None, "height_m": None, "roam": roam}
-    record["mover"] = {"instance": "Chair|1", "position": {"x": 2.0, "z": 0.0}, "heading_deg": 270}
+    record["movers"] = [{"instance": "Chair|1", "position": {"x": 2.0, "z": 0.0}, "heading_deg": 270}]
     record["drift_m"] = {}
     return record
 
@@ -219,14 +221,14 @@ def test_an_episode_says_how_its_visits_are_brought_about():
         episode = Episode.from_json(record)
         assert (episode.alterations("first"), episode.alterations("second")) == expected[name], name
         assert episode.gone == ({"Chair|1"} if name == "removed" else set())
-    assert Episode.from_json(RECORDS["moving"]).mover == MoverStart(instance="Chair|1", position=(2.0, 0.0), heading_deg=270)
+    assert Episode.from_json(RECORDS["moving"]).movers == (MoverStart(instance="Chair|1", position=(2.0, 0.0), heading_deg=270),)
 
 
 def test_an_episode_has_the_constants_of_its_protocol_and_no_others():
     constants = Episode.from_json(MOVED).settings
     for name in ("camera", "primitives", "mover", "success"):
         assert dict(getattr(constants, name)) == dict(getattr(CONFIG, name))
-    assert (constants.benchmark.seed, constants.benchmark.backend, constants.tour.headings) == (20260401, "embedded", 4)
+    assert (constants.benchmark.seed, constants.benchmark.backend) == (20260401, "embedded")
     for read in (lambda: constants.association.gate_m, lambda: constants.benchmark.scenes, lambda: constants.tour.waypoints):
         with pytest.raises(AttributeError, match="episode FloorPlan201/moved/0003"):
             read()
@@ -305,12 +307,12 @@ CONTRADICTIONS = [
     (MOVED | change(placement=None), "changes[0]: displace of Chair|1 has no placement"),
     (moving() | change(kind="motion"), "changes[0]: motion of Chair|1 has no roam"),
     (moving() | {"changes": [moving()["changes"][0] | {"path": None}]}, "changes[0]: motion of Chair|1 has no path"),
-    (moving() | {"mover": None}, "mover: MOVING has one"),
-    (MOVED | {"mover": moving()["mover"]}, "mover: MOVING has one"),
-    (moving() | {"mover": moving()["mover"] | {"instance": "Chair|2"}}, "mover is 'Chair|2'"),
-    (moving() | {"mover": moving()["mover"] | {"heading_deg": 45}}, "mover.heading_deg: 45 is not one of"),
-    (MOVED | {"tour": {"waypoints": [], "headings": 4}}, "tour.waypoints: expected at least 1 element(s), found 0"),
-    (MOVED | {"tour": {"waypoints": [{"x": 1.0}], "headings": 4}}, "tour.waypoints[0]: z: the key is missing"),
+    (moving() | {"movers": []}, "movers: MOVING has some"),
+    (MOVED | {"movers": moving()["movers"]}, "movers: MOVING has some"),
+    (moving() | {"movers": [moving()["movers"][0] | {"instance": "Chair|2"}]}, "movers are ['Chair|2']"),
+    (moving() | {"movers": [moving()["movers"][0] | {"heading_deg": 45}]}, "movers[0].heading_deg: 45 is not one of"),
+    (MOVED | {"tours": {"first": TOUR, "second": TOUR | {"waypoints": []}}}, "second.waypoints: expected at least 1 element(s)"),
+    (MOVED | {"tours": {"first": TOUR | {"waypoints": [{"x": 1.0}]}, "second": TOUR}}, "first.waypoints[0]: z: the key is"),
     (MOVED | {"visits": {"first": "untouched"}}, "visits.second: the key is missing"),
     (MOVED | {"protocol": without(PROTOCOL, "success")}, "protocol.success: the key is missing"),
     (MOVED | {"provenance": {"seed": 1.5, "trial": "a"}}, "provenance.seed: expected an integer"),

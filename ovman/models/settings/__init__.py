@@ -3,7 +3,17 @@
 from ovman.models.settings.arms import Arm, Arms, Kind, Need, Reading, Source, arms_of, named, of_kind
 from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
-from ovman.models.settings.splits import MAIN, Others, SecondTour, Split, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
+from ovman.models.settings.splits import (
+    MAIN,
+    Others,
+    SecondTour,
+    Split,
+    all_scenes,
+    in_main_job,
+    job_scenes,
+    scenes_of,
+    splits_of,
+)
 from ovman.models.settings.values import Section
 
 __all__ = [

@@ -50,7 +50,8 @@ def page(results: Results, episode_id: str, settings: Settings) -> str:
         .render(
             episode=episode,
             relation=episode.relation,
-            changes=[_change(change) for change in episode.changes],
+            changes=[(change.instance, _change(change)) for change in episode.scripted],
+            others=[(change.instance, _change(change)) for change in episode.others],
             answer=episode.answer,
             reasonings=[_evidence(reasoning) for reasoning in found],
             plans=[visit_plan(room, found, visit) for visit in (0, 1)],
@@ -87,7 +88,7 @@ def _rows(tours: Sequence[Sequence[Stand]]) -> list[tuple[Stand | None, Stand | 
 
 
 def _change(change: Change) -> str:
-    """A scripted change in words."""
+    """A change in words."""
 
     def at(point: Position | Point | None) -> str:
         x, z = (point.x, point.z) if isinstance(point, Position) else point or (math.nan, math.nan)

@@ -39,7 +39,7 @@ def visit_plan(room: Room, reasonings: Sequence[Reasoning], visit: int) -> str:
     drawing = svg.drawing(frame.width, frame.height, "plan", f"map of the {name} visit, seen from above")
     draw_room(drawing, frame, room, visit)
     kept = Labels(frame.width, frame.height)
-    draw_waypoints(drawing, frame, room, kept)
+    draw_waypoints(drawing, frame, room, visit, kept)
     # Labels of the truth are placed first; the truth is drawn last.
     truth = svg.layer()
     draw_instances(truth, frame, room, visit, kept)

@@ -110,18 +110,18 @@ class Results:
         return self._verdicts(STATIC_OUTCOMES if split == MAIN else f"{split}_outcomes.csv").get((arm, str(run), episode))
 
     def embodied_verdicts(self, arm: str, episode: str) -> Mapping[int, Mapping[str, str]]:
-        """The rows of `embodied_outcomes.csv` by seed."""
-        rows = self._verdicts(EMBODIED_OUTCOMES)
+        """The rows of `embodied_outcomes.csv`, or of the outcomes of the episode's split, by seed."""
+        split = self.episodes[episode].split
+        rows = self._verdicts(EMBODIED_OUTCOMES if split == MAIN else f"{split}_{EMBODIED_OUTCOMES}")
         return {int(seed): row for (name, seed, id), row in rows.items() if (name, id) == (arm, episode)}
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
         """The judged runs of an embodied arm by seed."""
-        found: dict[int, Score] = {}
-        for seed in sorted((self.directory / "scores" / arm).glob("seed*")):
-            run = self._runs(seed / f"{episode.scene}.jsonl").get(episode.id)
-            if run is not None:
-                found[run.seed] = run
-        return found
+        scores = self.directory / "scores"
+        files = [seed / f"{episode.scene}.jsonl" for seed in sorted((scores / arm).glob("seed*"))]
+        if episode.split != MAIN:
+            files = [scores / episode.split / f"{arm}.jsonl"]
+        return {run.seed: run for file in files for run in self._runs(file).get(episode.id, ())}
 
     def _needed(self, name: str) -> Path:
         path = self.directory / name
@@ -179,5 +179,8 @@ class Results:
             return {(row["arm"], row["seed"], row["episode"]): row for row in csv.DictReader(file) if row["arm"] in arms}
 
     @cache  # noqa: B019
-    def _runs(self, path: Path) -> Mapping[str, Score]:
-        return {run.episode: run for run in Score.read(path)} if path.is_file() else {}
+    def _runs(self, path: Path) -> Mapping[str, Sequence[Score]]:
+        found: dict[str, list[Score]] = {}
+        for run in Score.read(path) if path.is_file() else ():
+            found.setdefault(run.episode, []).append(run)
+        return found

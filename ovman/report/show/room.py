@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
+from ovman.agents.interface import VISITS
 from ovman.models.episode import Episode
 from ovman.models.geometry import Point
 from ovman.models.scene import Scene
@@ -39,6 +40,11 @@ class Room:
         """The instances of the category that are present in the first (0) or second (1) visit."""
         return (self.episode.world_1, self.episode.world_2)[visit]
 
+    def others(self, visit: int) -> dict[str, Point | None]:
+        """Where the instances of other categories that change were at the end of a visit; None for one that is absent."""
+        places = {one.instance: (one.before, one.after)[visit] for one in self.episode.others}
+        return {k: None if at is None else (at.x, at.z) for k, at in places.items()}
+
     @property
     def paths(self) -> list[tuple[Point, ...]]:
         """The paths of movers, metres."""
@@ -69,7 +75,7 @@ def frame_of(room: Room, reasonings: Sequence[Reasoning], width: float, highest:
 def draw_room(parent: Element, frame: PlanFrame, room: Room, visit: int) -> None:
     """The floor, the cells that the agent can reach, and the furniture as it stood in a visit."""
     floor = svg.group(parent, "room truth")
-    here = {k.id: k.position for k in room.world(visit)}
+    here, moved = {k.id: k.position for k in room.world(visit)}, room.others(visit)
     for thing in sorted(room.scene.objects, key=lambda o: o.category != "Floor"):
         size, category = thing.size, thing.category
         of_category = category == room.episode.category
@@ -79,7 +85,9 @@ def draw_room(parent: Element, frame: PlanFrame, room: Room, visit: int) -> None
         small = max(size.x, size.z) < FURNITURE_M or size.y < FLAT_M
         if not floor_plane and not of_category and (category in UNDRAWN or small):
             continue
-        x, z = here.get(thing.id, (thing.position.x, thing.position.z))
+        if thing.id in moved and moved[thing.id] is None:
+            continue
+        x, z = here.get(thing.id) or moved.get(thing.id) or (thing.position.x, thing.position.z)
         corner = frame.at(x - size.x / 2, z + size.z / 2)
         name = "floor" if floor_plane else "thing of-category" if of_category else "thing"
         title = "" if floor_plane else thing.id
@@ -89,10 +97,10 @@ def draw_room(parent: Element, frame: PlanFrame, room: Room, visit: int) -> None
         svg.circle(cells, frame.at(x, z), 1.1, "cell")
 
 
-def draw_waypoints(parent: Element, frame: PlanFrame, room: Room, labels: Labels) -> None:
-    """The numbered waypoints of the tour."""
+def draw_waypoints(parent: Element, frame: PlanFrame, room: Room, visit: int, labels: Labels) -> None:
+    """The numbered waypoints of the tour of a visit."""
     group = svg.group(parent, "waypoints")
-    for number, waypoint in enumerate(room.scene.waypoints, start=1):
+    for number, waypoint in enumerate(room.episode.tours[VISITS[visit]].waypoints, start=1):
         at = frame.at(*waypoint)
         svg.circle(group, at, 7.0, "waypoint", f"waypoint {number} of the tour")
         svg.text(group, at, str(number), "waypoint-number", dy="0.35em")
@@ -130,7 +138,9 @@ def draw_change(parent: Element, frame: PlanFrame, room: Room) -> None:
     for change in room.episode.changes:
         if change.before is not None and change.after is not None:
             ends = [frame.at(end.x, end.z) for end in (change.before, change.after)]
-            svg.polyline(parent, ends, "change", f"{change.instance} was put elsewhere (truth)")
+            scripted = change.category == room.episode.category
+            says = "was put elsewhere" if scripted else "was put elsewhere; it is of another category"
+            svg.polyline(parent, ends, "change" if scripted else "other-change", f"{change.instance} {says} (truth)")
             svg.circle(parent, ends[0], 2.2, "change-end")
 
 

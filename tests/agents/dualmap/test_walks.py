@@ -37,7 +37,7 @@ def frame(grey: int, view: int | None = None, x: float = 0.0) -> Frame:
 
 def visit_of(name: str) -> Visit:
     gone = Alteration(kind="disable", instance=name)
-    return Visit(scene="FloorPlan1", visit=name, alterations=(gone,), placed={}, present={}, mover=None, views=())
+    return Visit(scene="FloorPlan1", visit=name, alterations=(gone,), placed={}, present={}, movers=(), views=())
 
 
 class Observer:

@@ -15,12 +15,13 @@ from ovman.analysis import metrics
 from ovman.evaluation import labels, predictions
 from ovman.language import noun
 from ovman.models.change import Change, MoverStart, Roam
-from ovman.models.episode import Episode, EpisodeTour, Protocol, Provenance
+from ovman.models.episode import Episode, Protocol, Provenance
 from ovman.models.geometry import Position, Spawn
 from ovman.models.record import line, lines
 from ovman.models.scene import Scene, SceneObject
 from ovman.models.settings import Kind, Need, Settings, of_kind
 from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.models.tour import Tour
 from ovman.models.trial import ReachableBox
 from ovman.models.visit import Present, View, ViewPose, Visit
 from ovman.models.visit_files import seal
@@ -37,6 +38,7 @@ ROOT = Path(__file__).resolve().parents[3]
 SCENE, CATEGORY = "FloorPlan1", "Chair"
 HEIGHT, WIDTH = 30, 40
 WAYPOINTS = [(1.0, 1.0), (3.0, 2.0)]
+TOUR = Tour(waypoints=tuple(WAYPOINTS), headings=2)
 VIEWS = [(x, z, yaw) for x, z in WAYPOINTS for yaw in (0.0, 180.0)]
 CHAIRS = {"Chair|a": (0.5, 3.0), "Chair|b": (2.5, 3.5), "Chair|c": (4.0, 0.5)}
 LAMP = "Lamp|d"
@@ -110,7 +112,7 @@ def _record_visit(directory: Path, world: World, changes: Sequence[Change], seco
         k: Present(category=k.split("|")[0], position=Position(x=x, y=0.5, z=z))
         for k, (x, z) in _places(world, (), 0, False).items()
     }
-    visit = Visit(scene=SCENE, visit=name, alterations=(), placed={}, present=present, mover=None, views=tuple(views))
+    visit = Visit(scene=SCENE, visit=name, alterations=(), placed={}, present=present, movers=(), views=tuple(views))
     (directory / "visit.json").write_text(visit.to_line())
     seal(directory)
     return Detected(
@@ -143,9 +145,9 @@ def _episode(relation: Relation, visits: Mapping[str, str], settings: Settings) 
         target=target,
         distractor=distractor,
         changes=changes,
-        tour=EpisodeTour(waypoints=tuple(WAYPOINTS), headings=2),
+        tours=VisitPair[Tour](first=TOUR, second=TOUR),
         visits=VisitPair[str](**visits),
-        mover=MoverStart(instance=target, position=(2.6, 2.6), heading_deg=0) if relation is Relation.MOVING else None,
+        movers=(MoverStart(instance=target, position=(2.6, 2.6), heading_deg=0),) if relation is Relation.MOVING else (),
         spawn=Spawn(x=1.0, z=1.0, yaw_deg=90.0),
         answer=at,
         nearest_navigable=(float(round(at[0])), float(round(at[1]))),
@@ -231,7 +233,8 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     )
     reachable = tuple((x / 2, z / 2) for x in range(9) for z in range(9))
     scene = Scene(
-        scene=SCENE, start=(1.0, 1.0), floor_y=0.0, reachable=reachable, components=(81,), waypoints=tuple(WAYPOINTS),
+        scene=SCENE, start=(1.0, 1.0), floor_y=0.0, reachable=reachable, components=(81,),
+        waypoints=tuple(WAYPOINTS), other_waypoints=tuple(WAYPOINTS), mobile=(),
         objects=objects,
     )  # fmt: skip
     (root / "scenes" / f"{SCENE}.json").write_text(scene.to_line())
