@@ -14,12 +14,15 @@ from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenI
 from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
+from ovman.models.sensors import Light, Sensors
 from ovman.models.run import NOWHERE, InstanceTerms, Measured, Outcome, Terms
 from ovman.models.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
+from ovman.sim.light import illuminate
 from ovman.sim.measurement import ReachableRegion
+from ovman.sim.sensing import Sensing
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.journal import digest
 
@@ -133,13 +136,16 @@ def roll_out(
     settings: Settings,
     limits: Limits = Limits(),
     noise: int | None = None,
+    light: Light | None = None,
+    sensors: Sensors | None = None,
 ) -> Measured:
     """One run of an agent.
 
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
     reachable positions (K, 2) around the spawn; name_of: names of the instances in the positions that an agent is given, None for
     an agent without positions. `rng` drives the movers. settings: sections camera, primitives and mover and success.sweep_deg.
-    noise: seed of the actuation noise of a noisy body.
+    noise: seed of the actuation noise of a noisy body. light: of the run, None for the scene's own. sensors: what the agent senses
+    depth and poses with, None for exact ones; it is measured by the true ones.
 
     Agents with a body of their own get no reachable grid and are exempt from the stall rule. An agent that is given positions, or
     whose attribute `looks` is False, gets no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.
@@ -147,6 +153,8 @@ def roll_out(
     world = begin(session, episode, settings, rng)
     if noise is not None:
         session.step("SetRandomSeed", seed=noise)
+    illuminate(session, light)
+    sensing = None if sensors is None else Sensing(sensors)
     spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
     session.teleport(spawn)
     own_body = session.embodiment.mode != Embodiment.of(settings).mode
@@ -157,7 +165,7 @@ def roll_out(
     agent.ask(episode.query)
 
     looks = name_of is None and getattr(agent, "looks", True)
-    observe = partial(_observation, session, looks, episode.gone, name_of)
+    observe = partial(_observation, session, looks, episode.gone, name_of, sensing)
     driven = _driven(session, world, agent, observe, own_body, looks, settings, limits)
     at_stop, instances = NOWHERE, None
     if driven.outcome == "stopped":
@@ -243,16 +251,18 @@ def _observation(
     looks: bool,
     gone: Collection[str],
     name_of: Callable[[str], str] | None,
+    sensing: Sensing | None,
     succeeded: bool,
     reachable: np.ndarray | None,
 ) -> Observation:
-    pose = session.pose
+    pose = session.pose if sensing is None else sensing.pose(session.pose)
     camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
     field_of_view_deg = session.embodiment.field_of_view_deg
     if looks:
         if session.rgb is None:
             session.step("Pass", image=True)
-        return Observation(session.rgb, session.depth, camera, field_of_view_deg, succeeded, None, reachable)
+        depth = session.depth if sensing is None or session.depth is None else sensing.depth(session.depth)
+        return Observation(session.rgb, depth, camera, field_of_view_deg, succeeded, None, reachable)
     if name_of is None:
         return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
     present = {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}

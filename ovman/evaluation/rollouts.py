@@ -86,6 +86,8 @@ def run_episode(
     made = function(arm.name, arm.agent)
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         agent = made(context)
+    second = episode.tours.second  # a run meets its light, and its own sensors err as those of the tour do
+    sensed = seeds.integer(episode.provenance.seed, "sensors", arm.name, episode.id, seed)
     measured = roll_out(
         session,
         episode,
@@ -97,6 +99,8 @@ def run_episode(
         run_settings(episode, settings),
         Limits(arm.budget, arm.marks, arm.any_instance),
         seeds.integer(episode.provenance.seed, "actuation", arm.name, episode.id, seed) if session.embodiment.noisy else None,
+        second.light,
+        None if second.sensors is None else second.sensors.model_copy(update={"seed": sensed}),
     )
     return Rollout(episode=episode.id, arm=arm.name, seed=seed, **dict(measured))
 

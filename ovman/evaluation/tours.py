@@ -25,4 +25,7 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
     world = World(session, alterations, episode.protocol.mover, rng, dynamic)
     views = visit.views(episode.tours[which])
     key = digest(episode.scene, name, [alteration.to_json() for alteration in alterations], min_mask_px)
-    return visit.record(session, world, name, alterations, views, min_mask_px, directory / name, key)
+    tour = episode.tours[which]
+    return visit.record(
+        session, world, name, alterations, views, min_mask_px, directory / name, key, tour.light, tour.sensors
+    )

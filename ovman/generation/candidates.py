@@ -152,15 +152,16 @@ def draw(
     begins = spawn(script, item, first, second, floor, constants, rng, also)
     if begins is None and refused is None:
         refused = Rejection.NO_SPAWN
+    name = drawing.id(scene.scene, relation.value, index)
     return Candidate(
-        id=drawing.id(scene.scene, relation.value, index),
+        id=name,
         split=drawing.split,
         scene=scene.scene,
         relation=relation,
         category=item.category,
         target=item.id,
         distractor=None if asked.distractor is None else asked.distractor.id,
-        tours=drawing.tours,
+        tours=drawing.of_candidate(name, constants.benchmark.seed),
         first=first,
         second=second,
         others=also,

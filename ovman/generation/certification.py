@@ -76,7 +76,20 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettin
     name_of = partial(alias, trial.measured.visits.second)
     moving = episode.query.relation is Relation.MOVING
     agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
-    return roll_out(session, episode, agent, None, lambda cells: Visit((), cells), name_of, mover, constants)
+    second = trial.candidate.tours.second
+    sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": seed})
+    return roll_out(
+        session,
+        episode,
+        agent,
+        None,
+        lambda cells: Visit((), cells),
+        name_of,
+        mover,
+        constants,
+        light=second.light,
+        sensors=sensors,
+    )
 
 
 def certify(session: Session, trial: Trial, constants: StageSettings) -> Certification:

@@ -240,7 +240,7 @@ def _candidate(name: str, scene: Scene, drawing: Drawing, changes: Changes, rela
         category=item.category,
         target=target,
         distractor=displaced[0] if relation is Relation.STABLE else None,
-        tours=drawing.tours,
+        tours=drawing.of_candidate(name, constants.benchmark.seed),
         first=changes.first,
         second=changes.second,
         others={},

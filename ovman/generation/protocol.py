@@ -7,17 +7,22 @@ from dataclasses import dataclass
 
 from ovman.models.geometry import Point
 from ovman.models.scene import Scene
-from ovman.models.settings import MAIN, Others, SecondTour, Settings, scenes_of
+from ovman.models.sensors import Light, Sensors
+from ovman.models.settings import MAIN, Lighting, Others, SecondTour, Settings, scenes_of
 from ovman.models.settings.benchmark import PerRelation
+from ovman.models.settings.sensors import Errors
 from ovman.models.sighting import VisitPair
 from ovman.models.tour import Tour
+from ovman.workflow import seeds
+
+LIGHT_DECIMALS = 3
 
 
 @dataclass(frozen=True)
 class Drawing:
     """How the candidates of a split are drawn in a scene.
 
-    tours: of the visits. draws: candidates by relation. tries: how many instances are tried at most for each candidate that is
+    tours: of the visits, as all candidates have them; light, errors: what a candidate's have besides. draws: candidates by relation. tries: how many instances are tried at most for each candidate that is
     not refused; None where a candidate counts that is refused, too. changes, others: as `Split` has them.
     """
 
@@ -27,6 +32,27 @@ class Drawing:
     tries: int | None = None
     changes: tuple[int, ...] = (1,)
     others: Others | None = None
+    light: Lighting | None = None
+    errors: Errors | None = None
+
+    def of_candidate(self, name: str, seed: int) -> VisitPair[Tour]:
+        """The tours of a candidate: with a light of its own in the second visit, and sensors that err in another way in each.
+
+        seed: root of every random number.
+        """
+        light = None
+        if self.light is not None:
+            rng = seeds.generator(seed, "light", name)
+            light = Light(**{key: round(float(rng.uniform(*ends)), LIGHT_DECIMALS) for key, ends in self.light})
+
+        def sensors(which: str) -> Sensors | None:
+            return None if self.errors is None else Sensors(errors=self.errors, seed=seeds.integer(seed, "sensors", name, which))
+
+        first, second = self.tours.first, self.tours.second
+        return VisitPair[Tour](
+            first=first.model_copy(update={"sensors": sensors("first")}),
+            second=second.model_copy(update={"sensors": sensors("second"), "light": light}),
+        )
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -67,4 +93,5 @@ def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
     for name, split in constants.splits.items():
         if scene.scene in scenes_of(name, constants.benchmark, constants.splits):
             both = tours(scene, constants.tour.headings, split.second_tour)
-            yield Drawing(name, both, split.draws, split.tries, split.changes, split.others)
+            errors = None if split.sensors is None else constants.sensors[split.sensors]
+            yield Drawing(name, both, split.draws, split.tries, split.changes, split.others, split.light, errors)

@@ -8,17 +8,21 @@ from pydantic import Field
 
 from ovman.models.geometry import Point, Spawn
 from ovman.models.record import DEGREE_DECIMALS, Record
+from ovman.models.sensors import Light, Sensors
 
 
 class Tour(Record):
     """The tour of one visit: its waypoints in metres, in order, and the views at each, equally spaced in yaw.
 
-    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees.
+    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees. light: None for the scene's own; sensors: None
+    for exact ones.
     """
 
     waypoints: tuple[Point, ...] = Field(min_length=1)
     headings: int = Field(ge=1)
     first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = 0.0
+    light: Light | None = None
+    sensors: Sensors | None = None
 
     @property
     def poses(self) -> tuple[Spawn, ...]:

@@ -32,15 +32,23 @@ class ViewPose(Record):
     horizon_deg: float
 
 
+class SensedPose(Record):
+    """Where an agent whose sensors err takes itself and its camera to be."""
+
+    pose: ViewPose
+    camera: Position
+
+
 class View(Record):
     """One view of a tour.
 
-    camera: position of the camera in metres. instances: ids by the values 1, 2, ... of the index picture. seen: sizes in pixels
+    camera: position of the camera in metres. sensed: what an agent is told instead of both, None where its sensors are exact. instances: ids by the values 1, 2, ... of the index picture. seen: sizes in pixels
     of the masks that are large enough to be written down. moved: positions of the instances that moved since the last view.
     """
 
     pose: ViewPose
     camera: Position
+    sensed: SensedPose | None = None
     instances: tuple[str, ...]
     seen: Mapping[str, Count]
     moved: Mapping[str, Position]

@@ -13,7 +13,7 @@ import numpy as np
 
 from ovman.models.geometry import Position
 from ovman.models.record import Record, RecordError
-from ovman.models.visit import ViewPose
+from ovman.models.visit import SensedPose, ViewPose
 from ovman.models.visit_files import TourError, VisitFiles, read_verified, remedy
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
@@ -27,6 +27,7 @@ PICTURES = ("rgb", "depth")
 class _Look(Record):
     pose: ViewPose
     camera: Position
+    sensed: SensedPose | None = None
 
 
 class _Looks(Record):
@@ -34,15 +35,18 @@ class _Looks(Record):
 
 
 def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
-    """The cameras of the views of a recorded tour. TourError if its record is missing or damaged."""
+    """The cameras of the views of a recorded tour as an agent is told them, which its sensors may be wrong about.
+
+    TourError if its record is missing or damaged."""
     file = directory / "visit.json"
     try:
         looks = _Looks.parse(read_verified(file).decode("utf-8"), str(file)).views
     except (RecordError, UnicodeDecodeError) as error:
         raise TourError(f"{error}; {remedy(directory)}") from None
+    told = [look.sensed or look for look in looks]
     return [
-        Camera((look.camera.x, look.camera.y, look.camera.z), look.pose.yaw_deg, look.pose.horizon_deg, field_of_view_deg)
-        for look in looks
+        Camera((one.camera.x, one.camera.y, one.camera.z), one.pose.yaw_deg, one.pose.horizon_deg, field_of_view_deg)
+        for one in told
     ]
 
 

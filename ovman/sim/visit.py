@@ -17,10 +17,13 @@ import numpy as np
 from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
+from ovman.models.sensors import Light, Sensors
 from ovman.models.tour import Tour
-from ovman.models.visit import Present, View, ViewPose, Visit
+from ovman.models.visit import Present, SensedPose, View, ViewPose, Visit
 from ovman.models.visit_files import MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
+from ovman.sim.light import illuminate
+from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow import journal
 
@@ -87,11 +90,14 @@ def record(
     min_mask_px: int,
     directory: Path,
     key: str,
+    light: Light | None = None,
+    sensors: Sensors | None = None,
 ) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
-    all files.
+    all files. light: of the visit, None for the scene's own. sensors: what the agent senses with; the depth that is written is
+    the sensed one, None for exact ones. Masks and positions are true.
     """
     clear_partials(directory)
     partial = partial_path(directory)
@@ -105,6 +111,8 @@ def record(
     present = {k: Present(category=o["objectType"], position=position(o)) for k, o in there().items()}
     here: dict[str, Position] = {k: v.position for k, v in present.items()}
     recorded = []
+    illuminate(session, light)
+    sensing = None if sensors is None else Sensing(sensors)
     for i, pose in enumerate(views):
         event = look(session, world, pose)
         index, names, sizes = _seen(event, min_mask_px)
@@ -113,7 +121,8 @@ def record(
         recorded.append(
             View(
                 pose=ViewPose(x=pose.x, z=pose.z, yaw_deg=pose.yaw_deg, horizon_deg=pose.horizon_deg),
-                camera=Position(x=round(camera["x"], 4), y=round(camera["y"], 4), z=round(camera["z"], 4)),
+                camera=(at := Position(x=round(camera["x"], 4), y=round(camera["y"], 4), z=round(camera["z"], 4))),
+                sensed=None if sensing is None else _sensed(sensing, pose, at),
                 instances=tuple(names),
                 seen=sizes,
                 moved={k: p for k, p in now.items() if p != here[k]},
@@ -121,7 +130,8 @@ def record(
         )
         here = now
         write_png(partial / f"{i:02d}_rgb.png", event.frame[..., ::-1])
-        depth_mm = np.clip(np.round(event.depth_frame * MILLIMETRES), 0, np.iinfo(np.uint16).max)
+        depth = event.depth_frame if sensing is None else sensing.depth(event.depth_frame)
+        depth_mm = np.clip(np.round(depth * MILLIMETRES), 0, np.iinfo(np.uint16).max)
         write_png(partial / f"{i:02d}_depth.png", depth_mm.astype(np.uint16))
         write_png(partial / f"{i:02d}_ids.png", index)
     visit = Visit(
@@ -137,6 +147,15 @@ def record(
     seal(partial, key)
     put(partial, directory)
     return visit
+
+
+def _sensed(sensing: Sensing, pose: AgentPose, camera: Position) -> SensedPose:
+    sensed = sensing.pose(pose)
+    x, y, z = placed((camera.x, camera.y, camera.z), pose, sensed)
+    return SensedPose(
+        pose=ViewPose(x=sensed.x, z=sensed.z, yaw_deg=sensed.yaw_deg, horizon_deg=sensed.horizon_deg),
+        camera=Position(x=x, y=y, z=z),
+    )
 
 
 def movers_of(world: World) -> tuple[MoverRecord, ...]:

@@ -5,6 +5,7 @@ from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
 from ovman.models.settings.splits import (
     MAIN,
+    Lighting,
     Others,
     SecondTour,
     Split,
@@ -22,6 +23,7 @@ __all__ = [
     "Arms",
     "Comparisons",
     "Kind",
+    "Lighting",
     "Need",
     "Others",
     "Pair",

@@ -26,6 +26,7 @@ from ovman.models.settings.benchmark import (
 from ovman.models.settings.comparisons import Comparisons, PaperRows
 from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.sensitivity import GateSweep, Sensitivity
+from ovman.models.settings.sensors import Levels
 from ovman.models.settings.splits import Splits
 from ovman.models.settings.values import Section
 
@@ -40,6 +41,7 @@ class Settings(Section):
     mover: Mover
     candidates: Candidates
     splits: Splits
+    sensors: Levels
     measurement: Measurement
     admissibility: Admissibility
     success: Success

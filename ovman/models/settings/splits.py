@@ -50,6 +50,28 @@ class SecondTour(Section):
     first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = Field(description="degrees, yaw of its first view")
 
 
+Range = Annotated[tuple[float, ...], Listed, Field(min_length=2, max_length=2)]
+
+
+class Lighting(Section):
+    """The light of the second visit: each is drawn evenly from a range, as AI2-THOR's RandomizeLighting has them."""
+
+    brightness: Range = Field(description="least and greatest factor of every light, above 0")
+    hue: Range = Field(description="of the tint of the lights, in [0, 1]")
+    saturation: Range = Field(description="of the tint of the lights, in [0, 1]")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for name, (low, high) in self:
+            if low > high:
+                raise ValueError(f"{name} is {[low, high]}; write the least before the greatest")
+            if name == "brightness" and low <= 0:
+                raise ValueError(f"{name} begins with {low}; a light has more than 0")
+            if name != "brightness" and not 0 <= low <= high <= 1:
+                raise ValueError(f"{name} is {[low, high]}; it lies between 0 and 1")
+        return self
+
+
 class Split(Section):
     """A split. What its entry does not switch on is as the paper has it: one change, the same tour twice."""
 
@@ -63,6 +85,8 @@ class Split(Section):
     )
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
+    light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
+    sensors: str | None = Field(None, description="the level of section sensors by which depth and poses err; null for exact ones")
     episodes: PerRelation = Field(description="episodes released per relation")
     draws: PerRelation = Field(description="candidates per relation and scene")
     tries: Some = Field(

@@ -1,0 +1,26 @@
+"""Sensors that err, and the light that they see: what a tour has beside its poses."""
+
+from __future__ import annotations
+
+from pydantic import Field
+
+from ovman.models.record import Record
+from ovman.models.settings.sensors import Errors
+
+
+class Light(Record):
+    """The light of a visit, by AI2-THOR's RandomizeLighting with equal ends of every range.
+
+    brightness: factor of every light; hue, saturation: of their tint, in [0, 1].
+    """
+
+    brightness: float = Field(gt=0)
+    hue: float = Field(ge=0, le=1)
+    saturation: float = Field(ge=0, le=1)
+
+
+class Sensors(Record):
+    """The sensors of a visit. errors: a level of section `sensors`; seed: what they draw from."""
+
+    errors: Errors
+    seed: int = Field(ge=0)
