@@ -85,7 +85,7 @@ def of_stage(stage: str) -> tuple[str, ...]:
 
 
 def in_tables(arms: Iterable[Arm], splits: Mapping[str, Split] = {}) -> tuple[str, ...]:
-    """The names of the metrics that results/tables shows, of those that are made for these arms and splits beside the main one."""
+    """The names of the metrics that results/tables shows, of those that are made for these arms and further splits."""
     arms = tuple(arms)
     of_splits = (name for split in splits.values() if split.main_job for name in in_split_tables(arms, split))
     return (*(metric.name for metric in _made_for(arms) if metric.table is not None), *of_splits)

@@ -35,7 +35,7 @@ def run_embodied(
 ) -> None:
     """The same of the arms whose judged runs these are.
 
-    constants: evaluation.confidence. Raises ValueError in one line unless each arm ran every episode exactly once under each seed.
+    constants: evaluation.confidence. Raises ValueError in one line unless each arm ran every episode once under each seed.
     """
     runs = [run for file in score_files for run in Score.read(file)]
     outcomes = embodied_outcomes(read_cases(episodes_file), runs)

@@ -171,7 +171,9 @@ def draw(
 
 
 def candidates(scene: Scene, drawing: Drawing, constants: Settings) -> list[Candidate]:
-    """All candidates of a scene with one scripted change, relation after relation; a relation that no category can serve has none.
+    """All candidates of a scene with one scripted change, relation after relation.
+
+    A relation that no category can serve has none.
 
     Every relation draws its targets itself. Where nothing else changes, APPEARED and REMOVED draw an instance once: it is gone or
     there, and a second draw would be the same pair of tours.

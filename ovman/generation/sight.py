@@ -6,7 +6,7 @@ What was recorded is judged on the tours.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,15 +42,14 @@ class Sight:
         half = np.array([tuple(dict(o.size).values()) for o in there]).reshape(-1, 3) / 2
         return Sight(eyes, tuple(o.id for o in there), centre - half, centre + half)
 
-    def solid_angle(self, item: SceneObject, centre: tuple[float, float, float], gone: Collection[str] = ()) -> float:
+    def solid_angle(self, item: SceneObject, centre: tuple[float, float, float]) -> float:
         """Largest solid angle, steradians, under which the box of `item` is seen from a waypoint with its centre at `centre`.
 
-        gone: ids of further instances that are not where the scene has them. A box hides what is behind it, but not what is in it.
+        A box hides what is behind it, but not what is in it.
         """
         half = np.array([item.size.x, item.size.y, item.size.z]) / 2
         points = np.array(centre) + half * SAMPLES
-        absent = {item.id, *gone}
-        kept = np.array([k not in absent for k in self.ids], bool)
+        kept = np.array([k != item.id for k in self.ids], bool)
         low, high = self.low[kept], self.high[kept]
         around = ((low <= centre) & (np.array(centre) <= high)).all(axis=1)
         low, high = low[~around], high[~around]

@@ -32,8 +32,8 @@ def spawn(
 ) -> Spawn | None:
     """A spawn for the script's query about `target`; None if there is none.
 
-    It is candidates.spawn_clearance_m away from where the target was and from all that the script puts somewhere, and farther than
-    candidates.spawn_beyond_m from the answer, from nu(answer) and from the target's box; for MOVING the trials see to the latter.
+    It is candidates.spawn_clearance_m away from where the target was and from all that the script puts somewhere, and farther
+    than candidates.spawn_beyond_m from the answer, from nu(answer) and from the target's box; for MOVING the trials see to that.
     others: ids of the altered instances that the query is not about; what is put somewhere of these is no body to stand in.
     """
     clearance_m, beyond_m = constants.candidates.spawn_clearance_m, constants.candidates.spawn_beyond_m

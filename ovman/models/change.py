@@ -121,9 +121,10 @@ class MoverRecord(MoverStart):
 class Change(Record):
     """One change of one instance between the visits of an episode: scripted for its query, or of another category.
 
-    category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as `Alteration.kind`. before, after: where
-    the instance was at the end of visit 1 and of visit 2, None where it is absent. path: floor-plane positions of a mover, agent
-    step by agent step. placement, height_m, roam: how the simulator brings the change about, as `Alteration` has them.
+    category: of the instance. kind: "enable" for an instance that is gone in visit 1 and present in visit 2, else as
+    `Alteration.kind`. before, after: where the instance was at the end of visit 1 and of visit 2, None where it is absent. path:
+    floor-plane positions of a mover, agent step by agent step. placement, height_m, roam: how the simulator brings the change
+    about, as `Alteration` has them.
     """
 
     instance: Text

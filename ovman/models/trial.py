@@ -45,8 +45,8 @@ class TrialMeasurement(Record):
     from the spawn to the box of the target, None where it is gone in visit 2. spawn_free_moves: quarters
     of a turn in which the spawn can be left. reachable_box: in visit 2. visible_px: mask of the target from nu(a) by pitch.
     visits: names of the recorded tours. sightings: of the category's instances in both tours. world_1, world_2: every present
-    instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the placement. movers: of the second
-    tour. other_px: largest mask of each instance of another category that changes, in either tour.
+    instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the
+    placement. movers: of the second tour. other_px: largest mask of each instance of another category that changes, in each tour.
     """
 
     ended: Rejection | Bound | None

@@ -67,13 +67,15 @@ def write_scene(path, name="FloorPlan1"):
     path.mkdir(parents=True, exist_ok=True)
     origin = {"x": 0.0, "z": 0.0}
     record = {
-        "schema": "ovman-scene/1",
+        "schema": "ovman-scene/2",
         "scene": name,
         "start": origin,
         "floor_y": 0.0,
         "reachable": [],
         "components": [],
         "waypoints": [origin],
+        "other_waypoints": [origin],
+        "mobile": [],
         "objects": objects,
     }
     (path / f"{name}.json").write_text(json.dumps(record))
@@ -83,7 +85,7 @@ def write_scene(path, name="FloorPlan1"):
 def write_visit(directory, views=2, alterations=(), moved=None, present=None):
     directory.mkdir(parents=True)
     record = {
-        "schema": "ovman-visit/1",
+        "schema": "ovman-visit/2",
         "scene": directory.parent.name,
         "visit": directory.name,
         "alterations": list(alterations),

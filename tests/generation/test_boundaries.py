@@ -17,7 +17,6 @@ from ovman.models.certification import Certification, OracleRun
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection, RejectionStage
 from ovman.models.relation import Relation
-from ovman.models.scene import Scene
 from ovman.models.settings import MAIN
 from ovman.models.sighting import Sighting
 from ovman.models.trial import Bound, Trial
@@ -359,9 +358,8 @@ def test_the_split_depends_on_the_seed():
 
 def test_a_trial_that_ended_early_has_no_episode() -> None:
     trial = admitted(Relation.MOVED)
-    (scene,) = Scene.read(DATA / "scenes" / f"{trial.candidate.scene}.json")
     with pytest.raises(ValueError, match="ended early"):
-        episode(measured(trial, answer=None), RUNS[trial.candidate.id], scene, CONFIG)
+        episode(measured(trial, answer=None), RUNS[trial.candidate.id], CONFIG)
     with pytest.raises(ValueError, match="ended early"):
         sightings(measured(trial, sightings=None))
     assert known(0.0) == 0.0 and known(()) == ()
@@ -405,7 +403,6 @@ def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) ->
     for scene, file in zip(SCENES, verdicts, strict=True):
         file.write_text(lines(verdict(t, CONFIG) for t in TRIALS.values() if t.candidate.scene == scene))
     run(
-        [DATA / "scenes" / f"{scene}.json" for scene in SCENES],
         [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
         verdicts,
         [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],

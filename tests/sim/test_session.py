@@ -155,4 +155,4 @@ def test_a_stage_survives_its_engine(tmp_path, monkeypatch):
     assert _trials(tmp_path / "killed", scene, drawn) == undisturbed
     assert len(started) == DEATHS and all(process.poll() is not None for process in started)
     assert not list(tmp_path.rglob("*.partial"))
-    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == "ovman-trial/1"
+    assert json.loads(undisturbed[0].splitlines()[0])["schema"] == "ovman-trial/2"

@@ -275,7 +275,7 @@ def change(**values):
 
 
 CONTRADICTIONS = [
-    (MOVED | {"schema": "ovman-episode/1"}, "schema: expected 'ovman-episode/3', found 'ovman-episode/1'"),
+    (MOVED | {"schema": "ovman-episode/1"}, "schema: expected 'ovman-episode/4', found 'ovman-episode/1'"),
     (without(MOVED, "schema"), "schema: the key is missing"),
     (without(MOVED, "spawn"), "spawn: the key is missing"),
     (without(MOVED, "sentence") | {"sentense": "x"}, "sentence: the key is missing; rename 'sentense'"),

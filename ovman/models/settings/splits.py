@@ -123,7 +123,7 @@ class Split(Section):
 
     @property
     def plain(self) -> bool:
-        """Whether it differs from the paper's protocol in nothing but the scripted changes: its tours are like the main split's."""
+        """Whether it differs from the paper's protocol in the scripted changes alone: its tours are like the main split's."""
         return self.others is None and self.second_tour is None
 
     @property

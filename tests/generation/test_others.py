@@ -1,0 +1,201 @@
+"""What changes beside the scripted change: other categories, as many as asked for, alike, away from it."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+from itertools import product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.generation.candidates import candidates
+from ovman.generation.others import KIND_OF
+from ovman.generation.protocol import Drawing, drawings, tours
+from ovman.generation.roaming import side
+from ovman.generation.sight import Sight
+from ovman.generation.verdict import against_observations
+from ovman.models.candidate import Candidate
+from ovman.models.change import Alteration, Roam
+from ovman.models.rejection import Rejection
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
+from ovman.models.settings import SecondTour
+from ovman.models.sighting import VisitPair
+from ovman.models.trial import Displaced, TrialMeasurement
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA
+from tests.generation.test_placement import thing
+
+SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.main_job)
+TERMS, APART_M = SPLIT.others, CONFIG.candidates.apart_m
+SCENES = ("FloorPlan204", "FloorPlan322")
+CONSTANTS = stage_settings(CONFIG, "candidates")
+
+
+def scene_of(name: str) -> Scene:
+    (scene,) = Scene.read(DATA / "scenes" / f"{name}.json")
+    return scene
+
+
+def drawing(scene: Scene) -> Drawing:
+    return next(one for one in drawings(scene, CONSTANTS) if one.split == SPLIT.name)
+
+
+@cache
+def drawn_in(name: str) -> tuple[Candidate, ...]:
+    scene = scene_of(name)
+    return tuple(candidates(scene, drawing(scene), CONSTANTS))
+
+
+def of_kinds(candidate: Candidate) -> dict[str, str]:
+    """How each instance changes."""
+    return {a.instance: "enable" for a in candidate.first} | {a.instance: a.kind for a in candidate.second}
+
+
+def places(scene: Scene, candidate: Candidate, instances: set[str]) -> list[tuple[float, float]]:
+    """Where the instances are in either visit, as far as that is scripted."""
+    put = [a.placement for a in candidate.second if a.instance in instances and a.placement is not None]
+    return [(o.position.x, o.position.z) for o in scene.objects if o.id in instances] + put
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_others_are_of_other_categories_enough_and_alike(name):
+    categories = {o.id: o.category for o in scene_of(name).objects}
+    made = [c for c in drawn_in(name) if c.refused is None]
+    assert made and {c.relation for c in made} >= {Relation.MOVED, Relation.APPEARED, Relation.REMOVED}
+    fewest, most = TERMS.count
+    for c in made:
+        kinds = of_kinds(c)
+        scripted = c.target if c.distractor is None else c.distractor
+        assert {*kinds} == {scripted, *c.others} and scripted not in c.others
+        assert all(categories[k] == category != c.category for k, category in c.others.items())
+        assert fewest <= len(c.others) <= most
+        assert kinds[scripted] == KIND_OF[c.relation]
+        assert sum(kinds[k] == kinds[scripted] for k in c.others) >= getattr(TERMS.alike, c.relation.value)
+        assert all(kind != "motion" or c.relation is Relation.MOVING for kind in kinds.values())
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_others_are_apart_from_what_is_scripted_and_as_large(name):
+    scene = scene_of(name)
+    volume = {o.id: o.size.x * o.size.y * o.size.z for o in scene.objects}
+    for c in (c for c in drawn_in(name) if c.refused is None):
+        scripted = c.target if c.distractor is None else c.distractor
+        for one, other in product(places(scene, c, {scripted, c.target}), places(scene, c, {*c.others})):
+            assert math.dist(one, other) >= APART_M, c.id
+        for k in c.others:
+            assert 1 / TERMS.size_ratio <= volume[k] / volume[scripted] <= TERMS.size_ratio
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_is_drawn_is_the_same_twice_and_no_more_than_asked_for(name):
+    scene, drawn = scene_of(name), drawn_in(name)
+    assert tuple(candidates(scene, drawing(scene), CONSTANTS)) == drawn
+    assert len({c.id for c in drawn}) == len(drawn)
+    for relation in Relation:
+        of_it, draws = [c for c in drawn if c.relation is relation], getattr(SPLIT.draws, relation.value)
+        assert sum(c.refused is None for c in of_it) <= draws and len(of_it) <= draws * SPLIT.tries
+
+
+def test_movers_are_given_floors_that_are_apart():
+    moving = [c for c in drawn_in("FloorPlan204") if c.relation is Relation.MOVING and c.refused is None]
+    assert moving
+    for c in moving:
+        floors = [a.roam for a in c.second if a.kind == "motion"]
+        assert len(floors) >= 2 and [a.instance for a in c.second if a.kind == "motion"][0] == c.target
+        points = [np.array([floor.at(cell) for cell in floor.cells]) for floor in floors]
+        gaps = np.hypot(*(points[0][:, None] - points[1]).transpose(2, 0, 1))
+        assert gaps.min() >= APART_M - 1e-3, c.id
+
+
+@settings(derandomize=True, max_examples=15, deadline=None)
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0.2, 2.5))
+def test_two_sides_of_a_floor_are_apart_and_each_holds_its_own_start(x, z, apart_m):
+    cells = [(i, j) for i in range(-12, 13) for j in range(-12, 13)]
+    here, there = Roam.over(0.0, 0.0, 0.25, cells), Roam.over(x, z, 0.25, cells)
+    one, other = side(here, (x, z), apart_m), side(there, (0.0, 0.0), apart_m)
+    if math.hypot(x, z) < apart_m:
+        assert one is None and other is None
+    elif one is not None and other is not None:
+        assert one.cells <= here.cells and (0, 0) in one.cells
+        assert min(math.dist(one.at(a), other.at(b)) for a, b in product(one.cells, other.cells)) >= apart_m - 1e-3
+
+
+def test_the_second_tour_has_other_views_of_the_same_number():
+    for name in SCENES:
+        scene = scene_of(name)
+        same, own = tours(scene, 4, None), tours(scene, 4, SecondTour(other_waypoints=True, first_yaw_deg=20.0))
+        assert same.first == same.second == own.first
+        assert len(own.second.poses) == len(own.first.poses)
+        assert not {*own.first.poses} & {*own.second.poses}
+        assert scene.other_waypoints[0] not in scene.waypoints and len(scene.other_waypoints) == len(scene.waypoints)
+        turned = tours(scene, 4, SecondTour(other_waypoints=False, first_yaw_deg=20.0))
+        assert turned.second.waypoints == scene.waypoints and turned.second.first_yaw_deg == 20.0
+
+
+def test_what_stands_behind_something_is_not_foreseen_to_be_seen():
+    box = thing("box|1", "Box", 3.0, 0.0, size=(0.5, 1.0, 0.5), y=0.5)
+    wall = thing("wall|1", "Shelf", 1.5, 0.0, size=(0.1, 2.5, 4.0), y=1.25)
+    alone, hidden = (room_of(*things) for things in ((box,), (box, wall)))
+    seen = Sight.of(alone, [(0.0, 0.0)]).solid_angle(box, (3.0, 0.5, 0.0))
+    assert seen > 0.0 == Sight.of(hidden, [(0.0, 0.0)]).solid_angle(box, (3.0, 0.5, 0.0))
+    assert Sight.of(hidden, [(0.0, 0.0), (3.0, 3.0)]).solid_angle(box, (3.0, 0.5, 0.0)) > 0.0
+    farther = Sight.of(alone, [(0.0, 0.0)]).solid_angle(box, (5.0, 0.5, 0.0))
+    assert 0.0 < farther < seen
+
+
+def room_of(*things) -> Scene:
+    reachable = tuple((0.25 * i, 0.25 * j) for i in range(20) for j in range(-10, 10))
+    start = (0.0, 0.0)
+    return Scene(
+        scene="Room", start=start, floor_y=0.0, reachable=reachable, components=(len(reachable),), waypoints=(start,),
+        other_waypoints=((1.0, 1.0),), mobile=(), objects=things,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("first_px", "second_px", "where", "expected"),
+    [
+        (300, 300, 4.0, set()),
+        (299, 300, 4.0, {Rejection.OTHER_CHANGE_NOT_RECORDED}),
+        (300, 299, 4.0, {Rejection.OTHER_CHANGE_NOT_RECORDED}),
+        (300, 300, APART_M - 0.01, {Rejection.OTHER_CHANGE_NEAR}),
+        (300, 300, APART_M, set()),
+    ],
+)
+def test_others_must_be_recorded_and_settle_apart(first_px, second_px, where, expected):
+    c = next(c for c in drawn_in("FloorPlan204") if c.relation is Relation.REMOVED and c.refused is None)
+    gone = next(a for a in c.second if a.instance == c.target)
+    put = Alteration(kind="displace", instance="other|1", placement=(where, 0.0), height_m=0.05)
+    c = c.model_copy(update={"first": (), "second": (gone, put), "others": {"other|1": "Other"}})
+    at = {"x": 0.0, "y": 0.0, "z": 0.0}
+    measured = TrialMeasurement.from_json(
+        {
+            "ended": None,
+            "answer": {"x": 0.0, "z": 0.0},
+            "sightings": {"first": [], "second": []},
+            "world_1": [],
+            "world_2": [],
+            "other_px": {"other|1": {"first": first_px, "second": second_px}},
+        }
+    ).model_copy(
+        update={
+            "changed": {
+                c.target: Displaced.from_json({"before": at, "after": None}),
+                "other|1": Displaced.from_json({"before": at | {"x": 9.0}, "after": at | {"x": where}}),
+            },
+        }
+    )
+    found = {*against_observations(c, measured, CONFIG)}
+    assert found & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED} == expected
+
+
+def test_the_main_split_knows_no_others():
+    scene = scene_of("FloorPlan204")
+    main = next(drawings(scene, CONSTANTS))
+    assert main.names == () and main.tours == VisitPair(first=main.tours.first, second=main.tours.first)
+    assert all(c.others == {} for c in candidates(scene, main, CONSTANTS))
