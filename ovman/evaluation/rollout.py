@@ -14,8 +14,8 @@ from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenI
 from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.sensors import Light, Sensors
 from ovman.models.run import NOWHERE, InstanceTerms, Measured, Outcome, Terms
+from ovman.models.sensors import Light, Sensors
 from ovman.models.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.change import World, dynamic, position
@@ -144,8 +144,8 @@ def roll_out(
     first: what the agent is familiarised with, None for an agent that needs nothing; second: its second visit, given the
     reachable positions (K, 2) around the spawn; name_of: names of the instances in the positions that an agent is given, None for
     an agent without positions. `rng` drives the movers. settings: sections camera, primitives and mover and success.sweep_deg.
-    noise: seed of the actuation noise of a noisy body. light: of the run, None for the scene's own. sensors: what the agent senses
-    depth and poses with, None for exact ones; it is measured by the true ones.
+    noise: seed of the actuation noise of a noisy body. light: of the run, None for the scene's own. sensors: what the agent
+    senses depth and poses with, None for exact ones; it is measured by the true ones.
 
     Agents with a body of their own get no reachable grid and are exempt from the stall rule. An agent that is given positions, or
     whose attribute `looks` is False, gets no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.

@@ -26,6 +26,4 @@ def record_tour(session: Session, episode: Episode, which: str, directory: Path,
     views = visit.views(episode.tours[which])
     key = digest(episode.scene, name, [alteration.to_json() for alteration in alterations], min_mask_px)
     tour = episode.tours[which]
-    return visit.record(
-        session, world, name, alterations, views, min_mask_px, directory / name, key, tour.light, tour.sensors
-    )
+    return visit.record(session, world, name, alterations, views, min_mask_px, directory / name, key, tour.light, tour.sensors)

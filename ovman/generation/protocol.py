@@ -22,8 +22,9 @@ LIGHT_DECIMALS = 3
 class Drawing:
     """How the candidates of a split are drawn in a scene.
 
-    tours: of the visits, as all candidates have them; light, errors: what a candidate's have besides. draws: candidates by relation. tries: how many instances are tried at most for each candidate that is
-    not refused; None where a candidate counts that is refused, too. changes, others: as `Split` has them.
+    tours: of the visits, as all candidates have them; light, errors: what a candidate's have besides. draws: candidates by
+    relation. tries: how many instances are tried at most for each candidate that is not refused; None where a candidate
+    counts that is refused, too. changes, others: as `Split` has them.
     """
 
     split: str

@@ -75,8 +75,16 @@ class Trials:
             else:
                 world, views = self._world(alterations, candidate.id), visit.views(tour)
                 self._visits[name] = visit.record(
-                    self._session, world, name, alterations, views, self._constants.measurement.min_mask_px, directory, key,
-                    tour.light, tour.sensors,
+                    self._session,
+                    world,
+                    name,
+                    alterations,
+                    views,
+                    self._constants.measurement.min_mask_px,
+                    directory,
+                    key,
+                    tour.light,
+                    tour.sensors,
                 )
         return self._visits[name]
 

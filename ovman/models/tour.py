@@ -14,8 +14,8 @@ from ovman.models.sensors import Light, Sensors
 class Tour(Record):
     """The tour of one visit: its waypoints in metres, in order, and the views at each, equally spaced in yaw.
 
-    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees. light: None for the scene's own; sensors: None
-    for exact ones.
+    headings: views at a waypoint. first_yaw_deg: yaw of the first of them, degrees. light: None for the scene's own; sensors:
+    None for exact ones.
     """
 
     waypoints: tuple[Point, ...] = Field(min_length=1)

@@ -42,8 +42,9 @@ class SensedPose(Record):
 class View(Record):
     """One view of a tour.
 
-    camera: position of the camera in metres. sensed: what an agent is told instead of both, None where its sensors are exact. instances: ids by the values 1, 2, ... of the index picture. seen: sizes in pixels
-    of the masks that are large enough to be written down. moved: positions of the instances that moved since the last view.
+    camera: position of the camera in metres. sensed: what an agent is told instead of both, None where its sensors are exact.
+    instances: ids by the values 1, 2, ... of the index picture. seen: sizes in pixels of the masks that are large enough to
+    be written down. moved: positions of the instances that moved since the last view.
     """
 
     pose: ViewPose

@@ -12,5 +12,11 @@ def illuminate(session: Session, light: Light | None) -> None:
     Every range of AI2-THOR's action has equal ends, so that nothing is left to its draws.
     """
     if light is not None:
-        ranges = {name: [value, value] for name, value in light}
-        session.step("RandomizeLighting", synchronized=True, randomizeColor=True, **ranges)
+        session.step(
+            "RandomizeLighting",
+            synchronized=True,
+            randomizeColor=True,
+            brightness=[light.brightness] * 2,
+            hue=[light.hue] * 2,
+            saturation=[light.saturation] * 2,
+        )

@@ -1,9 +1,9 @@
 """What sensors that err make of depths and poses. Pure: all draws come from a seed.
 
-Depth is as noisy as that of the RGB-D camera that Nguyen, Izadi and Lovell measured ("Modeling Kinect sensor noise for improved 3D
-reconstruction and tracking", 3DIMPVT 2012): axial noise grows with the square of the distance. Poses come from an odometry whose
-increments err, as in Thrun, Burgard and Fox, "Probabilistic Robotics", section 5.4: what was turned wrongly bends the way gone
-after it. Nobody who judges reads a sensed pose.
+Depth is as noisy as that of the RGB-D camera that Nguyen, Izadi and Lovell measured ("Modeling Kinect sensor noise for
+improved 3D reconstruction and tracking", 3DIMPVT 2012): axial noise grows with the square of the distance. Poses come from an
+odometry whose increments err, as in Thrun, Burgard and Fox, "Probabilistic Robotics", section 5.4: what was turned wrongly
+bends the way gone after it. Nobody who judges reads a sensed pose.
 """
 
 from __future__ import annotations
@@ -52,7 +52,9 @@ class Sensing:
         errors, here = self._errors, _Placed(true.x, true.z, true.yaw_deg)
         if self._true is None:
             dx, dz, turn = self._poses.normal(0.0, 1.0, 3)
-            self._sensed = _Placed(here.x + errors.pose_m * dx, here.z + errors.pose_m * dz, here.yaw_deg + errors.pose_deg * turn)
+            self._sensed = _Placed(
+                here.x + errors.pose_m * dx, here.z + errors.pose_m * dz, here.yaw_deg + errors.pose_deg * turn
+            )
         elif here != self._true:
             self._sensed = self._moved(self._true, here)
         self._true = here

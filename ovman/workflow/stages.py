@@ -47,6 +47,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "benchmark.scenes",
         "candidates.*",
         "splits",
+        "sensors",
         "tour.headings",
         "mover.step_m",
         "primitives.step_m",

@@ -86,7 +86,9 @@ class Split(Section):
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
-    sensors: str | None = Field(None, description="the level of section sensors by which depth and poses err; null for exact ones")
+    sensors: str | None = Field(
+        None, description="the level of section sensors by which depth and poses err; null for exact ones"
+    )
     episodes: PerRelation = Field(description="episodes released per relation")
     draws: PerRelation = Field(description="candidates per relation and scene")
     tries: Some = Field(
