@@ -202,6 +202,9 @@ def _said(error: ErrorDetails) -> tuple[str, str]:
         return f"expected at least {context['min_length']} element(s), found {context['actual_length']}", "write [...]"
     if kind == "greater_than_equal":
         return f"expected at least {context['ge']:g}, found {_shown(value)}", "write a number within the bound"
+    if kind in ("less_than", "less_than_equal"):
+        bound = f"below {context['lt']:g}" if kind == "less_than" else f"at most {context['le']:g}"
+        return f"expected a number {bound}, found {_shown(value)}", "write a number within the bound"
     if kind in _EXPECTED:
         says, remedy = _EXPECTED[kind]
         return f"{says}, found {_shown(value)}", remedy

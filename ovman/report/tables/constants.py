@@ -53,6 +53,7 @@ SHOWN: tuple[Shown, ...] = (
     Shown("candidates.spawn_beyond_m", "", "a spawn is farther from where a stop succeeds than", "m"),
     Shown("admissibility.above_chance", "", "excess of a uniform pick over 1/n, at most", ""),
     Shown("candidates.crowding_m", "", "other instances are farther from the answer than", "m"),
+    Shown("candidates.apart_m", "", "what else changes is from the answer and what is scripted", "m"),
     Shown("admissibility.drift_tolerance_m", "", "drift tolerance", "m"),
     Shown("admissibility.runs", "", "certification runs after the feasibility run", ""),
     Shown("mover.step_m", "", "mover step per agent action", "m"),
