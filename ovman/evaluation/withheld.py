@@ -36,7 +36,9 @@ def asked(episode: Episode, withheld: Withheld | None, run: int, categories: Col
         case Withheld.NOUN_WRONG:
             others = _others(query.category, categories)
             if not others:
-                raise ValueError(f"{episode.id}: {episode.scene} has nothing but {noun(query.category)} to name; leave the arm out")
+                raise ValueError(
+                    f"{episode.id}: {episode.scene} has nothing but {noun(query.category)} to name; leave the arm out"
+                )
             return Query(others[int(draws.integers(len(others)))], query.relation)
         case Withheld.RELATION:
             return Query(query.category, tuple(Relation)[int(draws.integers(len(Relation)))])

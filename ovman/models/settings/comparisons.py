@@ -48,7 +48,9 @@ class Control(Section):
     """An arm of the table of controls: a control, or an agent that controls are set beside."""
 
     name: str = Field(description="the key of its entry: an arm")
-    role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field("", description='"controls.role" is the arm in statements of our own')
+    role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field(
+        "", description='"controls.role" is the arm in statements of our own'
+    )
     means: str = Field("", description="what it is, and what its success says, on the page of results; nothing for an agent")
 
 
