@@ -17,8 +17,8 @@ from ovman.models.settings import MAIN, Kind, Settings
 class Controlled:
     """One arm of comparisons.controls on one relation of a split, or on ``all``: its rate as in the split's own rates.
 
-    control: whether it is a control. chance: the mean of 1/n_i over the episodes, n_i the instances of an episode's category. least,
-    greatest: of the seeds or runs.
+    control: whether it is a control. chance: the mean of 1/n_i over the episodes, n_i the instances of an episode's category.
+    least, greatest: of the seeds or runs.
     """
 
     split: str
@@ -102,6 +102,6 @@ def _chance(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str
 
 
 def run(rates: Sequence[Path], outcomes: Sequence[Path], constants: Settings, output: Path) -> None:
-    """Write the rows of all splits, in the order of the files. outcomes: in the same order. constants, errors: as ``controlled``."""
+    """Write the rows of all splits in the order of the files, which is the same for both. constants, errors: ``controlled``."""
     judged = [Judged.of(*files) for files in zip(rates, outcomes, strict=True)]
     frames.write(output, Controlled, [row for one in judged for row in controlled(one, constants)])

@@ -41,7 +41,8 @@ def predict(
 
     store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding by positions, or positions;
     labels: of the detections of the scene's visits, for one that is given its grounding by them; run: 0 for the first of the
-    arm's runs; categories: of the scene's instances, for one that is told a wrong noun. AgentError, in one line, where the arm's function fails or returns no prediction.
+    arm's runs; categories: of the scene's instances, for one that is told a wrong noun. AgentError, in one line, where the arm's
+    function fails or returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
@@ -85,24 +86,21 @@ def run(
 
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
     perceived, by the workflow's names: under "maps", "maintained" and "dualmap" one file a scene, named after it, and likewise
-    under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the predictions.
+    under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the
+    predictions.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)
     labels = {file.stem: read_labels(file) for file in files.get("labels", ())} if arm.reads_labels else {}
     wrong = arm.withheld is Withheld.NOUN_WRONG
-    categories = {file.stem: categories_in(file) for file in files.get("scenes", ())} if wrong else {}
+    categories: dict[str, Collection[str]] = {file.stem: categories_in(file) for file in files.get("scenes", ()) if wrong}
     stores: dict[tuple[str, float], ObservationStore] = {}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
             store = store_of(arm, episode, settings, visits, files, stores)
-            seen, shown, there = (
-                sightings.get(episode.id),
-                labels.get(episode.scene),
-                categories.get(episode.scene, frozenset[str]()),
-            )
-            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown, there)
+            seen, shown, things = sightings.get(episode.id), labels.get(episode.scene), categories.get(episode.scene, ())
+            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown, things)
             predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
     output.write_text(lines(predictions), encoding="utf-8")
     took, worked = time.perf_counter() - began, time.process_time() - worked

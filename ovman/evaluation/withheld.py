@@ -25,8 +25,8 @@ def asked(episode: Episode, withheld: Withheld | None, run: int, categories: Col
     """The query that an arm is given, by what is withheld from it.
 
     categories: of all instances of the episode's scene, for a wrong noun: it names something that can be in the maps, and has no
-    noun of the vocabulary in common with the right one. A relation is drawn from all six: one drawn from the others would say which
-    it is not. run: of the arm's runs. ValueError, in one line, where the scene has nothing else to name.
+    noun of the vocabulary in common with the right one. A relation is drawn from all six: one drawn from the others would say
+    which it is not. run: of the arm's runs. ValueError, in one line, where the scene has nothing else to name.
     """
     query = episode.query
     draws = seeds.generator(episode.provenance.seed, "withheld", str(withheld), episode.id, run)

@@ -1,4 +1,4 @@
-"""The control that looks at depth alone: something stands nearer in one tour than the other tour shows from there."""
+"""The control that looks at depth alone: something stands where a camera of the other tour looked through."""
 
 from __future__ import annotations
 
@@ -11,9 +11,13 @@ from ovman.models.settings import Settings
 
 
 def nearer(sample: Sample, shown: Shown, settings: Settings) -> np.ndarray:
-    """Cells (h, w) of a frame whose depth is less than the other tour's by more than controls.changed_m."""
-    cells: np.ndarray = shown.depth - sample.depth > settings.controls.changed_m
-    return cells
+    """By how much (h, w) metres more than controls.changed_m the other frame sees beyond the places of a frame.
+
+    NaN where it sees something before them, by more than that.
+    """
+    beyond = shown.depth - shown.away
+    votes: np.ndarray = np.where(beyond < -settings.controls.changed_m, np.nan, beyond - settings.controls.changed_m)
+    return votes
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

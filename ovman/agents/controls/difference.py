@@ -1,7 +1,7 @@
 """A control that answers with the largest difference between two tours, on paper and driving. What differs is the control's own.
 
-Of the query it reads whether the relation asks for a past place, and nothing else: then it looks for what the first tour shows and
-the second does not, otherwise for what the second shows and the first does not.
+Of the query it reads whether the relation asks for a past place, and nothing else: then it looks for what the first tour shows
+and the second does not, otherwise for what the second shows and the first does not.
 """
 
 from __future__ import annotations
@@ -10,18 +10,20 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ovman.agents.controls.samples import Sample, Shown, sampled, shown_from
+from ovman.agents.controls.samples import Sample, Shown, sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
 from ovman.models.settings import Settings
 
 Differs = Callable[[Sample, Shown, Settings], np.ndarray]
-"""Which cells (h, w) bool of a frame show something else than the other tour shows from there. settings: controls.*."""
+"""By how much (h, w) a frame of the other tour says that something else is there: more than 0 if so, less if it is the same, NaN
+where the frame says nothing. settings: controls.*."""
 
 
 def answer(past: bool, first: Visit, second: Visit, differs: Differs, settings: Settings) -> Answer | Abstention:
     """The place of the largest connected difference in any one frame: the median of its points on the floor plane.
 
+    Something else is where more frames of the other tour say so than say that it is the same.
     past: whether what the first tour shows is looked for. Of equal differences the first is taken. Abstains with NO_CANDIDATE
     where nothing differs. settings: controls.*.
     """
@@ -29,8 +31,10 @@ def answer(past: bool, first: Visit, second: Visit, differs: Differs, settings: 
     here, there = (sampled(visit, every_px) for visit in ((first, second) if past else (second, first)))
     most, place = 0, None
     for sample in here:
-        different = differs(sample, shown_from(sample, there, every_px), settings) & np.isfinite(sample.depth)
-        part = _largest(different)
+        votes = np.zeros(sample.depth.shape)
+        for shown in shown_at(sample, there, every_px, settings.controls.changed_m):
+            votes += np.nan_to_num(np.sign(differs(sample, shown, settings)))
+        part = _largest((votes > 0) & np.isfinite(sample.depth))
         if (size := int(np.count_nonzero(part))) > most:
             most, place = size, np.median(sample.points[part], axis=0)
     if place is None:

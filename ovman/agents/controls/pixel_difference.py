@@ -1,6 +1,7 @@
-"""The control that looks at colour alone. Depth places what differs, and carries pictures to other cameras; it decides nothing.
+"""The control that looks at colour alone. Depth places what differs, and says which pixels of other cameras look at a place.
 
-Colours do not say which of the tours shows the object and which the background: a displaced object differs at both of its places.
+From equal poses depth decides nothing, and colours do not say which of the tours shows the object and which the background: a
+displaced object differs at both of its places.
 """
 
 from __future__ import annotations
@@ -14,10 +15,10 @@ from ovman.models.settings import Settings
 
 
 def discoloured(sample: Sample, shown: Shown, settings: Settings) -> np.ndarray:
-    """Cells (h, w) of a frame of which a colour channel is outside the other tour's bounds by more than controls.changed_level."""
+    """By how much (h, w) more than controls.changed_level a channel of a frame is beyond the other's bounds; full scale is 1."""
     beyond = np.maximum(shown.darkest - sample.rgb, sample.rgb - shown.lightest).max(axis=2)
-    cells: np.ndarray = beyond > settings.controls.changed_level
-    return cells
+    votes: np.ndarray = beyond - settings.controls.changed_level
+    return votes
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

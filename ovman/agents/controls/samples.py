@@ -1,9 +1,9 @@
-"""The frames of a tour at every n-th pixel, and what one tour shows from the cameras of another."""
+"""The frames of a tour at every n-th pixel, and what the frames of another tour show at the same places."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from ovman.perception.backprojection import Camera, pixel_points
 NEAREST_M = 0.05
 """What is nearer to a camera than this, or behind it, is not in its picture."""
 AROUND = 3
-"""Cells on each side of the square in which a carried picture is compared: points fall between the cells."""
+"""Cells on each side of the square that stands for a place in a picture: places fall between the cells."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,8 +32,13 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What a tour shows from a camera: depth (h, w) in metres, and the bounds (h, w, 3) of the colour. NaN where it shows nothing."""
+    """What a frame of another tour shows at the places (h, w) of a sample.
 
+    away: the place's depth for that frame's camera; depth: the nearest depth that the frame shows there; both in metres, NaN
+    where the place is not in the picture. darkest, lightest: the bounds (h, w, 3) of the colour there, NaN where the place is hidden.
+    """
+
+    away: np.ndarray
     depth: np.ndarray
     darkest: np.ndarray
     lightest: np.ndarray
@@ -57,46 +62,46 @@ def _sample(frame: Observation, every_px: int) -> Sample:
     return Sample(rgb, np.where(depth > 0, depth, np.nan), points, pose, camera, (height, width))
 
 
-def shown_from(sample: Sample, tour: Sequence[Sample], every_px: int) -> Shown:
-    """What `tour` shows from the camera of `sample`: its own frame from that very pose if it has one, else all frames carried there.
+def shown_at(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: float) -> Iterator[Shown]:
+    """What the frames of `tour` show at the places of `sample`: that of the very pose alone if there is one, else all.
 
-    A carried picture has the nearest depth and the bounds of the colours of the cells around each cell.
+    A place is hidden where a frame shows something nearer by more than `hidden_m`. In the frame of the very pose nothing is
+    hidden: pixel stands against pixel.
     """
     for other in tour:
         if other.pose == sample.pose and other.camera == sample.camera and other.depth.shape == sample.depth.shape:
-            return Shown(other.depth, other.rgb, other.rgb)
-    return _carried(sample, tour, every_px)
+            yield Shown(sample.depth, other.depth, other.rgb, other.rgb)
+            return
+    for other in tour:
+        yield _shown(sample, other, every_px, hidden_m)
 
 
-def _carried(sample: Sample, tour: Sequence[Sample], every_px: int) -> Shown:
+def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
     from scipy.ndimage import maximum_filter, minimum_filter  # takes a quarter of a second, and equal tours need none of it
 
-    depth = np.full(sample.depth.shape, np.inf)
-    darkest, lightest = np.full(sample.rgb.shape, np.inf), np.full(sample.rgb.shape, -np.inf)
-    if tour:
-        known = [np.isfinite(other.depth) for other in tour]
-        points = np.concatenate([other.points[there] for other, there in zip(tour, known, strict=True)])
-        colours = np.concatenate([other.rgb[there] for other, there in zip(tour, known, strict=True)])
-        cells, away, chosen = _cells(points, sample, every_px)
-        # Of the points of a cell the nearest is seen: it is written last.
-        order = np.argsort(-away, kind="stable")
-        cell = tuple(cells[:, order])
-        depth[cell] = away[order]
-        darkest[cell] = lightest[cell] = colours[chosen[order]]
-    depth = minimum_filter(depth, AROUND, mode="nearest")
-    darkest = minimum_filter(darkest, (AROUND, AROUND, 1), mode="nearest")
-    lightest = maximum_filter(lightest, (AROUND, AROUND, 1), mode="nearest")
-    return Shown(*(np.where(np.isfinite(part), part, np.nan) for part in (depth, darkest, lightest)))
+    rows, columns, distances, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
+    nearest = minimum_filter(np.where(np.isfinite(other.depth), other.depth, np.inf), AROUND, mode="nearest")
+    away, depth = np.full(sample.depth.size, np.nan), np.full(sample.depth.size, np.nan)
+    away[inside], depth[inside] = distances, nearest[rows, columns]
+    depth[~np.isfinite(depth)] = np.nan
+    open_to = inside[depth[inside] > distances - hidden_m]
+    seen = np.isin(inside, open_to, assume_unique=True)
+    bounds = []
+    for extreme in (minimum_filter, maximum_filter):
+        bound = np.full((sample.depth.size, 3), np.nan)
+        bound[open_to] = extreme(other.rgb, (AROUND, AROUND, 1), mode="nearest")[rows[seen], columns[seen]]
+        bounds.append(bound.reshape(sample.rgb.shape))
+    return Shown(away.reshape(sample.depth.shape), depth.reshape(sample.depth.shape), bounds[0], bounds[1])
 
 
-def _cells(points: np.ndarray, sample: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cells (2, N) of the sample's picture that the points in it fall into, their depths (N,), and which points these are (N,)."""
-    height, width = sample.shape
-    aside, up, away = ((points - np.array(sample.camera.position)) @ sample.camera.axes()).T
+def _cells(points: np.ndarray, other: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns (N,) of a sample's cells that points fall into, their depths (N,), and which points these are (N,)."""
+    height, width = other.shape
+    aside, up, away = ((points - np.array(other.camera.position)) @ other.camera.axes()).T
     ahead = np.flatnonzero(away > NEAREST_M)
-    focal_px = height / 2 / math.tan(math.radians(sample.camera.field_of_view_deg) / 2)
+    focal_px = height / 2 / math.tan(math.radians(other.camera.field_of_view_deg) / 2)
     rows = np.floor((height / 2 - focal_px * up[ahead] / away[ahead]) / every_px).astype(np.int64)
     columns = np.floor((width / 2 + focal_px * aside[ahead] / away[ahead]) / every_px).astype(np.int64)
-    inside = (rows >= 0) & (rows < sample.depth.shape[0]) & (columns >= 0) & (columns < sample.depth.shape[1])
+    inside = (rows >= 0) & (rows < other.depth.shape[0]) & (columns >= 0) & (columns < other.depth.shape[1])
     chosen = ahead[inside]
-    return np.stack([rows[inside], columns[inside]]), away[chosen], chosen
+    return rows[inside], columns[inside], away[chosen], chosen

@@ -56,8 +56,8 @@ class Need(StrEnum):
 class Withheld(StrEnum):
     """What of the question or of the visits an arm is not given, though its agent could use it.
 
-    NOUN: the query's category is ""; NOUN_WRONG: it is that of another thing in the scene; RELATION: the relation is drawn from all
-    six; FIRST_VISIT, SECOND_VISIT: that tour showed nothing.
+    NOUN: the query's category is ""; NOUN_WRONG: it is that of another thing in the scene; RELATION: the relation is drawn from
+    all six; FIRST_VISIT, SECOND_VISIT: that tour showed nothing.
     """
 
     NOUN = "noun"

@@ -48,6 +48,7 @@ class Control(Section):
     """An arm of the table of controls: a control, or an agent that controls are set beside."""
 
     name: str = Field(description="the key of its entry: an arm")
+    title: str = Field("", description="what the figure calls it; the arm's system if not given")
     role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field(
         "", description='"controls.role" is the arm in statements of our own'
     )

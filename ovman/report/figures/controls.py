@@ -13,6 +13,7 @@ from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, LIGHT, SMAL
 from ovman.report.figures.memory import SHORT
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing
 
+CHANCE = "1/n"
 _WIDTH = 0.8
 _MARKS = ("o", "s", "D", "^", "v", "<", ">", "P", "X", "*")
 _COLOURS = (AMBER, "#2f7d4f", "#a33b3b", "#6b4c9a")
@@ -38,8 +39,11 @@ def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
             lettered(axis, "abcdefgh"[number] if len(splits) > 1 else "", f"split {split}, {n} episodes")
             framed(axis, "success, static gate")
         if splits:
-            handles, words = axes[0, 0].get_legend_handles_labels()
-            figure.legend(handles, words, frameon=False, handlelength=1.2, loc="outside upper center", ncols=2, fontsize=SMALL_PT)
+            key = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
+            titles = dict.fromkeys(_name(arm, settings) for arm in settings.comparisons.controls if arm in settings.arms)
+            words = [*(title for title in titles if title in key), CHANCE]
+            style = {"frameon": False, "handlelength": 1.2, "fontsize": SMALL_PT}
+            figure.legend([key[word] for word in words], words, loc="outside upper center", ncols=2, **style)
         else:
             absent(axes[0, 0], missing)
             framed(axes[0, 0], "success, static gate")
@@ -60,13 +64,13 @@ def _panel(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
             at = place + ((index + 0.5) / len(controls) - 0.5) * _WIDTH
             style = {"marker": _MARKS[index % len(_MARKS)], "color": _COLOURS[index % len(_COLOURS)], "markersize": 3.2}
             label = _name(arm, settings) if first else None
-            axis.plot(at, float(here.loc[arm, "rate"]), linestyle="", zorder=5, label=label, **style)
+            axis.plot(at, float(here.loc[arm, "rate"]), linestyle="", zorder=5, clip_on=False, label=label, **style)
         if len(here):
             ends, chance = (place - _WIDTH / 2, place + _WIDTH / 2), float(here["chance"].iloc[0])
-            axis.plot(ends, (chance, chance), color=INK, linewidth=0.9, linestyle=":", zorder=4, label="1/n" if first else None)
+            axis.plot(ends, (chance, chance), color=INK, linewidth=0.9, linestyle=":", zorder=4, label=CHANCE if first else None)
+    axis.set_xlim(-0.6, len(groups) - 0.4)
     axis.set_xticks(range(len(groups)), [*SHORT.values(), ALL.upper()])
 
 
 def _name(arm: str, settings: Settings) -> str:
-    entry = settings.arms[arm]
-    return entry.system if entry.control else f"{entry.system}, {entry.memory}"
+    return settings.comparisons.controls[arm].title or settings.arms[arm].system

@@ -42,8 +42,8 @@ def controls_table(rates: pd.DataFrame, settings: Settings) -> Table:
         numbers("n"),
     )
     caption = (
-        "Controls, by relation and for each split: arms that lack what the task is said to need. Where one of them comes near to an "
-        "agent, the split does not measure what the control lacks. "
+        "Controls, by relation and for each split: arms that lack what the task is said to need. Where one of them comes near to "
+        "an agent, the split does not measure what the control lacks. "
         f"{CHANCE}: the mean of 1/n, n the instances of an episode's category. {MARK} The expectation of a stochastic pick."
     )
     rows = pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=[column.key for column in columns])
@@ -54,7 +54,7 @@ def _block(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     split, kind = str(rates["split"].iloc[0]), Kind(rates["kind"].iloc[0])
     rows = [_row(str(arm), of_arm, settings) for arm, of_arm in rates.groupby("arm", sort=False)]
     rows.sort(key=lambda row: row["what"] == "control")
-    chance = rates.drop_duplicates("relation").set_index("relation")["chance"].to_dict()
+    chance = {str(one.relation): one.chance for one in rates.drop_duplicates("relation").itertuples()}
     n = rates.loc[rates["relation"] == ALL, "n"].max()
     rows.append({"what": "chance", "system": CHANCE, "n": n, **chance})
     return pd.DataFrame(rows).assign(split=split, judged=JUDGED[kind], **{SECTION: f"{split}, {JUDGED[kind]}"})
@@ -70,6 +70,6 @@ def _row(arm: str, rates: pd.DataFrame, settings: Settings) -> dict[str, object]
     }
     for one in rates.itertuples():
         row |= {str(one.relation): one.rate, f"{one.relation}_low": one.low, f"{one.relation}_high": one.high}
-    (over_all,) = rates[rates["relation"] == ALL].itertuples()
-    mark = MARK if over_all.interval == Interval.POISSON_BINOMIAL else ""
-    return row | {"range": span(over_all.low, over_all.high, mark), "spl": over_all.spl, "n": over_all.n}
+    over_all = rates[rates["relation"] == ALL].iloc[0]
+    mark = MARK if over_all["interval"] == Interval.POISSON_BINOMIAL else ""
+    return row | {"range": span(over_all["low"], over_all["high"], mark), "spl": over_all["spl"], "n": over_all["n"]}
