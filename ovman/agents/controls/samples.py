@@ -35,7 +35,7 @@ class Shown:
     """What a frame of another tour shows at the places (h, w) of a sample.
 
     away: the place's depth for that frame's camera; depth: the nearest depth that the frame shows there; both in metres, NaN
-    where the place is not in the picture. darkest, lightest: the bounds (h, w, 3) of the colour there, NaN where the place is hidden.
+    where the place is not in the picture. darkest, lightest: the bounds (h, w, 3) of the colour there, NaN where it is hidden.
     """
 
     away: np.ndarray
