@@ -30,7 +30,9 @@ rule charts:
         difficulty=report("results/figures/difficulty.png", caption="../report/difficulty.rst", category="Figures"),
         memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
         sensitivity=report("results/figures/sensitivity.png", caption="../report/sensitivity.rst", category="Figures"),
-        print=expand("results/figures/{name}.pdf", name=("agent", "budget", "controls", "diag", "difficulty", "memory", "sensitivity")),
+        print=expand(
+            "results/figures/{name}.pdf", name=("agent", "budget", "controls", "diag", "difficulty", "memory", "sensitivity")
+        ),
     log:
         "logs/charts.log",
     params:
