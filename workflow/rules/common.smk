@@ -3,7 +3,7 @@
 import functools
 
 from ovman.analysis.registry import compared, drawn, in_tables, of_stage
-from ovman.models.settings import Kind, Need, named, of_kind, arms_of, splits_of
+from ovman.models.settings import Kind, Need, Withheld, named, of_kind, arms_of, splits_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
@@ -104,6 +104,13 @@ def labels_of_map(wildcards):
     if not arm.reads_labels:
         return []
     return expand("results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz", scene=SCENES)
+
+
+def scenes_named(wildcards):
+    """What is in the scenes, for an arm that is told the noun of another thing in them."""
+    if named(ARMS, wildcards.arm).withheld is not Withheld.NOUN_WRONG:
+        return []
+    return expand("results/scenes/{scene}.json", scene=SCENES)
 
 
 def rollouts_of(wildcards):

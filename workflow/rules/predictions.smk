@@ -7,6 +7,7 @@ rule predictions:
         maintained=needed(["maintained"], *expand("results/maintained/{scene}.npz", scene=SCENES)),
         dualmap=needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=SCENES)),
         labels=labels_of_map,
+        scenes=scenes_named,
         nouns=needed(["maps", "maintained", "dualmap"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
