@@ -24,8 +24,8 @@ TINY = ROOT / "overlays" / "tiny.yaml"
 TARGET = "results/tables"
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
 _sources = b""
-"""What a Snakemake found in the files of the code, for those that begin in an empty directory: reading the files takes longer than
-the rest of a dry run, and what is found is by their content."""
+"""What a Snakemake found in the files of the code, for those that begin in an empty directory: reading the files takes longer
+than the rest of a dry run, and what is found is by their content."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,9 @@ class World:
     directory: Path
     checkout: Path = ROOT
 
-    def command(self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET) -> list[str]:
+    def command(
+        self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET
+    ) -> list[str]:
         """The command line of Snakemake. overlay: settings on top of those of the tiny world; target: one or several."""
         files = [str(TINY)]
         if overlay is not None:
