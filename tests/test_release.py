@@ -13,10 +13,12 @@ from ovman.evaluation.scoring import judged
 from ovman.generation import candidates, certification, release, scenes, trials, verdict
 from ovman.models.certification import Certification
 from ovman.models.episode import Episode
+from ovman.models.record import lines
+from ovman.models.relation import Relation
 from ovman.models.run import Score
 from ovman.models.scene import Scene
 from ovman.models.settings import Arm, Kind, Source, of_kind
-from ovman.models.trial import Trial
+from ovman.models.trial import Trial, Verdict
 from ovman.task import referents, spl
 from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
@@ -77,6 +79,15 @@ def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, r
     assert judged_runs == len(episodes) * len(CONFIG.evaluation.seeds) * len(driven) == 3285
 
 
+def of_each_kind(trials: list[Trial], verdicts: list[Verdict], released: set[str]) -> list[Trial]:
+    """Of every relation of every split the first trial with each verdict: trials do not depend on each other, and are many."""
+    found: dict[tuple, Trial] = {}
+    for trial, judged_as in zip(trials, verdicts, strict=True):
+        kind = trial.candidate.split, judged_as.relation, judged_as.rejected, judged_as.id in released
+        found.setdefault(kind, trial)
+    return [*found.values()]
+
+
 def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     scene = REGENERATED
 
@@ -89,10 +100,16 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     scenes.run(scene, constants("scenes"), path("scene", "json"), journal("scenes"))
     assert path("scene", "json").read_bytes() == (DATA / "scenes" / f"{scene}.json").read_bytes()
     candidates.run(path("scene", "json"), constants("candidates"), path("candidates"))
+    all_trials = Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    assert path("candidates").read_text() == lines(trial.candidate for trial in all_trials)
+    verdict.run(DATA / "trials" / f"{scene}.jsonl", constants("admissible"), path("verdicts"))
+    episodes = {episode.id: episode for episode in Episode.load(EPISODES) if episode.scene == scene}
+    some = of_each_kind(all_trials, Verdict.read(path("verdicts")), {*episodes})
+    path("candidates").write_text(lines(trial.candidate for trial in some))
     visits = tmp_path / "visits"
     files = path("candidates"), path("scene", "json")
     trials.run(*files, constants("trials"), path("trials"), path("visits", "json"), visits, journal("trials"))
-    assert Trial.read(path("trials")) == Trial.read(DATA / "trials" / f"{scene}.jsonl")
+    assert Trial.read(path("trials")) == some
     verdict.run(path("trials"), constants("admissible"), path("admissible"))
     (tmp_path / f"{scene}.jsonl").write_bytes(path("trials").read_bytes())
     certification.run(
@@ -101,8 +118,8 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     made = {record.id: record.runs for record in Certification.read(path("certified"))}
     by_id = {trial.candidate.id: trial for trial in Trial.read(path("trials"))}
     (surveyed,) = Scene.read(path("scene", "json"))
-    kept = [episode for episode in Episode.load(EPISODES) if episode.scene == scene]
-    assert kept
+    kept = [episode for episode in episodes.values() if episode.id in by_id]
+    assert {episode.relation for episode in kept} == {*Relation}
     for episode in kept:
         again = release.episode(by_id[episode.id], made[episode.id], surveyed, constants("episodes"))
         assert again.to_json() == episode.to_json()

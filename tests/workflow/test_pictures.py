@@ -24,12 +24,12 @@ SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP}
 
 
 def checkout(directory: Path) -> Path:
-    """A copy of the code in a directory; models are linked."""
+    """A copy of the code in a directory, with its compiled kernels: no kernel is of a tone. Models are linked."""
     directory.mkdir()
     for name in CODE:
         source = ROOT / name
         if source.is_dir():
-            shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+            shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("*.egg-info"))
         else:
             shutil.copy2(source, directory / name)
     (directory / "models").symlink_to(ROOT / "models")
