@@ -125,6 +125,11 @@ def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
         ({"pairs": {"a": {"arm": "single_visit", "baseline": "two_visits"}}}, "a tests single_visit, a stochastic pick;"),
         ({"pairings": {"a": {"arm": "two_visits_embodied", "baseline": "cow"}}}, "comparisons.pairings.a has an embodied arm;"),
         ({"pairs": {"a": {"arm": "two_visits"}}}, "comparisons.pairs.a.baseline (the arm that it is tested against) is missing"),
+        (
+            {"controls": {"two_visits": {"role": "depth"}}},
+            "comparisons.controls.two_visits.role is depth, which is that of another entry, too; rename one",
+        ),
+        ({"controls": {"two_visits": {"rule": ""}}}, "comparisons.controls.two_visits.rule is not a setting; did you mean role?"),
         ({"pears": {}}, "comparisons.pears is not a setting; did you mean pairs?"),
     ],
 )

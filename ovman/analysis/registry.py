@@ -53,6 +53,7 @@ METRICS: tuple[Metric, ...] = (
     Metric("seeds", table="seeds", compared=True),
     Metric("scenes", table="scenes"),
     Metric("mover", table="mover", compared=True),
+    Metric("controls", stage="controls", table="controls", compared=True, drawn=True),
     Metric("language", stage="language", table="language", compared=True),
     Metric("perception", stage="perception", table="perception", compared=True),
     Metric("backprojection", stage="backprojection", table="backprojection", compared=True),

@@ -58,7 +58,8 @@ class EpisodeContext:
     """A `PredictionContext` of an episode.
 
     sightings: None for an arm that is given neither its grounding by positions nor positions. labels: of the detections of the
-    scene's visits by their names; None for an arm that is not given its grounding by them.
+    scene's visits by their names; None for an arm that is not given its grounding by them. Of a visit that is withheld from the
+    arm map, tour and world are empty, and nothing is read.
     """
 
     rng: np.random.Generator
@@ -88,14 +89,20 @@ class EpisodeContext:
 
     def map(self, which: str) -> ObjectMap:
         """See `PredictionContext.map`."""
+        if self._withheld(which):
+            return ObjectMap.of(())
         return self.store.perceived.map(self.visits[which])
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
-        """See `PredictionContext.made`."""
+        """See `PredictionContext.made`. ValueError for an arm from which a visit is withheld: files hold both."""
+        if self.arm.withheld is not None and self.arm.withheld.visit is not None:
+            raise ValueError(f"arms.{self.arm.name} is withheld the {self.arm.withheld.visit} visit; ask for its map or its tour")
         return self.store.made(need, read)
 
     def tour(self, which: str) -> Visit:
         """See `PredictionContext.tour`."""
+        if self._withheld(which):
+            return Visit((), self.reachable)
         return self.store.visit(self.visits[which], self.reachable)
 
     def noun(self, phrase: str) -> np.ndarray:
@@ -118,7 +125,12 @@ class EpisodeContext:
     def world(self, which: str) -> WorldState:
         """See `PredictionContext.world`."""
         sightings = self._privileged(self.arm.positions, "positions")[which]
+        if self._withheld(which):
+            return WorldState(())
         return recorded_world(sightings, self.episode.category, self.settings.admissibility.min_mask_px)
+
+    def _withheld(self, which: str) -> bool:
+        return self.arm.withheld is not None and self.arm.withheld.visit == which
 
     def _labels(self, visits: Sequence[str]) -> list[Labels]:
         if self.labels is None or any(self.visits[which] not in self.labels for which in visits):

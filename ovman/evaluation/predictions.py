@@ -7,16 +7,17 @@ the sightings where its reading is by positions; no other arm opens them.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 from ovman.evaluation.context import EpisodeContext, agent_settings
 from ovman.evaluation.observation_store import ObservationStore, of_scene
 from ovman.evaluation.supervision import AgentError, failures, function
+from ovman.evaluation.withheld import asked, categories_in
 from ovman.models.episode import Episode
 from ovman.models.prediction import Evidence, Predicted, Prediction
 from ovman.models.record import lines
-from ovman.models.settings import Arm
+from ovman.models.settings import Arm, Withheld
 from ovman.models.sighting import Sightings
 from ovman.perception.labels import Labels, read_labels
 from ovman.workflow import seeds
@@ -34,12 +35,14 @@ def predict(
     sightings: Sightings | None = None,
     run: int = 0,
     labels: Mapping[str, Labels] | None = None,
+    categories: Collection[str] = (),
 ) -> tuple[Predicted, Evidence | None]:
     """What a static arm answers to the query of an episode, and from which evidence.
 
     store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding by positions, or positions;
     labels: of the detections of the scene's visits, for one that is given its grounding by them; run: 0 for the first of the
-    arm's runs. AgentError, in one line, where the arm's function fails or returns no prediction.
+    arm's runs; categories: of the scene's instances, for one that is told a wrong noun. AgentError, in one line, where the arm's
+    function fails or returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
@@ -51,9 +54,10 @@ def predict(
         sightings=sightings if arm.reads_sightings else None,
         labels=labels if arm.reads_labels else None,
     )
+    query = asked(episode, arm.withheld, run, categories)
     answer = function(arm.name, arm.agent)
     with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
-        answered = answer(episode.query, context)
+        answered = answer(query, context)
     match answered:
         case (outcome, Evidence() | None as evidence) if isinstance(outcome, Predicted):
             return outcome, evidence
@@ -82,18 +86,21 @@ def run(
 
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
     perceived, by the workflow's names: under "maps", "maintained" and "dualmap" one file a scene, named after it, and likewise
-    under "labels" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the predictions.
+    under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the
+    predictions.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)
     labels = {file.stem: read_labels(file) for file in files.get("labels", ())} if arm.reads_labels else {}
+    wrong = arm.withheld is Withheld.NOUN_WRONG
+    categories: dict[str, Collection[str]] = {file.stem: categories_in(file) for file in files.get("scenes", ()) if wrong}
     stores: dict[tuple[str, float], ObservationStore] = {}
     predictions = []
     for number in range(arm.runs):
         for episode in episodes:
             store = store_of(arm, episode, settings, visits, files, stores)
-            seen, shown = sightings.get(episode.id), labels.get(episode.scene)
-            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown)
+            seen, shown, things = sightings.get(episode.id), labels.get(episode.scene), categories.get(episode.scene, ())
+            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown, things)
             predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
     output.write_text(lines(predictions), encoding="utf-8")
     took, worked = time.perf_counter() - began, time.process_time() - worked

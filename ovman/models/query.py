@@ -9,7 +9,7 @@ from ovman.models.relation import Relation
 
 @dataclass(frozen=True, slots=True)
 class Query:
-    """q = (c, rho): a category and a change relation."""
+    """q = (c, rho): a category and a change relation. The category is "" where the noun is withheld."""
 
     category: str
     relation: Relation

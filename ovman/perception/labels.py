@@ -39,16 +39,22 @@ def shown(masks: np.ndarray, ids: np.ndarray, least_iou: float = LEAST_IOU) -> n
 
     Negative ids are no instance. Of instances with equal IoU the larger one is shown, then the one of smaller id.
     """
+    import pandas as pd  # a job that reads labels starts without it
+
     found = np.full(len(masks), NOTHING, np.int64)
+    # Numbers from 0 on are counted, not sorted, mask by mask.
+    codes, values = pd.factorize(ids.ravel())
+    areas = np.bincount(codes, minlength=len(values))
     for n, mask in enumerate(masks):
-        size = int(np.count_nonzero(mask))
-        best = (least_iou, 0, 0)
-        for value, inter in zip(*(part.tolist() for part in np.unique(ids[mask], return_counts=True)), strict=True):
-            if value < 0 or inter < least_iou * size:  # the union is at least as large as the mask
-                continue
-            area = int(np.count_nonzero(ids == value))
-            if (rank := (inter / (size + area - inter), area, -value)) >= best:
-                best, found[n] = rank, value
+        inside = codes[mask.ravel()]
+        size = len(inside)
+        inter = np.bincount(inside, minlength=len(values))
+        # The union is at least as large as the mask, which leaves few instances.
+        enough = np.flatnonzero((inter > 0) & (inter >= least_iou * size) & (values >= 0))
+        ranks = [(inter[k] / (size + areas[k] - inter[k]), areas[k], -values[k], k) for k in enough]
+        iou, *_, best = max(ranks, default=(-1.0, 0))
+        if iou >= least_iou:
+            found[n] = values[best]
     return found
 
 

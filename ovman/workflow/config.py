@@ -16,6 +16,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from ovman.models.settings import Arm, Kind, Need, Settings, job_scenes, scenes_of
+from ovman.models.settings.arms import contradictions as of_withheld
 from ovman.models.settings.comparisons import contradictions as of_comparisons
 from ovman.models.settings.sensitivity import contradictions as of_sensitivity
 from ovman.workflow.parameter import flat
@@ -35,6 +36,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from _of_counts(settings)
     yield from _of_motion(settings)
     yield from _of_arms(settings.arms, settings.plugins, flat(settings))
+    yield from of_withheld(settings.arms)
     yield from of_comparisons(settings.comparisons, settings.arms)
     yield from _of_splits(settings)
     yield from of_sensitivity(settings.sensitivity, settings.measurement)

@@ -20,6 +20,7 @@ from tests.arms import ARMS, CONFIG, ROOT
 TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
 NAMES = list(TREE["arms"])
 MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "ovman.agents.oracle:agent"}
+STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.two_visits:predict"}
 
 
 def loaded(**entries: Any):
@@ -37,7 +38,7 @@ def test_rows_of_a_table_are_told_apart_by_what_the_table_shows():
 
 def test_an_embodied_arm_executes_the_static_arm_that_is_like_it():
     followed = [(arm, named(ARMS, arm.executes)) for arm in ARMS if arm.executes is not None]
-    assert len(followed) == 3
+    assert len(followed) == 5
     for arm, static in followed:
         assert (static.memory, static.grounding, static.positions) == (arm.memory, arm.grounding, arm.positions)
 
@@ -92,6 +93,17 @@ def test_merged_arms_stand_in_the_order_of_the_files_however_they_were_merged(tm
         ({"mine": MINE | {"kind": "static", "budget": 9}}, "arms.mine.budget is not for an arm that is static; take it out"),
         ({"mine": MINE | {"constants": ["cow"]}}, "arms.mine.constants names cow, which is no setting; write \"section.name\""),
         ({"mine": MINE | {"executes": "oracle_check"}}, "arms.mine.executes is oracle_check, which is no static arm; there are"),
+        ({"mine": MINE | {"withheld": "noun"}}, "arms.mine.withheld is not for an arm that is embodied; take it out"),
+        ({"mine": STATIC | {"withheld": "verb"}}, "arms.mine.withheld is \"verb\"; it must be 'noun', 'noun_wrong',"),
+        ({"mine": STATIC | {"withheld": "noun", "grounding": "handed"}}, "arms.mine.withheld is noun, but the arm is handed"),
+        (
+            {"mine": STATIC | {"withheld": "first_visit", "needs": ["maintained"]}},
+            "arms.mine.withheld is first_visit, but maintained is made of both visits; name an arm that needs maps or tours",
+        ),
+        (
+            {"mine": MINE | {"executes": "wrong_noun"}},
+            "arms.mine.executes is wrong_noun, from which noun_wrong is withheld, and from an embodied arm nothing is;",
+        ),
         ({"mine": MINE | {"cut_from": "oracle_check"}}, "arms.mine.cut_from is oracle_check, from whose runs it cannot be cut;"),
     ],
 )  # fmt: skip
@@ -110,7 +122,7 @@ def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables(
     before = texts(CONFIG)
     assert texts(loaded(mine=MINE)) == before
     two = TREE["arms"]["two_visits"]
-    assert texts(loaded(two_visits=two | {"system": "another", "memory": "words"})) == before
+    assert texts(loaded(two_visits=two | {"system": "another", "memory": "words", "control": True})) == before
     changed = texts(loaded(two_visits=two | {"constants": [*two["constants"], "maps.cluster_radius_m"]}))
     assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
     code = texts(

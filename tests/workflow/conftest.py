@@ -7,8 +7,8 @@ import os
 import re
 import subprocess
 import sys
-import tempfile
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,12 +16,16 @@ from typing import Any
 import pytest
 import yaml
 
+from ovman.workflow.snakefile import SOURCES
 from tests.workflow import forked
 
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "overlays" / "tiny.yaml"
 TARGET = "results/tables"
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
+_sources = b""
+"""What a Snakemake found in the files of the code, for those that begin in an empty directory: reading the files takes longer
+than the rest of a dry run, and what is found is by their content."""
 
 
 @dataclass(frozen=True)
@@ -31,34 +35,48 @@ class World:
     directory: Path
     checkout: Path = ROOT
 
-    def command(self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET) -> list[str]:
-        """The command line of Snakemake; `overlay` are settings on top of those of the tiny world."""
+    def command(
+        self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET
+    ) -> list[str]:
+        """The command line of Snakemake. overlay: settings on top of those of the tiny world; target: one or several."""
         files = [str(TINY)]
         if overlay is not None:
             path = self.directory / "overlay.yaml"
             path.write_text(yaml.safe_dump(dict(overlay)))
             files.append(str(path))
         base = [*SNAKEMAKE, "--snakefile", str(self.checkout / "Snakefile"), "--directory", str(self.directory)]
-        return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", target]
+        targets = [target] if isinstance(target, str) else target
+        return [*base, "--cores", "2", "--configfile", *files, *arguments, "--", *targets]
 
     def snakemake(
-        self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str = TARGET
+        self, *arguments: str, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET
     ) -> subprocess.CompletedProcess[str]:
         """Run it to its end; standard error is in stdout."""
         command = self.command(*arguments, overlay=overlay, target=target)
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
+        self._begin_with_sources()
         if self.checkout != ROOT:  # a forked process would have this checkout's modules
             environment["PYTHONPATH"] = str(self.checkout)
             merged = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
             return subprocess.run(command, cwd=self.checkout, env=environment, **merged)
-        with tempfile.TemporaryDirectory() as directory:
-            said = Path(directory, "said")
-            status = forked.run(command[len(SNAKEMAKE) :], ROOT, environment, said)
-            return subprocess.CompletedProcess(command, status, said.read_text())
+        said = forked.snakemake(command[len(SNAKEMAKE) :], ROOT, environment)
+        self._keep_sources()
+        return said
 
-    def planned(self, overlay: Mapping[str, Any] | None = None) -> dict[str, int]:
+    def _begin_with_sources(self) -> None:
+        file = self.directory / SOURCES
+        if _sources and not file.exists():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(_sources)
+
+    def _keep_sources(self) -> None:
+        global _sources
+        with suppress(FileNotFoundError):
+            _sources = max(_sources, (self.directory / SOURCES).read_bytes(), key=len)
+
+    def planned(self, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
-        said = self.snakemake("--dry-run", overlay=overlay)
+        said = self.snakemake("--dry-run", overlay=overlay, target=target)
         assert said.returncode == 0, said.stdout
         if "Nothing to be done" in said.stdout:
             return {}

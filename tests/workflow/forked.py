@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-LIBRARIES = ("snakemake.cli", "snakemake.report.html_reporter", "pandas", "smart_open", "yte")
+LIBRARIES = ("snakemake.cli", "snakemake.report.html_reporter", "pandas", "pydantic", "smart_open", "yte")
 """Nothing of ovman: that is imported as the Snakefile has it imported."""
 
 
-def run(arguments: Sequence[str], directory: Path, environment: Mapping[str, str], said: Path) -> int:
-    """The exit status of `snakemake`, run with these arguments in `directory` to its end; what it says is in the file `said`."""
+def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[str, str]) -> subprocess.CompletedProcess[str]:
+    """`snakemake`, run with these arguments in `directory` to its end; standard error is in stdout."""
+    with tempfile.TemporaryDirectory() as place:
+        said = Path(place, "said")
+        status = _run(arguments, directory, environment, said)
+        return subprocess.CompletedProcess(["snakemake", *arguments], status, said.read_text())
+
+
+def _run(arguments: Sequence[str], directory: Path, environment: Mapping[str, str], said: Path) -> int:
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([*LIBRARIES])
     process = context.Process(target=_become, args=([*arguments], directory, dict(environment), said))

@@ -22,7 +22,7 @@ SEEN = {"arms": EXAMPLE["arms"] | {"latest": {"kind": "static", "system": "lates
 
 def beside(world: World) -> None:
     """The files of the page's agents, beside the overlay."""
-    (world.directory / "depth_difference.py").write_text(CODE)
+    (world.directory / "frame_difference.py").write_text(CODE)
     (world.directory / "latest.py").write_text(STATIC)
 
 
@@ -34,10 +34,7 @@ def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     again = World(shutil.copytree(world.directory, tmp_path / "world"))
     beside(again)
     planned = again.planned(SEEN)
-    assert {rule: planned[rule] for rule in ("predictions", "rollouts", "scores", "metrics", "tables")} == dict.fromkeys(
-        ("predictions", "rollouts", "scores", "metrics", "tables"), 1
-    )
-    assert set(planned) == {"predictions", "rollouts", "scores", "metrics", "tables"}
+    assert planned == dict.fromkeys(("predictions", "rollouts", "scores", "metrics", "controls", "tables"), 1)
     said = again.snakemake(overlay=SEEN)
     assert said.returncode == 0, said.stdout
     before, after = world.results(), again.results()
@@ -46,21 +43,23 @@ def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     with (again.directory / "results" / "tables" / "embodied.csv").open() as file:
         rows = {row["agent"]: row for row in csv.DictReader(file)}
     # It sees what was put there and what is gone, on the tiny world's clear views.
-    assert list(rows)[-1] == "depth difference" and float(rows["depth difference"]["sr"]) >= 0.5
+    assert float(rows["frame difference"]["sr"]) >= 0.5
+    # Controls stand below all systems, also those of a user.
+    assert list(rows)[-3:] == ["frame difference", "depth difference", "pixel difference"]
     assert "latest" in (again.directory / "results" / "tables" / "static.csv").read_text()
     assert again.planned(SEEN) == {}
 
-    (again.directory / "depth_difference.py").write_text("# Another comment.\n" + CODE)
+    (again.directory / "frame_difference.py").write_text("# Another comment.\n" + CODE)
     assert again.planned(SEEN) == {}
-    (again.directory / "depth_difference.py").write_text(CODE.replace("CHANGED_M = 0.2", "CHANGED_M = 0.25"))
-    assert again.planned(SEEN) == dict.fromkeys(("rollouts", "scores", "metrics", "tables"), 1)
+    (again.directory / "frame_difference.py").write_text(CODE.replace("CHANGED_M = 0.2", "CHANGED_M = 0.25"))
+    assert again.planned(SEEN) == dict.fromkeys(("rollouts", "scores", "metrics", "controls", "tables"), 1)
 
 
 @pytest.mark.parametrize(
     ("agent", "line"),
     [
         ("nowhere.mine:agent", "and there is no module nowhere.mine; install it, or put it beside the overlay"),
-        ("depth_difference:Depth", "and depth_difference has no function Depth; name one that it has"),
+        ("frame_difference:Depth", "and frame_difference has no function Depth; name one that it has"),
         ("broken:agent", "and broken.py, line 1, is no Python: "),
     ],
 )
@@ -68,9 +67,9 @@ def test_an_agent_that_is_not_there_stops_the_workflow_with_one_line(tmp_path, a
     world = World(tmp_path)
     beside(world)
     (tmp_path / "broken.py").write_text("def agent(:\n")
-    arms = {"depth_difference": EXAMPLE["arms"]["depth_difference"] | {"agent": agent}}
+    arms = {"frame_difference": EXAMPLE["arms"]["frame_difference"] | {"agent": agent}}
     said = world.snakemake(overlay={"arms": arms})
     assert said.returncode != 0
     lines = [text for text in said.stdout.splitlines() if not text.startswith(("Using workflow specific profile", "Config file"))]
-    assert len(lines) == 1 and lines[0].startswith(f"overlay.yaml: arms.depth_difference.agent is '{agent}', {line}")
+    assert len(lines) == 1 and lines[0].startswith(f"overlay.yaml: arms.frame_difference.agent is '{agent}', {line}")
     assert not (tmp_path / "results").exists()

@@ -6,8 +6,6 @@ import ctypes.util
 import json
 import os
 import re
-import subprocess
-import sys
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,6 +15,7 @@ import yaml
 from ovman.workflow.provenance import modules, script
 from ovman.workflow.stages import STAGES
 from tests.sim import unity_build
+from tests.workflow import forked
 from tests.workflow.conftest import ROOT, World
 
 SNAKEFILE = """
@@ -46,10 +45,8 @@ rule work:
 @pytest.mark.parametrize("given", [(), ("--resources", "gpu=2"), ("--resources", "mem_mb=1000")], ids=["nothing", "two", "other"])
 def test_one_job_at_a_time(tmp_path, given):
     (tmp_path / "Snakefile").write_text(SNAKEFILE.format(root=str(ROOT)))
-    said = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--cores", "4", *given, "--", "all"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert said.returncode == 0, said.stderr
+    said = forked.snakemake(["--cores", "4", *given, "--", "all"], tmp_path, os.environ)
+    assert said.returncode == 0, said.stdout
     assert (tmp_path / "turns").read_text().split() == ["in", "out"] * 4
 
 

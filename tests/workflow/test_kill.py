@@ -7,14 +7,24 @@ import os
 import random
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 
 import pytest
 
+from ovman.models.settings import Kind, Need, arms_of, of_kind
 from tests.workflow.conftest import ROOT, World
+from tests.workflow.test_reruns import CONFIG
 
 FINISHED_S = 900
+ENDED_S = 20.0
+KEPT_S = 120.0
+"""For a stage to keep its first unit, on a busy machine."""
+SCENE = CONFIG.benchmark.scenes[0]
+WITH_MAPS = next(arm.name for arm in of_kind(arms_of(CONFIG.arms), Kind.EMBODIED) if Need.MAPS in arm.needs)
+RUNS = f"results/scores/{WITH_MAPS}/seed0/{SCENE}.jsonl"
+WALKS = f"results/walks/{SCENE}.npz"
 LONGEST_S = 40.0
 """Moments are drawn from this long a time, about that of a run on two free cores."""
 
@@ -31,36 +41,86 @@ def at_work(directory: Path) -> dict[int, str]:
     return found
 
 
-def interrupted(world: World, victim: str, moment_s: float) -> bool:
-    """Run the workflow and kill one of its processes after a while. Whether there was somebody to kill."""
+def started(world: World, *target: str) -> subprocess.Popen:
     environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
-    run = subprocess.Popen(
-        world.command(), cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+    command = world.command(target=target) if target else world.command()
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    return subprocess.Popen(command, cwd=ROOT, env=environment, start_new_session=True, **quiet)
+
+
+def kill(world: World, run: subprocess.Popen) -> None:
+    """Kill Snakemake, and wait until all that it started has ended by itself."""
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    deadline = time.monotonic() + ENDED_S
+    while left := at_work(world.directory):
+        assert time.monotonic() < deadline, f"still at work: {left}"
+        time.sleep(0.1)
+
+
+def kept(world: World, stage: str) -> int:
+    """How many units of a stage are kept in its journals."""
+    files = [path for path in (world.directory / "results" / "journal" / stage).rglob("*") if path.is_file()]
+    return sum(path.read_bytes().count(b"\n") if path.suffix == ".jsonl" else path.suffix == ".npz" for path in files)
+
+
+def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
+    """Run the workflow, and kill its job of a stage, or Snakemake, when the stage has kept a unit. How many it has kept then."""
+    run = started(world, *target)
+    deadline = time.monotonic() + KEPT_S
+    while not kept(world, stage):
+        assert time.monotonic() < deadline and run.poll() is None, f"nothing kept of {stage}"
+        time.sleep(0.01)
+    if not job:
+        kill(world, run)
+        return kept(world, stage)
+    (victim,) = (
+        pid for pid, line in at_work(world.directory).items() if line.startswith(sys.executable) and f".{stage}.py" in line
     )
-    try:
+    os.kill(victim, signal.SIGKILL)
+    assert run.wait(timeout=FINISHED_S) != 0
+    return kept(world, stage)
+
+
+def test_killed_in_each_stage_that_keeps_units_it_finishes_with_the_same_bytes(world, tmp_path):
+    again = World(tmp_path)
+    found = {
+        "trials": killed_amid(again, "trials", RUNS, job=False),
+        "rollouts": killed_amid(again, "rollouts", RUNS, job=True),
+        "walks": killed_amid(again, "walks", WALKS, job=False),
+    }
+    said = again.snakemake(target=(RUNS, WALKS))
+    assert said.returncode == 0, said.stdout
+    assert all(0 < number < kept(again, stage) for stage, number in found.items()), found
+    after, before = again.results(), world.results()
+    assert after == {name: before[name] for name in after} and {RUNS, WALKS} <= after.keys()
+    # Nothing that was finished was done again.
+    units, all_units = again.units(), world.units()
+    assert units == {name: all_units[name] for name in units}
+    assert not list(tmp_path.rglob("*.partial"))
+    assert again.planned(target=(RUNS, WALKS)) == {}
+
+
+def interrupted(world: World, victim: str, moment_s: float) -> None:
+    """Run the workflow and kill one of its processes after a while, if there is one then."""
+    run = started(world)
+    with contextlib.suppress(subprocess.TimeoutExpired):
         run.wait(timeout=moment_s)
-        return False
-    except subprocess.TimeoutExpired:
-        pass
+        return
     if victim == "snakemake":
-        run.send_signal(signal.SIGKILL)
-        run.wait()
-        deadline = time.monotonic() + 20
-        while left := at_work(world.directory):
-            assert time.monotonic() < deadline, f"still at work: {left}"
-            time.sleep(0.1)
-        return True
+        return kill(world, run)
     jobs = sorted(at_work(world.directory).keys() - {run.pid})
     if jobs:
         with contextlib.suppress(ProcessLookupError):
             os.kill(random.Random(moment_s).choice(jobs), signal.SIGKILL)
     run.wait(timeout=FINISHED_S)
-    return bool(jobs)
 
 
-def check(world: World, directory: Path, seed: int, kills: int) -> None:
-    rng = random.Random(seed)
-    again = World(directory)
+@pytest.mark.soak
+@pytest.mark.parametrize("seed", range(8))
+def test_killed_at_random_moments_it_finishes_with_the_same_bytes(world, tmp_path, seed):
+    rng, kills = random.Random(seed), 3
+    again = World(tmp_path)
     for _ in range(kills):
         interrupted(again, rng.choice(["snakemake", "snakemake", "job"]), rng.uniform(0.5, LONGEST_S / kills))
     said = again.snakemake()
@@ -68,18 +128,8 @@ def check(world: World, directory: Path, seed: int, kills: int) -> None:
     assert again.results() == world.results()
     # Nothing that was finished was done again.
     assert again.units() == world.units()
-    assert not list(directory.rglob("*.partial"))
+    assert not list(tmp_path.rglob("*.partial"))
     assert again.planned() == {}
-
-
-def test_killed_at_two_random_moments_it_finishes_with_the_same_bytes(world, tmp_path):
-    check(world, tmp_path, seed=0, kills=2)
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("seed", range(1, 8))
-def test_killed_at_many_random_moments_it_finishes_with_the_same_bytes(world, tmp_path, seed):
-    check(world, tmp_path, seed, kills=3)
 
 
 def test_a_lock_is_kept_while_its_snakemake_lives_and_goes_with_it(tmp_path):

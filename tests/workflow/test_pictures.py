@@ -24,12 +24,12 @@ SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP}
 
 
 def checkout(directory: Path) -> Path:
-    """A copy of the code in a directory; models are linked."""
+    """A copy of the code in a directory, with its compiled kernels: no kernel is of a tone. Models are linked."""
     directory.mkdir()
     for name in CODE:
         source = ROOT / name
         if source.is_dir():
-            shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("__pycache__", "*.egg-info"))
+            shutil.copytree(source, directory / name, ignore=shutil.ignore_patterns("*.egg-info"))
         else:
             shutil.copy2(source, directory / name)
     (directory / "models").symlink_to(ROOT / "models")
@@ -80,7 +80,7 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     driven = {"walks", "rollouts", "scores"}  # these start the engine themselves
     seeing = {"detections", "labels", "maps", "maintained", "predictions", "language", "perception", "backprojection"}
     seeing |= {"fragments", "probes", "readmitted_maps", "readmitted_predictions", "sensitivity"}
-    seeing |= {"cues", "appearance", "split_metrics"}
+    seeing |= {"cues", "appearance", "split_metrics", "controls"}
     assert planned == driven | seeing | {"dualmap", "dualmap_objects", "metrics", "tables"}
     answers = set(re.findall(r"output: results/predictions/(\w+)\.jsonl", said.stdout))
     arms = arms_of(load_files([ROOT / "config.yaml", TINY]).arms)

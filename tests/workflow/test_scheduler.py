@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import os
 
 import pytest
 
+from tests.workflow import forked
 from tests.workflow.conftest import ROOT
 
 SNAKEFILE = """
@@ -61,8 +61,6 @@ rule waiting:
 def test_jobs_that_ended_leave_no_timers_while_others_wait(tmp_path, handler, lifted):
     """Each timer is a thread. That the same counts them without the handler says when it is no longer needed."""
     (tmp_path / "Snakefile").write_text(SNAKEFILE.format(root=str(ROOT), handler=handler))
-    said = subprocess.run(
-        [sys.executable, "-m", "snakemake", "--cores", "2", "--", "all"], cwd=tmp_path, capture_output=True, text=True
-    )
-    assert said.returncode == 0, said.stderr
+    said = forked.snakemake(["--cores", "2", "--", "all"], tmp_path, os.environ)
+    assert said.returncode == 0, said.stdout
     assert (int((tmp_path / "threads").read_text()) < 8) is lifted

@@ -3,7 +3,7 @@
 import functools
 
 from ovman.analysis.registry import compared, drawn, in_split_tables, in_tables, of_stage
-from ovman.models.settings import Kind, Need, named, of_kind, arms_of, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
+from ovman.models.settings import Kind, Need, Withheld, named, of_kind, arms_of, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
@@ -141,6 +141,13 @@ def labels_of_map(wildcards):
         return []
     file = "results/walk_labels/{scene}.npz" if Need.DUALMAP in arm.needs else "results/labels/{scene}.npz"
     return expand(file, scene=SCENES_OF[split_answered(wildcards)])
+
+
+def scenes_named(wildcards):
+    """What is in the scenes, for an arm that is told the noun of another thing in them."""
+    if named(ARMS, wildcards.arm).withheld is not Withheld.NOUN_WRONG:
+        return []
+    return expand("results/scenes/{scene}.json", scene=SCENES_OF[split_answered(wildcards)])
 
 
 def rollouts_of(wildcards):

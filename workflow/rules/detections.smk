@@ -12,6 +12,8 @@ rule detections:
         "logs/detections/{scene}.log",
     benchmark:
         "benchmarks/detections/{scene}.tsv"
+    # The maps of all scenes wait for these, and all embodied arms for the maps: behind the long walks a core would idle at the end.
+    priority: 1
     resources:
         gpu=NETWORK_GPU,
     params:

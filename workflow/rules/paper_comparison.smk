@@ -7,6 +7,7 @@ rule paper_comparison:
         metrics=expand("results/metrics/{name}.csv", name=compared(ARMS)),
         paper=os.path.join(PAPER_COMPARISON, "paper.yaml"),
         statements=os.path.join(PAPER_COMPARISON, "statements.yaml"),
+        own=os.path.join(PAPER_COMPARISON, "controls.yaml"),
         explanations=os.path.join(PAPER_COMPARISON, "explanations.yaml"),
         template=os.path.join(PAPER_COMPARISON, "page.md.j2"),
         position=os.path.join(workflow.basedir, "ovman", "report", "tables", "position.yaml"),

@@ -7,6 +7,7 @@ rule predictions:
         maintained=needed(["maintained"], "results/maintained/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
         labels=labels_of_map,
+        scenes=scenes_named,
         nouns=needed(["maps", "maintained", "dualmap"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:

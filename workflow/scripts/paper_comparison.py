@@ -6,7 +6,7 @@ from ovman.workflow.job import job
 with job(snakemake) as work:
     page.run(
         work.inputs("metrics"),
-        page.Sources(*(work.input(name) for name in ("paper", "statements", "explanations", "template", "position"))),
+        page.Sources(*(work.input(name) for name in ("paper", "statements", "own", "explanations", "template", "position"))),
         work.constants,
         page=work.output("page"),
     )

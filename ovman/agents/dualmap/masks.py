@@ -7,11 +7,18 @@ import numpy as np
 from ovman.models.settings.baselines import DualmapObservation
 
 
-def histogram(rgb: np.ndarray, bins: int) -> np.ndarray:
-    """Counts of pixels (N, 3) uint8 in `bins` equal bins of each channel, (3 * bins,)."""
-    values = np.concatenate([np.bincount(rgb[:, channel], minlength=256) for channel in range(3)])
-    cells = np.arange(256) * bins // 256 + np.arange(3)[:, None] * bins
-    return np.bincount(cells.ravel(), values, minlength=3 * bins)
+def cells(rgb: np.ndarray, bins: int) -> np.ndarray:
+    """(N,) the cell of pixels (N, 3) uint8 in a cube of `bins` equal bins a channel, in C order."""
+    red, green, blue = (np.arange(256) * bins // 256)[rgb.T]
+    found: np.ndarray = (red * bins + green) * bins + blue
+    return found
+
+
+def histogram(cells: np.ndarray, bins: int) -> np.ndarray:
+    """Counts (3 * bins,) of pixels in the bins of each channel, one channel after the other; cells (N,): of `cells`."""
+    # Pixels are counted once, in the cube, which is summed for each channel.
+    cube = np.bincount(cells, minlength=bins**3).reshape(bins, bins, bins)
+    return np.concatenate([cube.sum(axis=(1, 2)), cube.sum(axis=(0, 2)), cube.sum(axis=(0, 1))]).astype(float)
 
 
 def filtered(
@@ -75,7 +82,8 @@ def _merged(
     if not meet:
         return flat, kept
     flat = flat.copy()
-    histograms = {i: histogram(colours[flat[i]], constants.colour_bins) for i in {k for pair in meet for k in pair}}
+    of = cells(colours, constants.colour_bins)
+    histograms = {i: histogram(of[flat[i]], constants.colour_bins) for i in {k for pair in meet for k in pair}}
     gone: set[int] = set()
     for i, j in meet:
         if i in gone or j in gone:

@@ -73,10 +73,10 @@ class Observer:
         self, frame: Frame, mask: np.ndarray, share: float, runs: Sequence[np.random.Generator]
     ) -> tuple[np.ndarray, ...]:
         """For each run, the largest cluster (N, 3) of the world points of a share of a mask's pixels; N may be 0."""
-        rows, columns = np.nonzero(mask & (frame.depth > 0))
-        drawn = [draw.choice(len(rows), int(share * len(rows)), replace=False, shuffle=False) for draw in runs]
-        every = np.concatenate(drawn)
-        points = pixel_points(frame.depth, rows[every], columns[every], frame.camera).astype(np.float32)
+        inside = np.flatnonzero((mask & (frame.depth > 0)).ravel())  # several times as fast as nonzero of two axes
+        drawn = [draw.choice(len(inside), int(share * len(inside)), replace=False, shuffle=False) for draw in runs]
+        rows, columns = np.divmod(inside[np.concatenate(drawn)], mask.shape[1])
+        points = pixel_points(frame.depth, rows, columns, frame.camera).astype(np.float32)
         radius_m, least = self._constants.cluster_radius_m, self._constants.cluster_points
         return tuple(part[largest_cluster(part, radius_m, least)] for part in np.split(points, len(drawn)))
 

@@ -85,7 +85,12 @@ def two_visits_recorded(
 
 
 def means_of(query: Query, context: PredictionContext, objects: ObjectMap, *visits: str) -> tuple[int, ...]:
-    """Which objects of a map that was made of `visits` the query's noun means: by their features, or the true ones if given."""
+    """Which objects of a map that was made of `visits` the query's noun means: by their features, or the true ones if given.
+
+    All of them where the noun is withheld.
+    """
+    if not query.category:
+        return tuple(range(len(objects)))
     if context.privileged_grounding:
         return context.true_objects(objects, *visits)
     return grounded(objects.f, context.noun(noun(query.category)), context.settings.grounding.similarity_margin)

@@ -1,6 +1,6 @@
 """The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
 
-from ovman.models.settings.arms import Arm, Arms, Kind, Need, Reading, Source, arms_of, named, of_kind
+from ovman.models.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, named, of_kind
 from ovman.models.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.models.settings.settings import Settings
 from ovman.models.settings.splits import (
@@ -34,6 +34,7 @@ __all__ = [
     "Settings",
     "Source",
     "Split",
+    "Withheld",
     "all_scenes",
     "arms_of",
     "in_main_job",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
@@ -53,6 +53,25 @@ class Need(StrEnum):
     DUALMAP = "dualmap"
 
 
+class Withheld(StrEnum):
+    """What of the question or of the visits an arm is not given, though its agent could use it.
+
+    NOUN: the query's category is ""; NOUN_WRONG: it is that of another thing in the scene; RELATION: the relation is drawn from
+    all six; FIRST_VISIT, SECOND_VISIT: that tour showed nothing.
+    """
+
+    NOUN = "noun"
+    NOUN_WRONG = "noun_wrong"
+    RELATION = "relation"
+    FIRST_VISIT = "first_visit"
+    SECOND_VISIT = "second_visit"
+
+    @property
+    def visit(self) -> str | None:
+        """The visit that is withheld, "first" or "second"."""
+        return {Withheld.FIRST_VISIT: "first", Withheld.SECOND_VISIT: "second"}.get(self)
+
+
 def _function(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*", value):
         raise ValueError(f'{value!r} names no function; write "package.module:function"')
@@ -78,6 +97,10 @@ class Arm(Section):
     )
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
+    control: bool = Field(False, description="shows what the benchmark measures, and is no system; it stands apart in the tables")
+    withheld: Annotated[Withheld, Field(strict=False)] | None = Field(
+        None, description="what a static arm is not given of the query or of the visits"
+    )
     needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
         (), description="what it is given beside query and observations"
     )
@@ -108,7 +131,7 @@ class Arm(Section):
         return handed and not self.reads_labels
 
 
-WORDS = ("system", "memory")
+WORDS = ("system", "memory", "control")
 """Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""
 
 
@@ -160,6 +183,26 @@ def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
             found.add(arm.name)
         met.add(entry)
     return frozenset(found)
+
+
+def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What of `withheld` does not fit the rest of an arm's entry: its place, and what is to be said of it."""
+    for name, arm in arms.items():
+        place, withheld = ("arms", name, "withheld"), arm.withheld
+        executed = None if arm.executes is None else arms.get(arm.executes)
+        if executed is not None and executed.withheld is not None:
+            says = f"from which {executed.withheld} is withheld, and from an embodied arm nothing is; name another"
+            yield ("arms", name, "executes"), f"is {arm.executes}, {says}"
+        if withheld is None:
+            continue
+        if arm.kind is Kind.EMBODIED:
+            yield place, "is not for an arm that is embodied; take it out"
+        if arm.made_by is not None:
+            yield place, f"is {withheld}, but plug-in {arm.made_by} asks the arm; take it out"
+        if withheld in (Withheld.NOUN, Withheld.NOUN_WRONG) and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
+            yield place, f"is {withheld}, but the arm is handed what the noun means; write grounding: own and positions: own"
+        if withheld.visit is not None and (joint := {Need.MAINTAINED, Need.DUALMAP} & set(arm.needs)):
+            yield place, f"is {withheld}, but {min(joint)} is made of both visits; name an arm that needs maps or tours"
 
 
 def named(arms: Sequence[Arm], name: str) -> Arm:

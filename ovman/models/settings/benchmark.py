@@ -164,6 +164,16 @@ class Appearance(Section):
     least_pairs: Some = Field(description="pairs of each kind, same and different, from which on weights are fitted")
 
 
+class Controls(Section):
+    """Controls that compare the tours' pictures."""
+
+    changed_m: Metres = Field(description="metres by which depth differs where something has changed")
+    changed_level: Annotated[float, Field(gt=0, lt=1)] = Field(
+        description="by which a colour channel differs where something has changed; full scale is 1"
+    )
+    every_px: Annotated[Some, Field(le=20)] = Field(description="rows and columns from one compared pixel to the next")
+
+
 class SingleVisit(Section):
     """The single-visit baseline."""
 

@@ -44,6 +44,21 @@ class Memory(Section):
     baseline: str = Field(description="the arm that has the second alone")
 
 
+class Control(Section):
+    """An arm of the table of controls: a control, or an agent that controls are set beside."""
+
+    name: str = Field(description="the key of its entry: an arm")
+    title: str = Field("", description="what the figure calls it; the arm's system if not given")
+    role: Annotated[str, Field(pattern=r"^[a-z_]*$")] = Field(
+        "", description='"controls.role" is the arm in statements of our own'
+    )
+    means: str = Field("", description="what it is, and what its success says, on the page of results; nothing for an agent")
+
+
+Controls = Annotated[dict[str, Control], BeforeValidator(_named)]
+"""By the name of an arm, in the order of the tables; an entry that is null is left out."""
+
+
 class Comparisons(Section):
     """Which arms are tested against each other, and which ones single tables are about.
 
@@ -62,6 +77,7 @@ class Comparisons(Section):
     )
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with what is said of it beside the chance of 1/n")
+    controls: Controls = Field(description="arms of the table of controls: agents, and the controls that are set beside them")
 
 
 class PaperRows(Section):
@@ -85,15 +101,19 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
                 ("comparisons", "memory", role),
                 f"is {name}, which is no static arm; there are {', '.join(of_kind[Kind.STATIC])}",
             )
-        elif set(arms[name].needs) - {Need.MAPS} or arms[name].reads_sightings or arms[name].reads_labels or arms[name].runs > 1:
+        elif set(arms[name].needs) - {Need.MAPS} or _another_game(arms[name]):
             yield (
                 ("comparisons", "memory", role),
-                f"is {name}; name an arm that needs maps at most, is handed nothing and runs once",
+                f"is {name}; name an arm that needs maps at most, is handed nothing, is withheld nothing and runs once",
             )
     for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):
             if name in of_kind[Kind.EMBODIED]:
                 yield ("comparisons", section, name), "is an embodied arm; name a static one"
+    roles = [entry.role for entry in comparisons.controls.values() if entry.role]
+    for name, entry in comparisons.controls.items():
+        if roles.count(entry.role) > 1:
+            yield ("comparisons", "controls", name, "role"), f"is {entry.role}, which is that of another entry, too; rename one"
     tested = {(pair.arm, pair.baseline) for pair in comparisons.pairs.values()}
     for lower, upper in pairwise(comparisons.rungs):
         if (upper, lower) not in tested:
@@ -109,3 +129,8 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
                 yield place, "has an embodied arm; pairings are of static arms, write it under comparisons.pairs"
             if pair.arm in arms and arms[pair.arm].expected:
                 yield place, f"tests {pair.arm}, a stochastic pick; no exact test does, name it as the baseline"
+
+
+def _another_game(arm: Arm) -> bool:
+    """Whether an arm is given more or less than an agent is, or has several runs."""
+    return arm.reads_sightings or arm.reads_labels or arm.runs > 1 or arm.withheld is not None

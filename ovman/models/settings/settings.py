@@ -13,6 +13,7 @@ from ovman.models.settings.benchmark import (
     Benchmark,
     Camera,
     Candidates,
+    Controls,
     Evaluation,
     Grounding,
     Maps,
@@ -58,6 +59,7 @@ class Settings(Section):
     training: Training
     locobot: Locobot
     cow: Cow
+    controls: Controls
     plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")
     arms: Arms
     comparisons: Comparisons

@@ -152,12 +152,16 @@ class Metrics:
             return self._arms[text]
         if text.startswith(("static.", "embodied.")):
             raise Missing(f"section paper of config.yaml names no arm for {text}")
+        if text.startswith("controls."):
+            raise Missing(f"no entry of comparisons.controls in config.yaml has the role of {text}")
         return text
 
 
 def arms_by_row(comparisons: Comparisons, paper: PaperRows) -> dict[str, str]:
-    """The first arm beside each row of the paper's tables, by "static.two" and the like, and the agent by "agent"."""
+    """The first arm beside each row of the paper's tables, by "static.two" and the like, the agent by "agent", and controls by
+    their roles, "controls.depth"."""
     arms = {"agent": comparisons.agent}
+    arms |= {f"controls.{entry.role}": name for name, entry in comparisons.controls.items() if entry.role}
     for table, rows in (("static", paper.static), ("embodied", paper.embodied)):
         for arm, row in rows.items():
             arms.setdefault(f"{table}.{row}", arm)

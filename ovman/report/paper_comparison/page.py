@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
@@ -15,6 +16,7 @@ from ovman.models.settings import Settings
 from ovman.report.paper_comparison import comparison
 from ovman.report.paper_comparison import statement as statements
 from ovman.report.paper_comparison.comparison import beside_paper, embodied, static
+from ovman.report.paper_comparison.controls import controls_of, meanings
 from ovman.report.paper_comparison.explanations import EXPLANATIONS, Explanation, beside
 from ovman.report.paper_comparison.explanations import read as read_explanations
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading, arms_by_row
@@ -26,6 +28,8 @@ from ovman.report.tables.position import POSITION, position_table
 from ovman.report.tables.table import markdown_body, pipe_table
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
+OWN = Path(__file__).with_name("controls.yaml")
+"""Statements of our own."""
 FIGURES = "figures"
 """Directory of the figures beside the page, under results/ and under docs/ alike."""
 OWN_WEIGHTS = "models/"
@@ -37,6 +41,7 @@ class Sources:
 
     paper: Path = PAPER
     statements: Path = statements.STATEMENTS
+    own: Path = OWN
     explanations: Path = EXPLANATIONS
     template: Path = TEMPLATE
     position: Path = POSITION
@@ -82,7 +87,8 @@ def run(metrics_files: Sequence[Path], sources: Sources, constants: Settings, *,
     """
     metrics = Metrics.load(metrics_files, arms_by_row(constants.comparisons, constants.paper))
     page.write_text(rendered(metrics, sources, constants), encoding="utf-8", newline="\n")
-    for judgement in (judged(statement, metrics) for statement in every(statements.read(sources.statements))):
+    groups = (*statements.read(sources.statements), *statements.read(sources.own))
+    for judgement in (judged(statement, metrics) for statement in every(groups)):
         print(
             f"{judgement.statement.key}: {mark(judgement)}" + (f" ({judgement.missing})" if judgement.missing else ""),
             flush=True,
@@ -93,13 +99,30 @@ def rendered(
     metrics: Metrics, sources: Sources, constants: Settings, explanations: Mapping[str, Explanation] | None = None
 ) -> str:
     """The page, Markdown. explanations: those of the sources if not given."""
-    paper, groups = Paper.read(sources.paper), statements.read(sources.statements)
+    paper, groups, own = Paper.read(sources.paper), statements.read(sources.statements), statements.read(sources.own)
     if explanations is None:
-        explanations = read_explanations(every(groups), sources.explanations, paper)
-    judgements = {group.title: [judged(statement, metrics) for statement in group.statements] for group in groups}
+        explanations = read_explanations(every((*groups, *own)), sources.explanations, paper)
+    judgements, ours = (
+        {group.title: [judged(statement, metrics) for statement in group.statements] for group in some} for some in (groups, own)
+    )
     verdicts = Counter({verdict.value: 0 for verdict in Verdict})
     verdicts.update(judgement.verdict.value for group in judgements.values() for judgement in group)
-    numbers = {statement.key: number for number, statement in enumerate(every(groups), 1)}
+    numbers = {statement.key: number for number, statement in enumerate(every((*groups, *own)), 1)}
+
+    def shown(title: str, group: Sequence[Judgement], papers_own: bool) -> dict[str, Any]:
+        notes = {
+            numbers[judgement.statement.key]: "\n\n".join(
+                filter(None, (readings_of(judgement), beside(judgement, explanations, metrics, paper, numbers)))
+            )
+            for judgement in group
+        }
+        return {
+            "title": title,
+            "table": _table(group, numbers, paper, "the paper says" if papers_own else "we say"),
+            "notes": [{"number": number, "text": text} for number, text in notes.items() if text],
+            "decided": [_decided(judgement, numbers, paper, papers_own) for judgement in group],
+        }
+
     episodes = metrics.find(static("static.positions_two", ALL, "n")) or metrics.find(comparison.outcomes(comparison.EPISODES))
     perception = constants.perception
     template = sources.template.read_text(encoding="utf-8")
@@ -107,7 +130,7 @@ def rendered(
     text = environment.from_string(template).render(
         summary=_summary(metrics, paper),
         verdicts=verdicts,
-        statements=len(numbers),
+        statements=len(every(groups)),
         episodes=EMPTY if episodes is None else written(episodes.value, Form.COUNT),
         paper_episodes=papers(paper["taxonomy.episodes.all"], Form.COUNT),
         embedded=constants.benchmark.backend == "embedded",
@@ -118,19 +141,10 @@ def rendered(
         failing=_all_named(Verdict.FAILS, judgements, numbers),
         hanging=_all_named(Verdict.SOME, judgements, numbers),
         untold=_all_named(Verdict.UNKNOWN, judgements, numbers),
-        groups=[
-            {
-                "title": title,
-                "table": _table(group, numbers, paper),
-                "notes": [
-                    {"number": numbers[judgement.statement.key], "text": "\n\n".join(filter(None, notes))}
-                    for judgement in group
-                    if any(notes := (readings_of(judgement), beside(judgement, explanations, metrics, paper, numbers)))
-                ],
-                "decided": [_decided(judgement, numbers, paper) for judgement in group],
-            }
-            for title, group in judgements.items()
-        ],
+        groups=[shown(title, group, True) for title, group in judgements.items()],
+        own=[shown(title, group, False) for title, group in ours.items()],
+        controls=controls_of(metrics, constants),
+        meanings=meanings(constants),
         static=beside_paper(comparison.static_lines(constants, paper), "arm", metrics, paper),
         embodied=beside_paper(comparison.embodied_lines(constants, paper), "agent", metrics, paper),
         intervals=comparison.intervals(metrics, paper),
@@ -166,7 +180,7 @@ def _summary(metrics: Metrics, paper: Paper) -> str:
     return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
 
 
-def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper) -> str:
+def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper, says: str) -> str:
     rows = [
         [
             str(numbers[judgement.statement.key]),
@@ -178,7 +192,7 @@ def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper)
         ]
         for judgement in group
     ]
-    heads = ["#", "the paper says", "figure", "here", "paper", "verdict"]
+    heads = ["#", says, "figure", "here", "paper", "verdict"]
     return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, ["-:", "-", "-", "-:", "-:", "-"], *rows))
 
 
@@ -217,13 +231,13 @@ def _papers(quantity: Quantity, paper: Paper) -> str:
     return EMPTY if quantity.paper is None else papers(paper[quantity.paper], quantity.form).replace(" ", "\u00a0")
 
 
-def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper) -> str:
+def _decided(judgement: Judgement, numbers: Mapping[str, int], paper: Paper, papers_own: bool) -> str:
     """One item of a list: key, test, and where each figure of ours and of the paper's is."""
     statement = judgement.statement
     places = list(dict.fromkeys(paper[quantity.paper].place for quantity in statement.figures.values() if quantity.paper))
     found_at = [f"  - {statement.figures[name].label}: {cell.source}" for name, cell in judgement.cells.items()]
-    number, at = numbers[statement.key], "; ".join(places) or "in words only"
-    lines = [f"- **{number}** `{statement.key}` holds if {statement.rule}. Paper: {at}."]
+    number, at = numbers[statement.key], f" Paper: {'; '.join(places) or 'in words only'}." if papers_own else ""
+    lines = [f"- **{number}** `{statement.key}` holds if {statement.rule}.{at}"]
     if judgement.missing:
         lines.append(f"  - cannot be told: {judgement.missing}")
     for name, reading in list(judgement.readings.items())[1:]:

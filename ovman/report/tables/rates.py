@@ -26,7 +26,7 @@ from ovman.report.tables.columns import (
     three,
     words,
 )
-from ovman.report.tables.table import DATA, SECTION, Column, Table
+from ovman.report.tables.table import CONTROLS, DATA, SECTION, Column, Table
 
 _SUFFIXES = {"rate": "", "low": "_low", "high": "_high", "least": "_min", "greatest": "_max"}
 
@@ -34,14 +34,16 @@ _SUFFIXES = {"rate": "", "low": "_low", "high": "_high", "least": "_min", "great
 def static_table(rates: pd.DataFrame, settings: Settings) -> Table:
     """The static gate, one row an arm that has rates. rates: rows of `Rate`.
 
-    Arms on their own come first, then those with grounding and with positions handed over, each in the order of the settings.
+    Arms on their own come first, then those with grounding and with positions handed over, each in the order of the settings, and
+    controls last.
     Arms that differ from another in the reading of what is handed over stand in the table of readings instead. Raises ValueError
     for an arm that is not static.
     """
     confidence = settings.evaluation.confidence
     every = arms_of(settings.arms)
     left = other_readings(every)
-    arms = sorted((arm for arm in of_kind(every, Kind.STATIC) if arm.name not in left), key=handed_over)
+    shown = (arm for arm in of_kind(every, Kind.STATIC) if arm.name not in left)
+    arms = sorted(shown, key=lambda arm: (arm.control, handed_over(arm)))
     rows = _by_arm(rates[~rates["arm"].isin(left)], arms, ALL).join(arms_frame(settings)).rename(columns={"seeds": "runs"})
     rows[SECTION] = [_section(arm) for arm in arms if arm.name in rows.index]
     caption = (
@@ -72,12 +74,15 @@ def static_table(rates: pd.DataFrame, settings: Settings) -> Table:
 
 
 def embodied_table(rates: pd.DataFrame, settings: Settings) -> Table:
-    """The embodied evaluation, one row an arm that has rates, in the order of the settings. rates: rows of `Rate`.
+    """The embodied evaluation, one row an arm that has rates, in the order of the settings, controls last. rates: rows of `Rate`.
 
     Raises ValueError for an arm that is not embodied.
     """
     confidence = settings.evaluation.confidence
-    rows = _by_arm(rates, of_kind(arms_of(settings.arms), Kind.EMBODIED), "sr").join(arms_frame(settings)[["system"]])
+    arms = sorted(of_kind(arms_of(settings.arms), Kind.EMBODIED), key=lambda arm: arm.control)
+    rows = _by_arm(rates, arms, "sr").join(arms_frame(settings)[["system"]])
+    if any(arm.control and arm.name in rows.index for arm in arms):
+        rows[SECTION] = [CONTROLS if arm.control else "" for arm in arms if arm.name in rows.index]
     columns = (
         words("agent"),
         *_relation_columns(),
@@ -122,6 +127,8 @@ def _rate_columns(rate: Column) -> tuple[Column, ...]:
 
 
 def _section(arm: Arm) -> str:
+    if arm.control:
+        return CONTROLS
     if arm.positions is Source.HANDED:
         return "positions handed over (diagnostic)"
     return "grounding handed over (diagnostic)" if arm.grounding is Source.HANDED else ""

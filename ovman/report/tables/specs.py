@@ -10,6 +10,7 @@ import pandas as pd
 
 from ovman.analysis.appearance import Appearance
 from ovman.analysis.budget import Step
+from ovman.analysis.controls import Controlled
 from ovman.analysis.difficulty import Difficulty
 from ovman.analysis.dualmap_objects import Objects
 from ovman.analysis.fragments import Fragments
@@ -34,6 +35,7 @@ from ovman.models.settings import Kind, Settings
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.backprojection import backprojection_table
 from ovman.report.tables.budget import budget_table
+from ovman.report.tables.controls import controls_table
 from ovman.report.tables.difficulty import difficulty_table
 from ovman.report.tables.dualmap import dualmap_table
 from ovman.report.tables.fragments import fragments_table
@@ -84,6 +86,7 @@ SPECS: Mapping[str, TableSpec] = {
     "seeds": TableSpec(Pass, seeds_table),
     "scenes": TableSpec(SceneRate, scenes_table),
     "mover": TableSpec(MoverDistance, mover_table),
+    "controls": TableSpec(Controlled, controls_table),
     "language": TableSpec(LanguageRate, language_table),
     "perception": TableSpec(Score, perception_table),
     "backprojection": TableSpec(Localised, backprojection_table),

@@ -12,6 +12,8 @@ import pandas as pd
 
 SECTION = "section"
 """Column of a table's rows that names the heading above them in LaTeX; blank for a rule without a heading."""
+CONTROLS = "controls"
+"""The section of arms that are no systems. Markdown sets a heading above it, too: nobody must take one for a system."""
 EMPTY, EMPTY_TEX = "—", "---"
 CAPTION_WIDTH = 110
 
@@ -132,6 +134,8 @@ def markdown(table: Table) -> str:
 def markdown_body(table: Table) -> str:
     """The table without its caption, with a line feed at the end."""
     columns, body = table.columns_in(Format.MARKDOWN), table.cells(Format.MARKDOWN).to_numpy().tolist()
+    if SECTION in table.rows and CONTROLS in (sections := table.rows[SECTION].tolist()):
+        body.insert(sections.index(CONTROLS), [f"*{CONTROLS}*", *[""] * (len(columns) - 1)])
     return pipe_table([column.title for column in columns], body, [column.numeric for column in columns])
 
 

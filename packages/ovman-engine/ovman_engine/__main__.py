@@ -52,7 +52,7 @@ def _serve(wire: Wire, width: int, height: int) -> None:
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
     if draws and not kernels.ready():
         log.note("ovman-engine: compiling the rendering kernels, once on this machine, in about half a minute")
-        kernels.compile_all()
+        kernels.compile_once()
     engine = Engine(width, height, draws)
     wire.send(engine.first_message())
     while True:

@@ -7,12 +7,14 @@ start.
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
 import platform
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from pathlib import Path
 
@@ -27,6 +29,13 @@ KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmen
 def ready() -> bool:
     """Whether an earlier process compiled the current kernels on this type of processor."""
     return _mark().exists()
+
+
+def compile_once() -> None:
+    """Compiles all kernels, or waits for the process that is compiling them: engines of a fresh machine are started together."""
+    with _alone():
+        if not ready():
+            compile_all()
 
 
 def compile_all() -> None:
@@ -56,6 +65,21 @@ def compile_all() -> None:
         for old in mark.parent.glob("kernels-*"):
             old.unlink()
         mark.touch()
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """No other process is in here; the kernel lets go of the lock however its holder ends. In a read-only folder, no lock."""
+    path = _mark().with_name("kernels.lock")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        file = path.open("a")
+    except OSError:
+        yield
+        return
+    with file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def _mark() -> Path:

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.dualmap.masks import filtered, histogram
+from ovman.agents.dualmap.masks import cells, filtered, histogram
 from ovman.workflow.config import load
 
 CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap.observation
@@ -72,6 +72,6 @@ def test_what_a_smaller_mask_leaves_too_little_of_goes():
 
 
 def test_a_histogram_counts_each_channel_by_itself():
-    counts = histogram(np.array([[0, 15, 16], [255, 15, 17]], np.uint8), 16)
+    counts = histogram(cells(np.array([[0, 15, 16], [255, 15, 17]], np.uint8), 16), 16)
     assert counts.sum() == 6 and counts.shape == (48,)
     assert counts[0] == counts[15] == 1 and counts[16] == 2 and counts[33] == 2

@@ -21,7 +21,7 @@ from tests.report.paper_comparison.papers import ARMS_BY_ROW, Files, metrics_of,
 ROOT = Path(__file__).parents[3]
 DOCS = ROOT / "docs"
 PAPER = Paper.read()
-STATEMENTS = every(statements.read())
+STATEMENTS, OWN = every(statements.read()), every(statements.read(page.OWN))
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -67,7 +67,7 @@ def test_a_page_of_the_papers_own_figures(whole):
     said = "0 do not, 0 hold under some readings of a definition only, 0 cannot be told**"
     assert f"**Of {total} statements of the paper {total} hold here, {said}" in " ".join(whole.split())
     assert re.search(r"^\| two visits, own perception, static +\| +\*\*0.416\*\* \| +0.416 \|$", whole, re.MULTILINE)
-    assert whole.count("✓\u00a0holds") == total and "✗" not in whole and "?\u00a0" not in whole
+    assert whole.count("✓\u00a0holds") == total + len(OWN) and "✗" not in whole and "?\u00a0" not in whole
     assert "[!WARNING]" not in whole and whole.endswith("\n") and not whole.endswith("\n\n")
     assert not re.search(r"\bnan\b|\binf\b|\bNone\b|Undefined|\{\{|\{%", whole)
     assert max(map(len, re.findall(r"\n{2,}", whole))) == 2, "no two empty lines in a row"
@@ -100,11 +100,12 @@ def test_the_same_metrics_give_the_same_page_and_others_another(whole):
 def test_what_fails_is_named_at_the_top_and_marked_below():
     text = of(in_scene(papers_files(), "0.2"))
     top, below = text.split("## How to read it")
-    failing = [s for s in STATEMENTS if judged(s, metrics_of(in_scene(papers_files(), "0.2"))).verdict is Verdict.FAILS]
+    metrics = metrics_of(in_scene(papers_files(), "0.2"))
+    failing, own = ([s for s in some if judged(s, metrics).verdict is Verdict.FAILS] for some in (STATEMENTS, OWN))
     assert failing and all(statement.claim in top for statement in failing)
     assert (
         below.count("✗\u00a0does\u00a0not\u00a0hold")
-        == len(failing)
+        == len(failing) + len(own)
         == below.count("No explanation yet: the frames have not been inspected.")
     )
 
@@ -113,20 +114,20 @@ def test_what_fails_is_named_at_the_top_and_marked_below():
 def test_without_a_file_the_page_says_so_once_a_statement(name):
     text = of(without(papers_files(), name))
     metrics = metrics_of(without(papers_files(), name))
-    untold = [statement for statement in STATEMENTS if judged(statement, metrics).verdict is Verdict.UNKNOWN]
+    untold = [statement for statement in (*STATEMENTS, *OWN) if judged(statement, metrics).verdict is Verdict.UNKNOWN]
     assert untold and text.count(f"  - cannot be told: there is no {name}") == len(untold)
     assert not re.search(r"\bnan\b|None", text)
 
 
 def test_no_metrics_at_all_is_a_page_too():
     text = of({})
-    assert text.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
+    assert text.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS) + len(OWN)
     assert "0 hold here, 0 do not" in " ".join(text.split()) and "over — episodes" in text
 
 
 def test_files_without_rows_are_a_page_too():
     empty = of({name: [] for name in (*papers_files(), "perception.csv")})
-    assert empty.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
+    assert empty.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS) + len(OWN)
     assert "Nothing can be told: perception.csv has no rows." in empty
 
 
@@ -202,7 +203,7 @@ def test_the_stage_writes_the_page_twice_the_same(tmp_path):
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
     linked = re.findall(r"!\[[^]]*\]\(([^)]*)\)", (tmp_path / "one").read_text())
     assert sorted(linked) == [
-        f"figures/{name}.png" for name in ("agent", "budget", "diag", "difficulty", "memory", "sensitivity")
+        f"figures/{name}.png" for name in ("agent", "budget", "controls", "diag", "difficulty", "memory", "sensitivity")
     ]
 
 

@@ -17,7 +17,8 @@ from tests.arms import CONFIG
 from tests.report.paper_comparison.papers import Files, metrics_of, papers_files
 
 PAPER = Paper.read()
-STATEMENTS = every(read())
+PAPERS = every(read())
+STATEMENTS = (*PAPERS, *every(read(page.OWN)))
 SHOWN = (
     {GIVEN}
     | page.USED
@@ -144,7 +145,8 @@ def test_figures_of_ours_are_those_of_the_paper_when_the_metrics_are(statement):
 
 
 def test_keys_are_unique_and_every_cited_figure_exists():
-    assert len({statement.key for statement in STATEMENTS}) == len(STATEMENTS) == 53
+    assert len({statement.key for statement in STATEMENTS}) == len(STATEMENTS) and len(PAPERS) == 53
+    assert not [q.paper for statement in STATEMENTS[len(PAPERS) :] for q in statement.figures.values() if q.paper]
     cited = {quantity.paper for statement in STATEMENTS for quantity in statement.figures.values() if quantity.paper}
     assert (cited | SHOWN) <= set(PAPER)
 
@@ -192,8 +194,9 @@ def test_no_key_of_the_statements_occurs_twice():
             for inner in part if isinstance(part, tuple) else (part,):
                 yield from keys(inner)
 
-    for names in keys(yaml.compose(FILE.read_text(encoding="utf-8"))):
-        assert len(set(names)) == len(names), names
+    for file in (FILE, page.OWN):
+        for names in keys(yaml.compose(file.read_text(encoding="utf-8"))):
+            assert len(set(names)) == len(names), names
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,107 @@
+"""The frames of a tour at every n-th pixel, and what the frames of another tour show at the same places."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.perception.backprojection import Camera, pixel_points
+
+NEAREST_M = 0.05
+"""What is nearer to a camera than this, or behind it, is not in its picture."""
+AROUND = 3
+"""Cells on each side of the square that stands for a place in a picture: places fall between the cells."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sample:
+    """A frame at every n-th pixel, h rows of w. rgb (h, w, 3) in [0, 1]; depth (h, w) in metres along the optical axis, NaN where
+    it is not known; points (h, w, 3): where that is in the world; pose, camera: of the frame; shape: (H, W) of the frame."""
+
+    rgb: np.ndarray
+    depth: np.ndarray
+    points: np.ndarray
+    pose: CameraPose
+    camera: Camera
+    shape: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """What a frame of another tour shows at the places (h, w) of a sample.
+
+    away: the place's depth for that frame's camera; depth: the nearest depth that the frame shows there; both in metres, NaN
+    where the place is not in the picture. darkest, lightest: the bounds (h, w, 3) of the colour there, NaN where it is hidden.
+    """
+
+    away: np.ndarray
+    depth: np.ndarray
+    darkest: np.ndarray
+    lightest: np.ndarray
+
+
+def sampled(visit: Visit, every_px: int) -> tuple[Sample, ...]:
+    """The frames of a visit at every `every_px`-th row and column. ValueError for a tour without pictures."""
+    return tuple(_sample(frame, every_px) for frame in visit.observations)
+
+
+def _sample(frame: Observation, every_px: int) -> Sample:
+    if frame.rgb is None or frame.depth is None:
+        raise ValueError("a control compares pictures; write needs: [tours] in its entry")
+    pose = frame.pose
+    camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, frame.field_of_view_deg)
+    height, width = frame.depth.shape
+    rows, columns = np.meshgrid(*(np.arange(every_px // 2, side, every_px) for side in (height, width)), indexing="ij")
+    depth = frame.depth[rows, columns].astype(np.float64)
+    points = pixel_points(frame.depth, rows.ravel(), columns.ravel(), camera).reshape(*rows.shape, 3)
+    rgb = frame.rgb[rows, columns] / 255.0
+    return Sample(rgb, np.where(depth > 0, depth, np.nan), points, pose, camera, (height, width))
+
+
+def shown_at(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: float) -> Iterator[Shown]:
+    """What the frames of `tour` show at the places of `sample`: that of the very pose alone if there is one, else all.
+
+    A place is hidden where a frame shows something nearer by more than `hidden_m`. In the frame of the very pose nothing is
+    hidden: pixel stands against pixel.
+    """
+    for other in tour:
+        if other.pose == sample.pose and other.camera == sample.camera and other.depth.shape == sample.depth.shape:
+            yield Shown(sample.depth, other.depth, other.rgb, other.rgb)
+            return
+    for other in tour:
+        yield _shown(sample, other, every_px, hidden_m)
+
+
+def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
+    from scipy.ndimage import maximum_filter, minimum_filter  # takes a quarter of a second, and equal tours need none of it
+
+    rows, columns, distances, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
+    nearest = minimum_filter(np.where(np.isfinite(other.depth), other.depth, np.inf), AROUND, mode="nearest")
+    away, depth = np.full(sample.depth.size, np.nan), np.full(sample.depth.size, np.nan)
+    away[inside], depth[inside] = distances, nearest[rows, columns]
+    depth[~np.isfinite(depth)] = np.nan
+    open_to = inside[depth[inside] > distances - hidden_m]
+    seen = np.isin(inside, open_to, assume_unique=True)
+    bounds = []
+    for extreme in (minimum_filter, maximum_filter):
+        bound = np.full((sample.depth.size, 3), np.nan)
+        bound[open_to] = extreme(other.rgb, (AROUND, AROUND, 1), mode="nearest")[rows[seen], columns[seen]]
+        bounds.append(bound.reshape(sample.rgb.shape))
+    return Shown(away.reshape(sample.depth.shape), depth.reshape(sample.depth.shape), bounds[0], bounds[1])
+
+
+def _cells(points: np.ndarray, other: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Rows and columns (N,) of a sample's cells that points fall into, their depths (N,), and which points these are (N,)."""
+    height, width = other.shape
+    aside, up, away = ((points - np.array(other.camera.position)) @ other.camera.axes()).T
+    ahead = np.flatnonzero(away > NEAREST_M)
+    focal_px = height / 2 / math.tan(math.radians(other.camera.field_of_view_deg) / 2)
+    rows = np.floor((height / 2 - focal_px * up[ahead] / away[ahead]) / every_px).astype(np.int64)
+    columns = np.floor((width / 2 + focal_px * aside[ahead] / away[ahead]) / every_px).astype(np.int64)
+    inside = (rows >= 0) & (rows < other.depth.shape[0]) & (columns >= 0) & (columns < other.depth.shape[1])
+    chosen = ahead[inside]
+    return rows[inside], columns[inside], away[chosen], chosen

@@ -1,0 +1,223 @@
+"""Controls that compare tours: on pictures that are made up, and on tours of a real scene in which one thing was moved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ovman.agents.controls import depth_difference, pixel_difference
+from ovman.agents.controls.difference import DifferenceAgent, answer
+from ovman.agents.controls.samples import sampled, shown_at
+from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
+from ovman.agents.pilot import Pilot
+from ovman.evaluation.recorded_tour import recorded
+from ovman.models.change import Alteration
+from ovman.models.settings.benchmark import Mover
+from ovman.sim import visit
+from ovman.sim.change import World, position
+from ovman.sim.session import AgentPose, Session
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+
+SETTINGS = stage_settings(CONFIG, "predictions", "depth_difference")
+EVERY_PX, RADIUS_M = SETTINGS.controls.every_px, CONFIG.success.radius_m
+CONTROLS = {"depth": depth_difference.nearer, "pixel": pixel_difference.discoloured}
+PAST, PRESENT = True, False
+SIDE, FAR_M, NEAR_M, GREY, RED = 60, 4.0, 2.0, (128, 128, 128), (255, 0, 0)
+AHEAD = CameraPose(0.0, 1.5, 0.0, 0.0, 0.0)
+REACHABLE = np.array([[0.0, 0.0]])
+
+
+def frame(*boxes: tuple[slice, slice], pose: CameraPose = AHEAD) -> Observation:
+    """A grey wall at FAR_M, with red boxes at NEAR_M before it."""
+    rgb, depth = np.full((SIDE, SIDE, 3), GREY, np.uint8), np.full((SIDE, SIDE), FAR_M, np.float32)
+    for box in boxes:
+        rgb[box], depth[box] = RED, NEAR_M
+    return Observation(rgb, depth, pose, 90.0)
+
+
+def tour(*frames: Observation) -> Visit:
+    return Visit(frames, REACHABLE)
+
+
+LEFT, RIGHT = (slice(10, 40), slice(5, 20)), (slice(20, 30), slice(40, 50))
+"""Rows and columns of a larger and of a smaller box."""
+
+
+def place(box: tuple[slice, slice]) -> tuple[float, float]:
+    """Where a box stands on the floor plane: columns are NEAR_M / (SIDE / 2) wide there."""
+    return ((box[1].start + box[1].stop) / 2 - SIDE / 2) * NEAR_M / (SIDE / 2), NEAR_M
+
+
+@pytest.mark.parametrize("differs", CONTROLS.values(), ids=CONTROLS)
+def test_what_one_tour_alone_shows_is_found_in_the_visit_that_is_asked_for(differs):
+    empty, with_box = tour(frame()), tour(frame(RIGHT))
+    for past, first, second in ((PAST, with_box, empty), (PRESENT, empty, with_box)):
+        found = answer(past, first, second, differs, SETTINGS)
+        assert (found.x, found.z) == pytest.approx(place(RIGHT), abs=0.1)
+
+
+def test_depth_tells_what_came_from_what_went_and_colours_do_not():
+    before, now = tour(frame(LEFT)), tour(frame(RIGHT))
+    for past, box in ((PAST, LEFT), (PRESENT, RIGHT)):
+        found = answer(past, before, now, CONTROLS["depth"], SETTINGS)
+        assert (found.x, found.z) == pytest.approx(place(box), abs=0.1)
+    # The larger patch of other colours is where the box has left a wall.
+    found = answer(PRESENT, before, now, CONTROLS["pixel"], SETTINGS)
+    assert found.z == pytest.approx(FAR_M) and found.x < 0
+
+
+def test_the_largest_connected_part_counts_not_the_sum_of_a_frame():
+    upper, lower, middle = (slice(2, 12), slice(0, 12)), (slice(45, 55), slice(0, 12)), (slice(20, 35), slice(40, 52))
+    found = answer(PRESENT, tour(frame()), tour(frame(upper, lower, middle)), CONTROLS["depth"], SETTINGS)
+    assert (found.x, found.z) == pytest.approx(place(middle), abs=0.1)
+
+
+@pytest.mark.parametrize("differs", CONTROLS.values(), ids=CONTROLS)
+def test_without_a_difference_or_without_a_tour_it_abstains(differs):
+    nothing = Abstention(AbstentionReason.NO_CANDIDATE)
+    assert answer(PRESENT, tour(frame(LEFT)), tour(frame(LEFT)), differs, SETTINGS) == nothing
+    for first, second in ((tour(), tour(frame(LEFT))), (tour(frame(LEFT)), tour()), (tour(), tour())):
+        for past in (PAST, PRESENT):
+            assert answer(past, first, second, differs, SETTINGS) == nothing
+
+
+def test_unknown_depth_is_no_difference():
+    unknown = replace(frame(), depth=np.zeros((SIDE, SIDE), np.float32))
+    for first, second in ((unknown, frame(LEFT)), (frame(LEFT), unknown)):
+        assert isinstance(answer(PRESENT, tour(first), tour(second), CONTROLS["depth"], SETTINGS), Abstention)
+
+
+def test_a_tour_without_pictures_is_one_line():
+    with pytest.raises(ValueError, match=r"^a control compares pictures; write needs: \[tours\] in its entry$"):
+        answer(PRESENT, tour(Observation(None, None, AHEAD, 90.0)), tour(), CONTROLS["depth"], SETTINGS)
+
+
+HIDDEN_M = SETTINGS.controls.changed_m
+
+
+def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_them():
+    aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
+    here, other = (sampled(tour(one), EVERY_PX) for one in (frame(), frame(LEFT, pose=aside)))
+    (shown,) = shown_at(here[0], other, EVERY_PX, HIDDEN_M)
+    # A step aside of 0.5 m is 0.5 * 30 / 4 pixels of the wall.
+    moved = 0.5 * (SIDE / 2) / FAR_M
+    columns = np.arange(EVERY_PX // 2, SIDE, EVERY_PX) + 0.5 - moved
+    seen = np.isfinite(shown.depth)
+    assert (seen == (columns >= 0)[None, :]).all() and np.allclose(shown.away[seen], FAR_M)
+    hidden = seen & (shown.depth < FAR_M)
+    assert (
+        hidden.any()
+        and np.isnan(shown.darkest[hidden]).all()
+        and np.isnan(CONTROLS["depth"](here[0], shown, SETTINGS)[hidden]).all()
+    )
+    assert (
+        np.isfinite(shown.darkest[seen & ~hidden]).all()
+        and (CONTROLS["depth"](here[0], shown, SETTINGS)[seen & ~hidden] < 0).all()
+    )
+
+
+def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
+    aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
+    here, tours = sampled(tour(frame()), EVERY_PX)[0], sampled(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
+    (shown,) = shown_at(here, tours, EVERY_PX, HIDDEN_M)
+    assert shown.depth is tours[1].depth and shown.darkest is shown.lightest is tours[1].rgb
+    assert len(list(shown_at(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
+
+
+class Context:
+    settings = SETTINGS
+
+    def __init__(self, first, second):
+        self._tours = {"first": first, "second": second}
+
+    def tour(self, which):
+        return self._tours[which]
+
+
+@pytest.mark.parametrize("control", [depth_difference, pixel_difference])
+def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past(control):
+    context = Context(tour(frame(LEFT)), tour(frame(RIGHT)))
+    by_tense = {}
+    for relation in Relation:
+        for category in ("Chair", "Vase", ""):
+            by_tense.setdefault(relation.past, set()).add(control.predict(Query(category, relation), context)[0])
+    assert {past: len(answers) for past, answers in by_tense.items()} == {PAST: 1, PRESENT: 1}
+
+
+def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing():
+    went = []
+
+    class Recording(Pilot):
+        def act(self, observation, goal):
+            went.append(goal)
+            return Action.STOP
+
+    def driven(first, second):
+        agent = DifferenceAgent(Recording(CONFIG.primitives, np.random.default_rng(0)), CONTROLS["depth"], SETTINGS)
+        agent.familiarise(first)
+        agent.revisit(second)
+        agent.ask(Query("Chair", Relation.APPEARED))
+        return agent.act(Observation(None, None, AHEAD, 90.0))
+
+    assert driven(tour(frame()), tour(frame(RIGHT))) is Action.STOP
+    assert went == [pytest.approx(place(RIGHT), abs=0.1)]
+    assert driven(tour(frame()), tour(frame())) is Action.ABSTAIN and DifferenceAgent.looks is False
+
+
+SCENE, CHAIR = "FloorPlan16", "Chair"
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """Tours of a scene before and after a chair was moved, from the same poses and from others; and both places of the chair."""
+    directory = tmp_path_factory.mktemp("visits")
+    mover = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
+    with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
+        session.reset()
+        cells = np.array(session.reachable())
+        chair, old = next((k, position(o)) for k, o in sorted(session.objects.items()) if o["objectType"] == CHAIR)
+        # The cell with the most free cells around it, away from the chair and from the agent.
+        start, floor = session.pose, np.array([(old.x, old.z)])
+        barred = np.hypot(*(cells - floor).T) < 2.0
+        barred |= np.hypot(*(cells - (start.x, start.z)).T) < 1.2
+        free = np.array([np.sum(np.hypot(*(cells - cell).T) < 0.6) for cell in cells])
+        new = cells[int(np.argmax(np.where(barred, 0, free)))]
+        away = cells[np.hypot(*(cells - new).T) > 0.7]
+        corners, sides = np.array([[1, 1], [-1, -1], [1, -1]]), np.array([[-1, 1], [0, 1], [0, -1]])
+        stands, others = ([away[int(np.argmin(away @ side))] for side in some] for some in (corners, sides))
+        moved = (Alteration(kind="displace", instance=chair, placement=tuple(map(float, new)), height_m=0.5),)
+        tours = {}
+        for name, alterations in (("before", ()), ("after", moved)):
+            for poses, at, turned in (("same", stands, 0.0), ("others", others, 20.0)):
+                world = World(session, alterations, mover, np.random.default_rng(0))
+                views = [AgentPose(float(x), float(z), 45.0 * k + turned) for x, z in at for k in range(8)]
+                where = directory / f"{name}-{poses}"
+                visit.record(session, world, where.name, alterations, views, 1, where, where.name)
+                tours[name, poses] = recorded(where, CONFIG.camera.field_of_view_deg, cells)
+                now = position(session.objects[chair])
+        yield tours, (old.x, old.z), (now.x, now.z)
+
+
+def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
+    return math.dist((found.x, found.z), at) if isinstance(found, Answer) else math.inf
+
+
+@pytest.mark.parametrize("poses", ["same", "others"])
+def test_depth_finds_both_places_of_a_chair_in_a_real_scene(home, poses):
+    tours, old, new = home
+    before, after = tours["before", "same"], tours["after", poses]
+    assert off(answer(PAST, before, after, CONTROLS["depth"], SETTINGS), old) <= RADIUS_M
+    assert off(answer(PRESENT, before, after, CONTROLS["depth"], SETTINGS), new) <= RADIUS_M
+
+
+def test_colours_find_where_a_chair_is_and_nothing_is_found_in_a_home_that_is_as_it_was(home):
+    tours, _, new = home
+    before = tours["before", "same"]
+    for poses in ("same", "others"):
+        assert off(answer(PRESENT, before, tours["after", poses], CONTROLS["pixel"], SETTINGS), new) <= RADIUS_M
+    for differs in CONTROLS.values():
+        assert isinstance(answer(PAST, before, tours["before", "same"], differs, SETTINGS), Abstention)

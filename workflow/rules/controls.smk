@@ -1,0 +1,16 @@
+# Controls and the agents that they are set beside, of all splits in one file.
+JUDGED = [*(kind.value for kind in Kind), *FURTHER]
+
+
+rule controls:
+    input:
+        rates=expand("results/metrics/{of}_rates.csv", of=JUDGED),
+        outcomes=expand("results/metrics/{of}_outcomes.csv", of=JUDGED),
+    output:
+        controls="results/metrics/controls.csv",
+    log:
+        "logs/controls.log",
+    params:
+        constants=stage("controls"),
+    script:
+        "../scripts/controls.py"
