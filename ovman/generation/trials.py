@@ -25,7 +25,7 @@ from ovman.models.sighting import VisitPair
 from ovman.models.tour import Tour
 from ovman.models.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
 from ovman.models.visit import Visit
-from ovman.models.visit_files import VisitFiles, VisitManifest, damages
+from ovman.models.visit_files import VisitFiles, VisitManifest, kept
 from ovman.models.world_state import Instance, WorldState
 from ovman.navigation import geodesic_m
 from ovman.sim import measurement, visit
@@ -70,7 +70,7 @@ class Trials:
         if name not in self._visits:
             directory = self._visits_dir / name
             key = digest(self._constants.canonical, tour.to_json(), [a.to_json() for a in alterations], seed)
-            if _kept(directory, key):
+            if kept(directory, key):
                 self._visits[name] = Visit.load(directory)
             else:
                 world, views = self._world(alterations, candidate.id), visit.views(tour)
@@ -203,16 +203,6 @@ class Trials:
             draft.other_px = {k: VisitPair[int](first=before.largest_px(k), second=after.largest_px(k)) for k in candidate.others}
 
 
-def _kept(directory: Path, key: str) -> bool:
-    """Whether a whole recording of that key lies in `directory`. Says what is damaged."""
-    if not directory.exists() or VisitFiles.keyed(directory) != key:
-        return False
-    wrong = damages(directory)
-    for line in wrong:
-        print(line, flush=True)
-    return not wrong
-
-
 def _made(value: T | None) -> T:
     assert value is not None
     return value
@@ -254,7 +244,7 @@ def run(
     also where the trial was kept.
     """
     (scene,) = Scene.read(scene_file)
-    kept = Journal(journal)
+    journalled = Journal(journal)
     done = []
     with Session(scene.scene, constants) as session:
         trials = Trials(session, scene, constants, visits_dir)
@@ -266,7 +256,7 @@ def run(
 
         for candidate in Candidate.read(candidates_file):
             key = digest(candidate.to_json(), [dict(zip("xz", at, strict=True)) for at in scene.waypoints], constants.canonical)
-            done.append(Trial.from_json(kept.unit(key, partial(measured, candidate))))
+            done.append(Trial.from_json(journalled.unit(key, partial(measured, candidate))))
             tours |= session.with_restarts(partial(trials.tours, done[-1]))
             print(f"{candidate.id}: {done[-1].measured.ended or 'measured'}", flush=True)
     output.write_text(lines(done), encoding="utf-8")

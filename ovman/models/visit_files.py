@@ -110,6 +110,16 @@ def damages(directory: Path) -> list[str]:
     return found
 
 
+def kept(directory: Path, key: str) -> bool:
+    """Whether a whole recording of that key lies in `directory`. Prints what is damaged."""
+    if not directory.exists() or VisitFiles.keyed(directory) != key:
+        return False
+    wrong = damages(directory)
+    for line in wrong:
+        print(line, flush=True)
+    return not wrong
+
+
 class VisitManifest(Record):
     """The recorded tours of a scene, "ovman-visits/1": one digest of content (`VisitFiles.content`) a tour, by its name."""
 

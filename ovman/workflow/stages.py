@@ -146,6 +146,13 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "success.radius_m",
         "single_visit.samples",
     ),
+    # Everything else of the ablation is each episode's own.
+    "ablation_episodes": (),
+    "ablated_tours": ("benchmark.backend", "measurement.min_mask_px"),
+    "ablated_maps": ("camera.field_of_view_deg", "perception.*", "maps.*"),
+    # And of each arm the constants that its entry in section `arms` names.
+    "ablated_predictions": ("admissibility.min_mask_px",),
+    "ablation": ("arms", "benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
     # And the constants that the entry of comparisons.memory.arm names.
     "probes": (
         "comparisons.memory.arm",

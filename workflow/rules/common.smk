@@ -4,6 +4,7 @@ import functools
 
 from ovman.analysis.registry import compared, drawn, in_split_tables, in_tables, of_stage
 from ovman.models.settings import Kind, Need, Withheld, named, of_kind, arms_of, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
+from ovman.models.variant import VARIANTS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
@@ -105,6 +106,11 @@ def sightings_answered(wildcards):
 def arms_of_split(split, kind):
     """The arms of a kind that a split names; what names an arm that is not there is left out."""
     return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]
+
+
+def scenes_of_split(wildcards):
+    """The floor plans of a split."""
+    return SCENES_OF[wildcards.split]
 
 
 def predictions_of_split(wildcards):

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from ovman.models.settings.arms import Arm, Kind, Need
-from ovman.models.settings.values import Section
+from ovman.models.settings.values import Listed, Section
 
 
 class Pair(Section):
@@ -78,6 +78,9 @@ class Comparisons(Section):
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with what is said of it beside the chance of 1/n")
     controls: Controls = Field(description="arms of the table of controls: agents, and the controls that are set beside them")
+    ablation: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
+        description="static arms that are asked what each setting of a split costs them; they need maps or tours at most"
+    )
 
 
 class PaperRows(Section):
@@ -105,6 +108,17 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
             yield (
                 ("comparisons", "memory", role),
                 f"is {name}; name an arm that needs maps at most, is handed nothing, is withheld nothing and runs once",
+            )
+    for name in comparisons.ablation:
+        if name in arms and (
+            arms[name].kind is not Kind.STATIC
+            or set(arms[name].needs) - {Need.MAPS, Need.TOURS}
+            or arms[name].reads_sightings
+            or arms[name].reads_labels
+        ):
+            yield (
+                ("comparisons", "ablation"),
+                f"has {name}; name static arms that need maps or tours at most and are handed nothing",
             )
     for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):

@@ -1,0 +1,40 @@
+"""The stage "ablation": what each setting of a split costs each static arm, alone and together with the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ovman.analysis import frames
+from ovman.analysis.outcomes import read_cases, static_outcomes
+from ovman.analysis.rates import Rate, static_rates
+from ovman.models.prediction import Prediction
+from ovman.models.settings import Settings
+
+
+@dataclass(frozen=True, slots=True)
+class AblationRate(Rate):
+    """The success of an arm on a variant of a split's episodes. variant: a name of `ovman.models.variant.VARIANTS`."""
+
+    variant: str = ""
+
+
+def run(variants: Mapping[str, tuple[Path, Sequence[Path]]], constants: Settings, output: Path) -> None:
+    """Write the rates of the arms on every variant. variants: by name, its episodes and the files of the arms' predictions.
+
+    constants: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence. Raises ValueError in one line unless
+    each arm answers every episode exactly once in each of its runs.
+    """
+    rows = []
+    for name, (episodes_file, prediction_files) in variants.items():
+        outcomes = static_outcomes(
+            read_cases(episodes_file),
+            [prediction for file in prediction_files for prediction in Prediction.read(file)],
+            radius_m=constants.success.radius_m,
+            samples=constants.single_visit.samples,
+            seed=constants.benchmark.seed,
+        )
+        for rate in static_rates(outcomes, constants.evaluation.confidence):
+            rows.append(AblationRate(**{field: getattr(rate, field) for field in Rate.__slots__}, variant=name))
+    frames.write(output, AblationRate, rows)
