@@ -1,7 +1,8 @@
 """Variants of an episode: its scripted change with some of what its split adds to the paper's protocol, and no more. Pure.
 
-A split may add changes of other categories, a second tour of its own, another light, and sensors that err. Which of them costs an
-agent what is told by the same episodes with one of them in force at a time. Query, answer and spawn stay; nothing is certified anew.
+A split may add changes of other categories, a second tour of its own, another light, and sensors that err. What each of
+them costs an agent is seen on the same episodes with one of them in force at a time. Query, answer and spawn stay; nothing is
+certified anew.
 """
 
 from __future__ import annotations

@@ -14,7 +14,7 @@ from ovman.workflow.journal import digest
 
 
 def tour_key(episode: Episode, which: str, min_mask_px: int, made_by: str = "") -> str:
-    """Key of the recording of an episode's visit "first" or "second". made_by: what else it follows from, such as a stage's code."""
+    """Key of the recording of an episode's visit "first" or "second". made_by: what else it follows from."""
     alterations = [alteration.to_json() for alteration in episode.alterations(which)]
     return digest(episode.scene, episode.visits[which], alterations, min_mask_px, *filter(None, [made_by]))
 

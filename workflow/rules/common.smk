@@ -3,7 +3,19 @@
 import functools
 
 from ovman.analysis.registry import compared, drawn, in_split_tables, in_tables, of_stage
-from ovman.models.settings import Kind, Need, Withheld, named, of_kind, arms_of, all_scenes, in_main_job, job_scenes, scenes_of, splits_of
+from ovman.models.settings import (
+    Kind,
+    Need,
+    Withheld,
+    named,
+    of_kind,
+    arms_of,
+    all_scenes,
+    in_main_job,
+    job_scenes,
+    scenes_of,
+    splits_of,
+)
 from ovman.models.variant import VARIANTS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical

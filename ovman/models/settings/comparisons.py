@@ -118,7 +118,7 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
         ):
             yield (
                 ("comparisons", "ablation"),
-                f"has {name}; name static arms that need maps or tours at most and are handed nothing",
+                f"has {name}; name static arms that need maps or tours at most, handed nothing",
             )
     for section in ("rungs", "readings", "difficulty", "shortcuts"):
         for name in getattr(comparisons, section):
