@@ -48,10 +48,13 @@ class Judged:
 
     @classmethod
     def of(cls, rates: Path, outcomes: Path) -> Judged:
-        """By the names of the files: those of the benchmark's own split bear the kind, those of another its name."""
+        """By the names of the files: those of the benchmark's own split bear the kind, those of another its name, and the kind after
+        it where that is embodied."""
         name = rates.stem.removesuffix("_rates")
-        split, kind = (MAIN, Kind(name)) if name in set(Kind) else (name, Kind.STATIC)
-        return cls(split, kind, rates, outcomes)
+        if name in set(Kind):
+            return cls(MAIN, Kind(name), rates, outcomes)
+        split = name.removesuffix(f"_{Kind.EMBODIED}")
+        return cls(split, Kind.STATIC if split == name else Kind.EMBODIED, rates, outcomes)
 
 
 def controlled(judged: Judged, constants: Settings) -> list[Controlled]:

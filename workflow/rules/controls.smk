@@ -1,5 +1,7 @@
-# Controls and the agents that they are set beside, of all splits in one file.
-JUDGED = [*(kind.value for kind in Kind), *FURTHER]
+# Controls and the agents that they are set beside, of all splits of the main job in one file.
+JUDGED = [kind.value for kind in Kind]
+for name in JOB_SPLITS[1:]:
+    JUDGED += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
 
 
 rule controls:

@@ -57,7 +57,7 @@ class Assigned:
         episode, record = self.episode, self.recorded.to_json()
         protocol = {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")}
         drawn = [episode.backend, episode.provenance.seed, episode.id, protocol]
-        return [*drawn, *(record[key] for key in ("alterations", "mover", "views"))]
+        return [*drawn, *(record[key] for key in ("alterations", "movers", "views"))]
 
 
 def assigned(episodes: Sequence[Episode], visits: Path) -> dict[str, Assigned]:
