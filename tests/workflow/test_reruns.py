@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
+from ovman.models.settings import Arm, Kind, Need
 from ovman.workflow.config import load
 from ovman.workflow.parameter import flat, own_constants
 from ovman.workflow.stages import STAGES, matching, owned
@@ -80,6 +81,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "walks": ("dualmap", "predictions:dualmap"),
     "dualmap": ("dualmap_objects", "predictions:dualmap"),
     "predictions:dualmap": ("metrics",),
+    "predictions:tours": ("metrics", "split_metrics"),
     "dualmap_objects": ("tables",),
     "nouns": (
         "rollouts",
@@ -175,9 +177,14 @@ def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
     return tree
 
 
+def made(arm: Arm) -> str:
+    """The stage that makes an arm's records. Of what answers from tours alone only metrics are made."""
+    return OF_ARMS[arm.kind] + (":tours" if arm.kind is Kind.STATIC and Need.TOURS in arm.needs else "")
+
+
 def owners(*names: str) -> set[str]:
     """Those of the stages that lead to the tables that own one of `names`, or one of whose arms reads it."""
-    arms = {OF_ARMS[entry.kind] for entry in CONFIG.arms.values() if matching(own_constants(entry), names)}
+    arms = {made(entry) for entry in CONFIG.arms.values() if matching(own_constants(entry), names)}
     memory = CONFIG.comparisons.memory
     arms |= {"readmitted_predictions" for _, arm in memory if matching(own_constants(CONFIG.arms[arm]), names)}
     arms |= {"probes" for arm in (memory.arm,) if matching(own_constants(CONFIG.arms[arm]), names)}
