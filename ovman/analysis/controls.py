@@ -48,8 +48,8 @@ class Judged:
 
     @classmethod
     def of(cls, rates: Path, outcomes: Path) -> Judged:
-        """By the names of the files: those of the benchmark's own split bear the kind, those of another its name, and the kind after
-        it where that is embodied."""
+        """By the names of the files: those of the benchmark's own split bear the kind, those of another its name, and behind it
+        the kind where that is embodied."""
         name = rates.stem.removesuffix("_rates")
         if name in set(Kind):
             return cls(MAIN, Kind(name), rates, outcomes)

@@ -1,0 +1,104 @@
+"""Variants of an episode: its scripted change with some of its split's settings, recorded in the real engine."""
+
+from __future__ import annotations
+
+import pytest
+
+from ovman.evaluation.ablated_tours import run as record_all
+from ovman.evaluation.ablation import run, variant
+from ovman.models.change import Change
+from ovman.models.episode import Episode
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
+from ovman.models.sensors import Light, Sensors
+from ovman.models.sighting import VisitPair
+from ovman.models.tour import Tour
+from ovman.models.variant import VARIANTS, Setting
+from ovman.models.visit import Visit
+from ovman.models.visit_files import VisitManifest
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA, EPISODES
+
+SCENE = "FloorPlan16"
+ALL = frozenset(Setting)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Episode:
+    """A released episode as the paper has it."""
+    return next(one for one in Episode.load(EPISODES) if one.scene == SCENE and one.relation is Relation.REMOVED)
+
+
+@pytest.fixture(scope="module")
+def full(plain) -> Episode:
+    """The same with every setting: another instance is taken, and the second tour has a yaw, a light and sensors of its own."""
+    (scene,) = Scene.read(DATA / "scenes" / f"{SCENE}.json")
+    taken = next(o for o in scene.objects if o.moveable and o.category != plain.category)
+    other = Change(
+        instance=taken.id,
+        category=taken.category,
+        kind="disable",
+        before=taken.position,
+        after=None,
+        path=None,
+        placement=None,
+        height_m=None,
+        roam=None,
+    )
+    first = plain.tours.first.model_copy(update={"sensors": Sensors(errors=CONFIG.sensors["good"], seed=1)})
+    second = first.model_copy(
+        update={
+            "first_yaw_deg": 20.0,
+            "light": Light(brightness=0.7, hue=0.1, saturation=0.2),
+            "sensors": Sensors(errors=CONFIG.sensors["good"], seed=2),
+        }
+    )
+    return plain.model_copy(update={"changes": (*plain.changes, other), "tours": VisitPair[Tour](first=first, second=second)})
+
+
+def test_without_any_setting_it_is_the_paper_s_episode(plain, full):
+    assert variant(full, frozenset()) == plain
+
+
+@pytest.mark.parametrize("setting", Setting)
+def test_a_setting_alone_is_what_it_is_and_no_more(plain, full, setting):
+    alone = variant(full, {setting})
+    differs = {
+        Setting.OTHERS: alone.others != (),
+        Setting.SECOND_TOUR: alone.tours.second.first_yaw_deg == 20.0,
+        Setting.LIGHT: alone.tours.second.light is not None,
+        Setting.SENSORS: None not in (alone.tours.first.sensors, alone.tours.second.sensors),
+    }
+    assert [one for one, holds in differs.items() if holds] == [setting]
+    assert alone.tours.first.light is None and alone.visits.second != plain.visits.second
+    kept = ("id", "scene", "query", "sentence", "target", "answer", "spawn", "world_1", "world_2", "protocol")
+    assert all(getattr(alone, name) == getattr(full, name) for name in kept)
+
+
+def test_a_variant_of_a_variant_keeps_what_both_keep(full):
+    for one in VARIANTS.values():
+        for other in VARIANTS.values():
+            assert variant(variant(full, one), other) == variant(full, one & other)
+
+
+def test_every_variant_is_recorded_once_and_kept(full, tmp_path):
+    source = tmp_path / "episodes.jsonl"
+    source.write_text(lines([full]))
+    files = {name: tmp_path / f"{name}.jsonl" for name in VARIANTS}
+    run(source, files)
+    constants, manifest = stage_settings(CONFIG, "ablated_tours"), tmp_path / "visits.json"
+    record_all(SCENE, [*files.values()], constants, tmp_path / "visits", manifest)
+    (made,) = VisitManifest.read(manifest)
+    wanted = {name for file in files.values() for one in Episode.load(file) for name in (one.visits.first, one.visits.second)}
+    assert {*made.visits} == wanted == {path.name for path in (tmp_path / "visits").iterdir()}
+    taken = full.others[0].instance
+    for name, file in files.items():
+        (episode,) = Episode.load(file)
+        seen = Visit.load(tmp_path / "visits" / episode.visits.second)
+        assert (taken in seen.present) == (name not in ("others", "all"))
+        assert (seen.views[0].sensed is not None) == (name in ("sensors", "all"))
+    stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")}
+    record_all(SCENE, [*files.values()], constants, tmp_path / "visits", manifest)
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")} == stamps
