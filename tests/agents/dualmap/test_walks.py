@@ -110,7 +110,7 @@ def job(monkeypatch, tmp_path):
     chair = {"id": "Chair|1", "category": "Chair", "moveable": True, "pickupable": False, "receptacle": True, "parents": []}
     chair |= dict.fromkeys(("position", "size"), {"x": 1.0, "y": 1.0, "z": 1.0})
     record = {"schema": "ovman-scene/2", "scene": "FloorPlan1", "start": {"x": 0.0, "z": 0.0}, "floor_y": 0.0, "reachable": [],
-              "components": [], "waypoints": [], "objects": [chair]}  # fmt: skip
+              "components": [], "waypoints": [], "other_waypoints": [], "mobile": [], "objects": [chair]}  # fmt: skip
     scene.write_text(json.dumps(record))
 
     def run(output, names="abc"):
