@@ -55,8 +55,8 @@ def _worlds(relation: Relation) -> tuple[World, World, str, str | None, tuple[Ch
 
     here, target = dict(CHAIRS), "Chair|a"
     change = Change(
-        instance=target, category=CATEGORY, kind="displace", before=point(here[target]), after=point(ELSEWHERE), path=None, placement=ELSEWHERE,
-        height_m=0.5, roam=None,
+        instance=target, category=CATEGORY, kind="displace", before=point(here[target]), after=point(ELSEWHERE), path=None,
+        placement=ELSEWHERE, height_m=0.5, roam=None,
     )  # fmt: skip
     match relation:
         case Relation.MOVED | Relation.FORMER:
