@@ -94,5 +94,5 @@ def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
     for name, split in constants.splits.items():
         if scene.scene in scenes_of(name, constants.benchmark, constants.splits):
             both = tours(scene, constants.tour.headings, split.second_tour)
-            errors = None if split.sensors is None else constants.sensors[split.sensors]
+            errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
             yield Drawing(name, both, split.draws, split.tries, split.changes, split.others, split.light, errors)

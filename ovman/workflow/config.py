@@ -110,8 +110,6 @@ def _of_splits(settings: Settings) -> Iterator[Contradiction]:
     arms = settings.arms
     job = set(job_scenes(settings.benchmark, settings.splits))
     for name, split in settings.splits.items():
-        if split.sensors is not None and split.sensors not in settings.sensors:
-            yield ("splits", name, "sensors"), f"is {split.sensors}, which is no level; there are {', '.join(settings.sensors)}"
         for number, arm in enumerate(split.arms):
             place = ("splits", name, "arms", str(number))
             if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):

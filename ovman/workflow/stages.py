@@ -47,7 +47,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "benchmark.scenes",
         "candidates.*",
         "splits",
-        "sensors",
+        "sensors.*",
         "tour.headings",
         "mover.step_m",
         "primitives.step_m",
@@ -152,7 +152,14 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "ablated_maps": ("camera.field_of_view_deg", "perception.*", "maps.*"),
     # And of each arm the constants that its entry in section `arms` names.
     "ablated_predictions": ("admissibility.min_mask_px",),
-    "ablation": ("arms", "benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
+    "ablation": (
+        "arms",
+        "comparisons.ablation",
+        "benchmark.seed",
+        "success.radius_m",
+        "single_visit.samples",
+        "evaluation.confidence",
+    ),
     # And the constants that the entry of comparisons.memory.arm names.
     "probes": (
         "comparisons.memory.arm",

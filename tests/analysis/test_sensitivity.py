@@ -17,6 +17,7 @@ from ovman.models.geometry import Spawn
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.sighting import Sighting, VisitPair
+from ovman.models.tour import Tour
 from ovman.models.trial import Trial, TrialMeasurement
 from ovman.models.world_state import Instance, WorldState
 from ovman.workflow.config import ConfigError, load
@@ -27,6 +28,7 @@ from tests.test_arm_names import overlay
 CONSTANTS = stage_settings(CONFIG, "readmitted")
 SETTINGS = settings_of(CONSTANTS)
 OF_MARGINS = stage_settings(CONFIG, "sensitivity")
+TOUR = Tour(waypoints=((0.0, 0.0),), headings=4)
 COUNT = CONFIG.sensitivity.combinations
 
 
@@ -51,8 +53,10 @@ def trial(
             category="Chair",
             target="a",
             distractor=None,
+            tours=VisitPair(first=TOUR, second=TOUR),
             first=(),
             second=(change,),
+            others={},
             spawn=Spawn(x=0.0, z=0.0, yaw_deg=0.0),
             refused=None,
         ),

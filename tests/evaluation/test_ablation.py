@@ -47,12 +47,12 @@ def full(plain) -> Episode:
         height_m=None,
         roam=None,
     )
-    first = plain.tours.first.model_copy(update={"sensors": Sensors(errors=CONFIG.sensors["good"], seed=1)})
+    first = plain.tours.first.model_copy(update={"sensors": Sensors(errors=CONFIG.sensors.good, seed=1)})
     second = first.model_copy(
         update={
             "first_yaw_deg": 20.0,
             "light": Light(brightness=0.7, hue=0.1, saturation=0.2),
-            "sensors": Sensors(errors=CONFIG.sensors["good"], seed=2),
+            "sensors": Sensors(errors=CONFIG.sensors.good, seed=2),
         }
     )
     return plain.model_copy(update={"changes": (*plain.changes, other), "tours": VisitPair[Tour](first=first, second=second)})

@@ -27,8 +27,8 @@ from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import EPISODES
 
-GOOD = CONFIG.sensors["good"]
-EXACT = GOOD.model_copy(update={name: 0.0 for name in Errors.model_fields if name not in ("name", "depth_nearest_m")})
+GOOD = CONFIG.sensors.good
+EXACT = GOOD.model_copy(update={name: 0.0 for name in Errors.model_fields if name != "depth_nearest_m"})
 SCENE = "FloorPlan16"
 poses = st.builds(
     AgentPose,
@@ -100,7 +100,7 @@ def test_depth_errs_with_the_square_of_the_distance(metres):
 
 
 def test_depth_stays_positive():
-    poor = CONFIG.sensors["poor"].model_copy(update={"depth_m": 1.0})
+    poor = CONFIG.sensors.poor.model_copy(update={"depth_m": 1.0})
     sensed = Sensing(Sensors(errors=poor, seed=5)).depth(np.full((50, 50), 0.1, np.float32))
     assert (sensed > 0).all()
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import re
-from typing import Annotated, Any
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from ovman.models.settings.values import Section
 
@@ -20,7 +19,6 @@ class Errors(Section):
     that grow as the root of what was done.
     """
 
-    name: str = Field(description="the key of its entry")
     depth_m: Spread = Field(description="metres, of the depth of what is depth_nearest_m away")
     depth_per_m2: Spread = Field(description="metres per square metre, how it grows with the distance beyond that")
     depth_nearest_m: Spread = Field(description="metres, nearest distance that the sensor is made for")
@@ -30,14 +28,11 @@ class Errors(Section):
     drift_deg: Spread = Field(description="degrees per root of a metre gone, and per root of a full turn")
 
 
-def _named(value: Any) -> Any:
-    if isinstance(value, dict):
-        for name in value:
-            if not re.fullmatch(r"[a-z]+", str(name)) or name == "none":
-                raise ValueError(f"{name!r} cannot name a level; write small letters, and not none, which is no level at all")
-        return {name: {**entry, "name": name} if isinstance(entry, dict) else entry for name, entry in value.items()}
-    return value
+class Levels(Section):
+    """The levels that a split may name."""
+
+    good: Errors = Field(description="of a robot that is well calibrated and localised")
+    poor: Errors = Field(description="of one that is not")
 
 
-Levels = Annotated[dict[str, Errors], BeforeValidator(_named)]
-"""By the name of the level."""
+Level = Literal["good", "poor"]

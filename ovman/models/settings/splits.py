@@ -9,6 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ovman.models.settings.benchmark import Benchmark, PerRelation, floor_plan
+from ovman.models.settings.sensors import Level
 from ovman.models.settings.values import Listed, Section, Some, Whole
 
 MAIN = "main"
@@ -86,7 +87,7 @@ class Split(Section):
     others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
     second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
     light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
-    sensors: str | None = Field(
+    sensors: Level | None = Field(
         None, description="the level of section sensors by which depth and poses err; null for exact ones"
     )
     episodes: PerRelation = Field(description="episodes released per relation")
