@@ -127,6 +127,8 @@ def _defined_in(candidate: Candidate, instance: str) -> tuple[bool, bool]:
 
 def _other_near(candidate: Candidate, measured: TrialMeasurement, apart_m: float) -> bool:
     """Whether something of another category that changes is, or was, nearer than allowed to a scripted place or the answer."""
+    if not candidate.others:
+        return False
     assert measured.changed is not None and measured.answer is not None
     places: dict[bool, list[Point]] = {False: [measured.answer], True: []}
     for instance, where in measured.changed.items():
