@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from ovman.generation.protocol import tours
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.generation.verdict import verdict
@@ -35,8 +36,10 @@ def trial(tmp_path_factory):
             category="Mug",
             target=MUG,
             distractor=None,
+            tours=tours(scene, CONFIG.tour.headings, None),
             first=(),
             second=(ON_A_BALL,),
+            others={},
             spawn=Spawn(x=x, z=z, yaw_deg=0.0),
             refused=None,
         )
