@@ -65,7 +65,7 @@ def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, r
     for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
         predictions.run(arm, EPISODES, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl", SIGHTINGS)
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
-    run_files = sorted((DATA / "runs").rglob("*.jsonl"))
+    run_files = sorted((DATA / "runs").glob("*/seed*/*.jsonl"))
     episodes, judged_runs = {episode.id: episode for episode in released}, 0
     for file in run_files:
         for run in Score.read(file):

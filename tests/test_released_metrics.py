@@ -56,7 +56,7 @@ def rebuilt(tmp_path_factory):
     metrics.run(
         DATA / "episodes" / "main.jsonl",
         sorted((DATA / "predictions").glob("*.jsonl")),
-        sorted((DATA / "runs").rglob("*.jsonl")),
+        sorted((DATA / "runs").glob("*/seed*/*.jsonl")),
         stage_settings(CONFIG, "metrics"),
         directory,
         [arm for arm in ARMS if arm.name in answered],

@@ -151,6 +151,9 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "set": facts["settings"],
         "rows": {group: [row for row in rows if row.group == group] for group in (ALL, CATEGORIES, SIZE)},
         "bars": bars(rows),
+        "development": [
+            name for name, one in config.splits.items() if one.scenes and {*one.scenes} <= {*facts["floor_plans"]["held_out"]}
+        ],
         "pictures": pictures,
         "crops": crops,
         "captions": captions,
