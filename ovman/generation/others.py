@@ -74,13 +74,18 @@ class Beside:
         self._constants = constants
         self._sights = Sight.of(scene, tours.first.waypoints), Sight.of(scene, tours.second.waypoints)
         self.free = [o for o in scene.objects if o.dynamic and not carries(scene, o)]
-        self._seen = {
-            o.id: tuple(sight.solid_angle(o, _centre(o)) >= SURE_SR for sight in self._sights) for o in scene.objects if o.dynamic
+        self._angle_sr = {
+            o.id: tuple(sight.solid_angle(o, _centre(o)) for sight in self._sights) for o in scene.objects if o.dynamic
         }
+        self._seen = {name: tuple(angle_sr >= SURE_SR for angle_sr in both) for name, both in self._angle_sr.items()}
         self._places: dict[str, list[Alteration]] = {}
         step_m = constants.mover.step_m
         walks = {o.id: roam(scene, o, self.floor(scene, o), step_m) for o in self.free if o.id in scene.mobile}
         self._walks = {k: Alteration(kind="motion", instance=k, roam=floor) for k, floor in walks.items() if floor is not None}
+
+    def shows_sr(self, item: SceneObject, kind: Kind) -> float:
+        """How large an instance is foreseen to look in the tour from which its change takes it, or to which it brings it."""
+        return self._angle_sr[item.id][kind in ("enable", "motion")]
 
     def floor(self, scene: Scene, item: SceneObject) -> FreeFloor:
         """The free floor for an instance, off the waypoints of the second tour and the place of the agent."""
@@ -163,8 +168,9 @@ def draw(
 ) -> Found | Rejection:
     """What else changes in a pair of tours in which `changed` changes for the script's query; NO_OTHERS where it is too little.
 
-    first, second: the scripted alterations. The others are farther than candidates.apart_m from where the scripted change is made
-    and from the answer.
+    first, second: the scripted alterations. Of those that change alike, as many look larger than the scripted one as is
+    drawn, where the scene has them: who answers with the largest change is no better off than who answers with any. The
+    others are farther than candidates.apart_m from where the scripted change is made and from the answer.
     """
     terms = beside.terms
     own, alike = KIND_OF[relation], getattr(terms.alike, relation.value)
@@ -176,11 +182,16 @@ def draw(
     full = [changed, *(_put(item, alteration) for item, alteration in put)]
     pool = [o for o in beside.free if o.category != script.query.category and _comparable(o, changed, terms.size_ratio)]
     pool = [pool[k] for k in rng.permutation(len(pool))]
+    shows_sr = beside.shows_sr(changed, own)
+    larger = [o for o in pool if beside.shows_sr(o, own) > shows_sr]
+    smaller = [o for o in pool if beside.shows_sr(o, own) <= shows_sr]
+    above = int(rng.integers(alike + 1))
     there, moving, categories = beside.scene, [changed] if relation is Relation.MOVING else [], dict[str, str]()
     begins: dict[str, Alteration] = {}
     for number in range(wanted):
         turns: list[Kind] = [own] if number < alike else [KINDS[k] for k in rng.permutation(len(KINDS))]
-        options = ((kind, o) for kind in turns for o in pool if o.id not in categories and not _touch(o, full))
+        ranked = pool if number >= alike else [*larger, *smaller] if number < above else [*smaller, *larger]
+        options = ((kind, o) for kind in turns for o in ranked if o.id not in categories and not _touch(o, full))
         chosen = next(((kind, o, made) for kind, o in options if (made := beside.made(o, kind, away, full, rng))), None)
         if chosen is None:
             break
