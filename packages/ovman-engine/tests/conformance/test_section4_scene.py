@@ -282,7 +282,7 @@ def test_randomize_materials_of_another_kind_of_room(thor):
 @pytest.mark.contract("4 RandomizeLighting", "4 ResetLighting")
 @pytest.mark.scenes(3)
 def test_randomize_lighting(thor):
-    """Colours change, depth and ids do not. Ranges with equal ends leave nothing to chance. ResetLighting and Reset restore them."""
+    """Colours change, depth and ids do not. Equal ends leave nothing to chance. ResetLighting and Reset restore the lights."""
     thor.go(thor.free_cell(), 90, 30)
     before = thor.look()
     dim = {"synchronized": True, "randomizeColor": True, "brightness": [0.5, 0.5], "hue": [0.1, 0.1], "saturation": [0.2, 0.2]}
