@@ -82,6 +82,8 @@ LINES = {
     "4 GetSpawnCoordinatesAboveReceptacle": "points at which small objects fit",
     "4 RandomizeMaterials": "other finishes; ids and depth stay the same",
     "4 ResetMaterials": "the finishes of the scene",
+    "4 RandomizeLighting": "lights of other strength and colour within the ranges; ids and depth stay the same",
+    "4 ResetLighting": "the lights of the scene",
     "4 InitialRandomSpawn": "a random arrangement, the same for the same seed",
     "4 SetObjectFilter": "restricts the metadata to these objects",
     "4 ResetObjectFilter": "lists all objects",

@@ -276,6 +276,51 @@ def test_randomize_materials_of_another_kind_of_room(thor):
     thor.ok("RandomizeMaterials", inRoomTypes=[own])
 
 
+# Lighting
+
+
+@pytest.mark.contract("4 RandomizeLighting", "4 ResetLighting")
+@pytest.mark.scenes(3)
+def test_randomize_lighting(thor):
+    """Colours change, depth and ids do not. Equal ends leave nothing to chance. ResetLighting and Reset restore the lights."""
+    thor.go(thor.free_cell(), 90, 30)
+    before = thor.look()
+    dim = {"synchronized": True, "randomizeColor": True, "brightness": [0.5, 0.5], "hue": [0.1, 0.1], "saturation": [0.2, 0.2]}
+    thor.ok("RandomizeLighting", **dim)
+    lit = thor.look()
+    assert lit.frame.mean() < before.frame.mean() - 2
+    assert np.array_equal(lit.depth_frame, before.depth_frame)
+    assert np.array_equal(lit.instance_segmentation_frame, before.instance_segmentation_frame)
+    thor.ok("RandomizeLighting", **dim)
+    assert np.array_equal(thor.look().frame, lit.frame)
+    thor.ok("ResetLighting")
+    assert np.array_equal(thor.look().frame, before.frame)
+    thor.ok("RandomizeLighting")
+    assert not np.array_equal(thor.look().frame, before.frame)
+    pose = thor.pose
+    thor.reset()
+    thor.go(dict(zip("xyz", pose[:3], strict=True)), pose[3], pose[4])
+    assert np.array_equal(thor.look().frame, before.frame)
+
+
+@pytest.mark.contract("4 RandomizeLighting")
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        ({"randomizeColor": False, "hue": [0, 1]}, "randomizeColor=False"),
+        ({"randomizeColor": False, "saturation": [0, 1]}, "randomizeColor=False"),
+        ({"brightness": [-0.5, 1]}, "brightness must be >= 0"),
+        ({"hue": [0, 1.5]}, "hue range must be in [0:1]"),
+        ({"saturation": [-1, 1]}, "saturation range must be in [0:1]"),
+        ({"hue": [0, 0.5, 1]}, "must each have 2 values"),
+    ],
+)
+def test_randomize_lighting_refusals(thor, arguments, complaint):
+    before = thor.look().frame
+    assert complaint in thor.refused("RandomizeLighting", **arguments).metadata["errorMessage"]
+    assert np.array_equal(thor.look().frame, before)
+
+
 # Filters and the rest
 
 
