@@ -41,7 +41,7 @@ WAYPOINTS = [(1.0, 1.0), (3.0, 2.0)]
 TOUR = Tour(waypoints=tuple(WAYPOINTS), headings=2)
 VIEWS = [(x, z, yaw) for x, z in WAYPOINTS for yaw in (0.0, 180.0)]
 CHAIRS = {"Chair|a": (0.5, 3.0), "Chair|b": (2.5, 3.5), "Chair|c": (4.0, 0.5)}
-LAMP = "Lamp|d"
+LAMP = "FloorLamp|d"
 ELSEWHERE = (3.5, 3.5)
 
 World = dict[str, tuple[float, float]]
@@ -249,6 +249,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
         perceived |= {"labels": [root / "labels" / f"{SCENE}.npz"]} if arm.reads_labels else {}
+        perceived |= {"scenes": [root / "scenes" / f"{SCENE}.json"]}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
         main = root / "episodes" / "main.jsonl"
         stage = stage_settings(settings, "predictions", arm.name)
