@@ -167,9 +167,9 @@ def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(rando
         return [shuffled(v) for v in value] if isinstance(value, list) else value
 
     tree = shuffled(TREE) | {"x-notes": {"anything": [1]}}
-    # The order of the arms and of what is compared is that of the tables.
+    # The order of the arms, the splits and of what is compared is that of the tables.
     tree |= {name: TREE[name] for name in ("comparisons", "paper")}
-    tree["arms"] = {name: tree["arms"][name] for name in TREE["arms"]}
+    tree |= {section: {name: tree[section][name] for name in TREE[section]} for section in ("arms", "splits")}
     assert affected(load(tree)) == set()
 
 

@@ -83,14 +83,15 @@ class Reasoning:
 def reasonings(results: Results, episode: Episode, settings: Settings) -> list[Reasoning]:
     """The evidence of the arms that associate both visits, own maps first, as far as the results have it.
 
-    Arms that pick at random (`expected`) associate nothing. The others record their evidence or are handed positions. Of the
+    Arms that pick at random (`expected`) associate nothing, and one from which something is withheld is asked another question
+    than the page's. The others record their evidence or are handed positions. Of the
     readings of what is handed over one is shown.
     """
     found = []
     predictions = {arm: next(iter(runs.values())) for arm, runs in results.predictions(episode.id).items()}
     left = other_readings(results.arms)
     static = [arm for arm in of_kind(results.arms, Kind.STATIC) if arm.name not in left]
-    arms = [arm for arm in static if arm.name in predictions and not arm.expected]
+    arms = [arm for arm in static if arm.name in predictions and not arm.expected and arm.withheld is None]
     maps = [clusters for which in VISITS if (clusters := results.map(episode, which)) is not None]
     if len(maps) == len(VISITS):
         noun = results.nouns.get(episode.noun)

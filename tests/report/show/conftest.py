@@ -244,7 +244,7 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
     tours = [root / "scenes" / f"{SCENE}.json"], [root / "detections" / f"{SCENE}.npz"], root / "visits"
     labels.run(*tours, [root / "labels" / f"{SCENE}.npz"])
-    write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0])})
+    write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0]), noun("FloorLamp"): np.array([0.0, 1.0])})
     files = []
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}

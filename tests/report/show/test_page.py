@@ -71,9 +71,11 @@ def test_a_page_has_the_sentence_the_answer_and_both_tours(made, pages, name):
 def test_static_verdicts_are_those_of_the_metrics(made, pages, name):
     read = Page(pages[name])
     rows = [row for row in _outcomes(made, "static_outcomes.csv") if row["episode"] == name]
-    assert {row["arm"] for row in rows} == {arm.name for arm in of_kind(REFERENCE, Kind.STATIC)}
+    static = of_kind(REFERENCE, Kind.STATIC)
+    assert {row["arm"] for row in rows} == {arm.name for arm in static}
+    assert all(len(read.all("tr", data_arm=arm.name)) == arm.runs for arm in static)
     for row in rows:
-        (shown,) = read.all("tr", data_arm=row["arm"])
+        shown = read.all("tr", data_arm=row["arm"])[int(row["seed"])]
         if row["outcome"] == "answered":
             assert shown.classes == ["found" if float(row["success"]) else "missed"]
             assert f"{float(row['distance_m']):.2f} m" in shown.text
