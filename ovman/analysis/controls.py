@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,6 +18,7 @@ class Controlled:
     """One arm of comparisons.controls on one relation of a split, or on ``all``: its rate as in the split's own rates.
 
     control: whether it is a control. chance: the mean of 1/n_i over the episodes, n_i the instances of an episode's category.
+    chance_of_change: the mean of 1/m_i, m_i the changes of the kind that defines an episode, its own included.
     least, greatest: of the seeds or runs.
     """
 
@@ -32,6 +33,7 @@ class Controlled:
     high: float
     interval: Interval
     chance: float
+    chance_of_change: float
     spl: float | None
     least: float | None
     greatest: float | None
@@ -64,7 +66,7 @@ def controlled(judged: Judged, constants: Settings) -> list[Controlled]:
     """
     kind: type[StaticOutcome] | type[EmbodiedOutcome] = StaticOutcome if judged.kind is Kind.STATIC else EmbodiedOutcome
     outcomes: Sequence[StaticOutcome | EmbodiedOutcome] = frames.read_rows(judged.outcomes, kind)
-    chance = _chance({outcome.episode: outcome for outcome in outcomes})
+    chance = chances({outcome.episode: outcome for outcome in outcomes})
     rates: dict[str, list[Rate]] = {}
     for rate in frames.read_rows(judged.rates, Rate):
         rates.setdefault(rate.arm, []).append(rate)
@@ -75,7 +77,7 @@ def controlled(judged: Judged, constants: Settings) -> list[Controlled]:
         raise ValueError(f"{judged.rates}: {relation} is not in {judged.outcomes}; make the metrics again") from None
 
 
-def _row(judged: Judged, control: bool, rate: Rate, chance: float) -> Controlled:
+def _row(judged: Judged, control: bool, rate: Rate, chance: tuple[float, float]) -> Controlled:
     return Controlled(
         split=judged.split,
         kind=judged.kind,
@@ -87,21 +89,27 @@ def _row(judged: Judged, control: bool, rate: Rate, chance: float) -> Controlled
         low=rate.low,
         high=rate.high,
         interval=rate.interval,
-        chance=chance,
+        chance=chance[0],
+        chance_of_change=chance[1],
         spl=rate.spl,
         least=rate.least,
         greatest=rate.greatest,
     )
 
 
-def _chance(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str, float]:
-    """The mean of 1/n by relation, and over all. outcomes: one an episode."""
+def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str, tuple[float, float]]:
+    """The means of 1/n and of 1/m (``Controlled``) by relation, and over all. outcomes: one an episode."""
     if not outcomes:
         return {}
     return {
-        relation: math.fsum(1.0 / outcome.instances for outcome in group) / len(group)
+        relation: (_mean(1.0 / outcome.instances for outcome in group), _mean(1.0 / outcome.alike for outcome in group))
         for relation, group in by_relation([*outcomes.values()])
     }
+
+
+def _mean(values: Iterable[float]) -> float:
+    listed = [*values]
+    return math.fsum(listed) / len(listed)
 
 
 def run(rates: Sequence[Path], outcomes: Sequence[Path], constants: Settings, output: Path) -> None:

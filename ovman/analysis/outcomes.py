@@ -23,7 +23,8 @@ EXPECTED = "expected"
 @dataclass(frozen=True, slots=True)
 class Case:
     """What judging a prediction needs of an episode. answer: floor-plane (x, z) in metres, for MOVING where the mover was last
-    seen; instances: how many instances the category has; others: where the instances of the category other than the target were
+    seen; instances: how many instances the category has; alike: how many changes are
+    of the kind that defines the episode, itself included; others: where the instances of the category other than the target were
     recorded in the visit that the answer belongs to, the first for past relations and the second for current ones; neighbour_m:
     how far the nearest of them, in that visit or in the second, is from the answer, None where there is none."""
 
@@ -35,6 +36,7 @@ class Case:
     answer: tuple[float, float]
     others: tuple[tuple[float, float], ...] = ()
     neighbour_m: float | None = None
+    alike: int = 1
 
     @classmethod
     def of(cls, episode: Episode) -> Case:
@@ -50,6 +52,7 @@ class Case:
             relation=episode.relation,
             category=episode.category,
             instances=episode.instances_in_category,
+            alike=len(episode.alike),
             answer=episode.answer,
             others=others,
             neighbour_m=min((math.dist(place, episode.answer) for place in others + later), default=None),
@@ -69,6 +72,7 @@ class StaticOutcome:
     relation: Relation
     category: str
     instances: int
+    alike: int
     arm: str
     seed: int
     outcome: str
@@ -90,6 +94,7 @@ class EmbodiedOutcome:
     relation: Relation
     category: str
     instances: int
+    alike: int
     arm: str
     seed: int
     outcome: str
@@ -144,6 +149,7 @@ def static_outcomes(
                 relation=case.relation,
                 category=case.category,
                 instances=case.instances,
+                alike=case.alike,
                 arm=prediction.arm,
                 seed=prediction.seed,
                 outcome=outcome,
@@ -173,6 +179,7 @@ def embodied_outcomes(cases: Sequence[Case], runs: Iterable[Score]) -> list[Embo
                 relation=case.relation,
                 category=case.category,
                 instances=case.instances,
+                alike=case.alike,
                 arm=run.arm,
                 seed=run.seed,
                 outcome=run.outcome,

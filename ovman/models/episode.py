@@ -133,6 +133,13 @@ class Episode(Record):
         return tuple(change for change in self.changes if change.category == self.category)
 
     @property
+    def alike(self) -> tuple[Change, ...]:
+        """The changes of the kind that defines the episode, itself included: for STABLE, of what moves."""
+        cause = self.target if self.distractor is None else self.distractor
+        kind = next(change.kind for change in self.changes if change.instance == cause)
+        return tuple(change for change in self.changes if change.kind == kind)
+
+    @property
     def others(self) -> tuple[Change, ...]:
         """The changes of instances of other categories."""
         return tuple(change for change in self.changes if change.category != self.category)

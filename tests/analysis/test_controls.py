@@ -35,9 +35,9 @@ def files(tmp_path_factory):
 
     def outcomes(count):
         return [
-            static(arm, n, (n + k) % 3 == 0, instances=2 + n % 3)
+            static(arm, n, (n + k) % 3 == 0, instances=2 + n % 3, alike=1 + n % 4)
             if not CONFIG.arms[arm].expected
-            else static(arm, n, 0.25, "expected", instances=2 + n % 3)
+            else static(arm, n, 0.25, "expected", instances=2 + n % 3, alike=1 + n % 4)
             for k, arm in enumerate(arms)
             for n in range(count)
         ]
@@ -72,13 +72,14 @@ def test_rates_are_those_of_the_split_in_the_order_of_the_settings(files):
     assert STRANGER not in {row.arm for row in rows}
 
 
-def test_chance_is_the_mean_of_one_over_the_instances_of_each_episode_once(files):
+def test_chances_are_means_of_one_over_the_instances_or_the_changes_alike_of_each_episode_once(files):
     _, output = files
     rows = frames.read_rows(output, Controlled)
     for row in rows:
         if row.split == "main" and row.kind is Kind.STATIC:
             numbers = [n for n in range(12) if row.relation in ("all", list(Relation)[n % 6])]
             assert row.chance == pytest.approx(sum(1 / (2 + n % 3) for n in numbers) / len(numbers)) and row.n == len(numbers)
+            assert row.chance_of_change == pytest.approx(sum(1 / (1 + n % 4) for n in numbers) / len(numbers))
 
 
 def test_what_contradicts_itself_is_one_line(files, tmp_path):
@@ -97,7 +98,8 @@ def test_the_table_has_a_block_a_split_with_agents_first_and_chance_last(files):
     ]  # fmt: skip
     for block in blocks:
         what = block["what"].tolist()
-        assert what == ["agent"] * 2 + ["control"] * (len(what) - 3) + ["chance"] and block["system"].iloc[-1] == CHANCE
+        assert what == ["agent"] * 2 + ["control"] * (len(what) - 4) + ["chance"] * 2
+        assert block["system"].iloc[-2:].tolist() == [*CHANCE.values()]
     page = markdown(table)
     assert "| multi " in page and "depth difference" in page and "nan" not in page
     assert len(controls_table(frames.frame_of(Controlled, []), CONFIG).rows) == 0

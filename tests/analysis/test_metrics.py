@@ -30,11 +30,13 @@ CONSTANTS = SimpleNamespace(
 
 
 def static(number: int, relation: Relation, success: float, outcome: str = "answered") -> StaticOutcome:
-    return StaticOutcome(f"e{number}", "FloorPlan1", relation, "Chair", 2, "arm", 0, outcome, None, None, success)
+    return StaticOutcome(f"e{number}", "FloorPlan1", relation, "Chair", 2, 1, "arm", 0, outcome, None, None, success)
 
 
 def embodied(number: int, seed: int, success: bool, spl: float) -> EmbodiedOutcome:
-    return EmbodiedOutcome(f"e{number}", "FloorPlan1", Relation.MOVED, "Chair", 2, "arm", seed, "stopped", success, spl, 1.0, 9)
+    return EmbodiedOutcome(
+        f"e{number}", "FloorPlan1", Relation.MOVED, "Chair", 2, 1, "arm", seed, "stopped", success, spl, 1.0, 9
+    )
 
 
 @settings(max_examples=40, derandomize=True, deadline=None)

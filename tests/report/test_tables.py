@@ -58,13 +58,13 @@ def static(arm, successes, outcome="answered", per_relation=4):
         for number in range(per_relation):
             success = successes / per_relation if outcome == "expected" else float(number < successes)
             episode = f"FloorPlan1/{relation}/{number:04d}"
-            rows.append(StaticOutcome(episode, "FloorPlan1", relation, "Chair", 2, arm, 0, outcome, None, None, success))
+            rows.append(StaticOutcome(episode, "FloorPlan1", relation, "Chair", 2, 1, arm, 0, outcome, None, None, success))
     return rows
 
 
 def embodied(arm, seeds=3, per_relation=2):
     return [
-        EmbodiedOutcome(f"FloorPlan1/{relation}/{number:04d}", "FloorPlan1", relation, "Chair", 2, arm, seed, "stopped",
+        EmbodiedOutcome(f"FloorPlan1/{relation}/{number:04d}", "FloorPlan1", relation, "Chair", 2, 1, arm, seed, "stopped",
                         (number, seed) != (0, 1), 0.9 * ((number, seed) != (0, 1)), 3.0, 20)
         for seed in range(seeds) for relation in Relation for number in range(per_relation)
     ]  # fmt: skip

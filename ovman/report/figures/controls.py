@@ -13,7 +13,8 @@ from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, LIGHT, SMAL
 from ovman.report.figures.memory import SHORT
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing
 
-CHANCE = "1/n"
+CHANCES = {"chance": ("1/n", ":"), "chance_of_change": ("1/m", "--")}
+"""What a chance is called, and the style of its line, by column."""
 _WIDTH = 0.8
 _MARKS = ("o", "s", "D", "^", "v", "<", ">", "P", "X", "*")
 _COLOURS = (AMBER, "#2f7d4f", "#a33b3b", "#6b4c9a")
@@ -22,7 +23,7 @@ _PANEL_IN = 1.5
 
 
 def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
-    """Write bars for the agents of comparisons.controls, marks for the controls, and a line for the chance of 1/n."""
+    """Write bars for the agents of comparisons.controls, marks for the controls, and lines for the chances of 1/n and 1/m."""
     try:
         rows = metrics.frame("controls")
         rows, missing = rows[rows["kind"] == Kind.STATIC], "controls.csv has no static arm"
@@ -41,7 +42,7 @@ def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
         if splits:
             key = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
             titles = dict.fromkeys(_name(arm, settings) for arm in settings.comparisons.controls if arm in settings.arms)
-            words = [*(title for title in titles if title in key), CHANCE]
+            words = [*(title for title in titles if title in key), *(title for title, _ in CHANCES.values())]
             style = {"frameon": False, "handlelength": 1.2, "fontsize": SMALL_PT}
             figure.legend([key[word] for word in words], words, loc="outside upper center", ncols=2, **style)
         else:
@@ -66,8 +67,11 @@ def _panel(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
             label = _name(arm, settings) if first else None
             axis.plot(at, float(here.loc[arm, "rate"]), linestyle="", zorder=5, clip_on=False, label=label, **style)
         if len(here):
-            ends, chance = (place - _WIDTH / 2, place + _WIDTH / 2), float(here["chance"].iloc[0])
-            axis.plot(ends, (chance, chance), color=INK, linewidth=0.9, linestyle=":", zorder=4, label=CHANCE if first else None)
+            ends = place - _WIDTH / 2, place + _WIDTH / 2
+            for column, (title, dashes) in CHANCES.items():
+                chance = float(here[column].iloc[0])
+                label = title if first else None
+                axis.plot(ends, (chance, chance), color=INK, linewidth=0.9, linestyle=dashes, zorder=4, label=label)
     axis.set_xlim(-0.6, len(groups) - 0.4)
     axis.set_xticks(range(len(groups)), [*SHORT.values(), ALL.upper()])
 

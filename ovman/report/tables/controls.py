@@ -20,13 +20,15 @@ from ovman.report.tables.columns import (
 )
 from ovman.report.tables.table import DATA, SECTION, Table
 
-CHANCE = "1/n"
+CHANCE = {"chance": "1/n", "chance_of_change": "1/m"}
 JUDGED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}
 
 
 def controls_table(rates: pd.DataFrame, settings: Settings) -> Table:
-    """For each split, and on paper and driving, a row an agent, then a row a control, then the chance of 1/n. rates: rows of
-    `Controlled`."""
+    """For each split, and on paper and driving, a row an agent, then a row a control, then the chances of 1/n and 1/m.
+
+    rates: rows of `Controlled`.
+    """
     blocks = [_block(of, settings) for _, of in rates.groupby(["split", "kind"], sort=False)]
     relations = (*RELATIONS, ALL)
     columns = (
@@ -43,8 +45,9 @@ def controls_table(rates: pd.DataFrame, settings: Settings) -> Table:
     )
     caption = (
         "Controls, by relation and for each split: arms that lack what the task is said to need. Where one of them comes near to "
-        "an agent, the split does not measure what the control lacks. "
-        f"{CHANCE}: the mean of 1/n, n the instances of an episode's category. {MARK} The expectation of a stochastic pick."
+        "an agent, the split does not measure what the control lacks. 1/n: its mean, n the instances of an episode's category. "
+        "1/m: likewise, m the changes of the kind that defines an episode; who sees such changes and does not know which is meant "
+        f"is right so often. {MARK} The expectation of a stochastic pick."
     )
     rows = pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=[column.key for column in columns])
     return Table(caption, columns, rows, wide=True)
@@ -54,9 +57,9 @@ def _block(rates: pd.DataFrame, settings: Settings) -> pd.DataFrame:
     split, kind = str(rates["split"].iloc[0]), Kind(rates["kind"].iloc[0])
     rows = [_row(str(arm), of_arm, settings) for arm, of_arm in rates.groupby("arm", sort=False)]
     rows.sort(key=lambda row: row["what"] == "control")
-    chance = {str(one.relation): one.chance for one in rates.drop_duplicates("relation").itertuples()}
+    relations = rates.drop_duplicates("relation").set_index("relation")
     n = rates.loc[rates["relation"] == ALL, "n"].max()
-    rows.append({"what": "chance", "system": CHANCE, "n": n, **chance})
+    rows += [{"what": "chance", "system": title, "n": n, **relations[column]} for column, title in CHANCE.items()]
     return pd.DataFrame(rows).assign(split=split, judged=JUDGED[kind], **{SECTION: f"{split}, {JUDGED[kind]}"})
 
 

@@ -397,6 +397,7 @@ def controls() -> list[dict[str, str]]:
             high=1.0,
             interval="wilson",
             chance=CHANCE,
+            chance_of_change=1.0,
             spl="",
             least="",
             greatest="",
