@@ -140,10 +140,10 @@ def test_the_stage_writes_rows_and_rates_that_do_not_hang_on_the_order_of_files(
     assert whole["positions_two_visits"]["rate"] == "0.500000" and whole["positions_two_visits"]["interval"] == "wilson"
     assert whole["positions_single_visit"]["interval"] == "poisson_binomial" and whole["positions_single_visit"]["spl"] == ""
     assert (tmp_path / "one" / "metrics" / metrics.EMBODIED_OUTCOMES).read_text().splitlines()[1:] == [
-        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,oracle_check,0,stopped,1,0.500000,2.000000,7,",
-        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,oracle_check,0,stopped,1,0.500000,2.000000,7,",
-        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,oracle_check,1,stopped,1,0.500000,2.000000,7,",
-        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,oracle_check,1,stopped,0,0.000000,2.000000,7,",
+        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,1,oracle_check,0,stopped,1,0.500000,2.000000,7,",
+        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,1,oracle_check,0,stopped,1,0.500000,2.000000,7,",
+        "FloorPlan1/moved/0000,FloorPlan1,moved,Chair,2,1,oracle_check,1,stopped,1,0.500000,2.000000,7,",
+        "FloorPlan1/former/0000,FloorPlan1,former,Chair,2,1,oracle_check,1,stopped,0,0.000000,2.000000,7,",
     ]
 
 

@@ -46,8 +46,8 @@ def controls_table(rates: pd.DataFrame, settings: Settings) -> Table:
     caption = (
         "Controls, by relation and for each split: arms that lack what the task is said to need. Where one of them comes near to "
         "an agent, the split does not measure what the control lacks. 1/n: its mean, n the instances of an episode's category. "
-        "1/m: likewise, m the changes of the kind that defines an episode; who sees such changes and does not know which is meant "
-        f"is right so often. {MARK} The expectation of a stochastic pick."
+        "1/m: likewise, m the changes of the kind that defines an episode; who sees such changes and not which is meant is right "
+        f"so often. {MARK} The expectation of a stochastic pick."
     )
     rows = pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=[column.key for column in columns])
     return Table(caption, columns, rows, wide=True)
