@@ -4,7 +4,7 @@ PAPER = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison", "p
 
 rule figures:
     input:
-        episodes="results/episodes/main.jsonl",
+        episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PLAIN],
         visits=expand("results/visits/{scene}.json", scene=SCENES),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),

@@ -6,4 +6,4 @@ from ovman.report.figures import relations
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    relations.run(work.input("episodes"), Path("results", "visits"), work.constants, directory / "relations.png")
+    relations.run(work.inputs("episodes"), Path("results", "visits"), work.constants, directory / "relations.png")

@@ -1,6 +1,7 @@
 """The picture of the relations (Fig. 2 of the paper): one episode a column, before above, after below, the sentence, the pin.
 
-Views are chosen by projecting the answer into the recorded views of both visits, none by hand. The pin is a filled star where the
+A split whose second tour is another has two rows more. Views are chosen by projecting the answer into the recorded views of both
+visits, none by hand. Rings mark what changes beside the instance that is asked for. The pin is a filled star where the
 answer is an object that must be visible at the stop, a hollow star where it is a place that the object has left.
 """
 
@@ -8,7 +9,8 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,8 @@ LARGER = 0.1
 """Weight of the logarithm of the target's mask size."""
 THERE_M = 0.15
 """A view shows a mover where the answer is if it is no farther from it than this."""
+IN_FRONT_M = 0.5
+"""A view does not show a place if something stands so far before it."""
 
 
 def project(
@@ -66,19 +70,58 @@ def _pin_point(episode: Episode, first: Visit, second: Visit) -> tuple[float, fl
     return x, where.y, z
 
 
-def best_view(episode: Episode, first: Visit, second: Visit, constants: Settings) -> tuple[int, float]:
-    """The view of the tour that shows the answer best, and its score; the target is in it in the visit in which it is there."""
-    point = _pin_point(episode, first, second)
-    showing = first if episode.relation.past else second
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """An episode in one view of each of its visits.
+
+    visits: the first and the second; directory: of the recorded visits of its scene; views: numbers of the views, equal where
+    both visits look from the same poses; score: how well they show the answer, -inf where they do not.
+    """
+
+    episode: Episode
+    visits: tuple[Visit, Visit]
+    directory: Path
+    views: tuple[int, int]
+    score: float
+
+    @classmethod
+    def best(cls, episode: Episode, directory: Path, constants: Settings) -> Shown:
+        """By the views that show the answer best; the target is in the one of the visit that the answer belongs to."""
+        first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
+        point = _pin_point(episode, first, second)
+        showing, other = (first, second) if episode.relation.past else (second, first)
+        one, score = _of_target(episode, showing, point, constants)
+        two = one
+        if [view.pose for view in first.views] != [view.pose for view in second.views]:
+            two, of_other = _of_place(other, point, directory, constants)
+            score += of_other
+        return cls(episode, (first, second), directory, (one, two) if episode.relation.past else (two, one), score)
+
+
+def _of_target(episode: Episode, showing: Visit, point: Sequence[float], constants: Settings) -> tuple[int, float]:
+    """The view of the visit that the answer belongs to, in which the target is seen where the answer is, and its score."""
     min_mask_px = constants.admissibility.min_mask_px
-    target, answer = episode.target, episode.answer
     scores = [-math.inf] * len(showing.views)
     for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
-        away = math.dist((here[target].x, here[target].z), answer)
-        px = view.seen.get(target, 0)
+        away = math.dist((here[episode.target].x, here[episode.target].z), episode.answer)
+        px = view.seen.get(episode.target, 0)
         if px >= min_mask_px and away <= THERE_M:
             scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / min_mask_px)
     return int(np.argmax(scores)), float(max(scores))
+
+
+def _of_place(visit: Visit, point: Sequence[float], directory: Path, constants: Settings) -> tuple[int, float]:
+    """The view of a visit that shows a place best behind which nothing nearer stands, and its score."""
+    camera = constants.camera
+    scores = [_score(point, view, camera) for view in visit.views]
+    for i in sorted(range(len(scores)), key=lambda i: -scores[i]):
+        if scores[i] == -math.inf:
+            break
+        u, v, away = project(point, visit.views[i], camera.width_px, camera.height_px, camera.field_of_view_deg)
+        depth = tour_files.picture(directory / visit.visit / f"{i:02d}_depth.png") / tour_files.MILLIMETRES
+        if depth[int(v), int(u)] >= away - IN_FRONT_M:
+            return i, scores[i]
+    return 0, -math.inf
 
 
 def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
@@ -92,49 +135,69 @@ def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
     axis.plot(u, top, marker="*", markersize=8, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=0.7)
 
 
-def draw(chosen: Sequence[tuple[Episode, Visit, Visit, Path]], constants: Settings, output: Path) -> None:
-    """Write the figure of the chosen (episode, first visit, second visit, directory of the visits) to `output`, and as PDF."""
-    camera = constants.camera
-    columns = len(chosen)
+def _others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+    """Rings on what else changes, where a view shows it."""
+    visit, index = shown.visits[which], shown.views[which]
+    view, here = visit.views[index], visit.positions[index]
+    for change in shown.episode.others:
+        if change.instance not in view.seen or change.instance not in here:
+            continue
+        at = here[change.instance]
+        u, v, _ = project((at.x, at.y, at.z), view, camera.width_px, camera.height_px, camera.field_of_view_deg)
+        if 0 <= u < camera.width_px and 0 <= v < camera.height_px:
+            for colour, width in ((INK, 2.2), ("white", 1.0)):
+                axis.plot(u, v, marker="o", markersize=9, markerfacecolor="none", markeredgecolor=colour, markeredgewidth=width)
+
+
+def _panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+    visit, index = shown.visits[which], shown.views[which]
+    rgb = tour_files.picture(shown.directory / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
+    axis.imshow(np.divide(rgb, 255, dtype=np.float32))
+    axis.set_xlim(0, camera.width_px - 1)
+    axis.set_ylim(camera.height_px - 1, 0)
+    _others(axis, shown, which, camera)
+    if which == 1:
+        point = _pin_point(shown.episode, *shown.visits)
+        u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
+        _pin(axis, u, v, hollow=shown.episode.relation.past)
+
+
+def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Path) -> None:
+    """Write the figure of the chosen episodes, two rows of panels a split, to `output`, and as PDF."""
     panel_in = PAGE_IN / len(Relation)
+    columns = max((len(row) for row in chosen.values()), default=1)
     with drawing(output) as plt:
-        figure, axes = plt.subplots(2, columns, figsize=(panel_in * columns, panel_in * 2 + 0.75), squeeze=False)
-        for column, (episode, first, second, visits) in enumerate(chosen):
-            relation = episode.relation
-            index, _ = best_view(episode, first, second, constants)
-            point = _pin_point(episode, first, second)
-            for row, visit in enumerate((first, second)):
-                axis = axes[row, column]
-                rgb = tour_files.picture(visits / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
-                axis.imshow(np.divide(rgb, 255, dtype=np.float32))
-                axis.set_xticks([])
-                axis.set_yticks([])
-                for spine in axis.spines.values():
-                    spine.set_visible(False)
-                u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
-                if row == 1:
-                    _pin(axis, u, v, hollow=relation.past)
-                if column == 0:
-                    axis.set_ylabel("first visit" if row == 0 else "second visit")
-            axes[0, column].set_title(relation.value.upper(), fontweight="bold")
-            axes[1, column].set_xlabel("\n".join(textwrap.wrap(f"“{episode.sentence}”", WRAP)), fontsize=SMALL_PT)
+        size = panel_in * columns, (panel_in * 2 + 0.75) * len(chosen)
+        figure, axes = plt.subplots(2 * len(chosen), columns, figsize=size, squeeze=False)
+        for axis in axes.flat:
+            axis.set_xticks([])
+            axis.set_yticks([])
+            for spine in axis.spines.values():
+                spine.set_visible(False)
+        for number, (split, row) in enumerate(chosen.items()):
+            for which, called in enumerate(("first visit", "second visit")):
+                axes[2 * number + which, 0].set_ylabel(f"{split}, {called}" if len(chosen) > 1 else called)
+            for column, shown in enumerate(row):
+                for which in (0, 1):
+                    _panel(axes[2 * number + which, column], shown, which, constants.camera)
+                axes[2 * number, column].set_title(shown.episode.relation.value.upper(), fontweight="bold")
+                sentence = textwrap.wrap(f"“{shown.episode.sentence}”", WRAP)
+                axes[2 * number + 1, column].set_xlabel("\n".join(sentence), fontsize=SMALL_PT)
         figure.tight_layout(pad=0.3, w_pad=0.4, h_pad=0.4)
 
 
-def run(episodes_file: Path, visits_dir: Path, constants: Settings, output: Path) -> None:
-    """Draw the best shown episode of each relation, each from another scene if possible."""
-    episodes = Episode.load(episodes_file)
-    chosen: list[tuple[Episode, Visit, Visit, Path]] = []
-    scenes: set[str] = set()
-    for relation in Relation:
-        ranked = []
-        for episode in (e for e in episodes if e.relation is relation):
-            directory = Path(visits_dir) / episode.scene
-            first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
-            _, score = best_view(episode, first, second, constants)
-            ranked.append((episode.scene in scenes, -score, episode.id, episode, first, second, directory))
-        if ranked:
-            *_, episode, first, second, directory = min(ranked, key=lambda r: r[:3])
-            scenes.add(episode.scene)
-            chosen.append((episode, first, second, directory))
+def run(episodes_files: Sequence[Path], visits_dir: Path, constants: Settings, output: Path) -> None:
+    """Draw the best shown episode of each relation of each split, each from another scene of the split if possible.
+
+    episodes_files: of the splits, named after them.
+    """
+    chosen: dict[str, list[Shown]] = {}
+    for file in episodes_files:
+        all_shown = [Shown.best(one, Path(visits_dir) / one.scene, constants) for one in Episode.load(file)]
+        row, scenes = chosen.setdefault(file.stem, []), set[str]()
+        for relation in Relation:
+            of = [one for one in all_shown if one.episode.relation is relation]
+            if of:
+                row.append(min(of, key=lambda one: (one.episode.scene in scenes, -one.score, one.episode.id)))
+                scenes.add(row[-1].episode.scene)
     draw(chosen, constants, Path(output))
