@@ -116,6 +116,7 @@ def draw(
     split that has such. Deterministic under benchmark.seed.
     """
     relation, item, changed = asked.relation, asked.target, asked.changed
+    name = drawing.id(scene.scene, relation.value, index)
     rng = seeds.generator(constants.benchmark.seed, "candidate", *drawing.names, scene.scene, relation.value, index)
     floor = FreeFloor.of(scene, changed, constants.primitives.step_m, keeps_free(scene, drawing.tours))
     script = Script(scene, Query(item.category, relation), item.id)
@@ -144,7 +145,8 @@ def draw(
         second = (drawn,)
     also = NOBODY
     if beside is not None and refused is None:
-        found = others.draw(beside, changed, relation, script, first, second, constants, rng)
+        walk_rng = seeds.generator(constants.benchmark.seed, "mover", name, "tour")
+        found = others.draw(beside, changed, relation, script, first, second, constants, rng, walk_rng)
         if isinstance(found, Rejection):
             refused = found
         else:
@@ -152,7 +154,6 @@ def draw(
     begins = spawn(script, item, first, second, floor, constants, rng, also)
     if begins is None and refused is None:
         refused = Rejection.NO_SPAWN
-    name = drawing.id(scene.scene, relation.value, index)
     return Candidate(
         id=name,
         split=drawing.split,

@@ -16,7 +16,7 @@ import numpy as np
 from ovman.generation import placement
 from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
 from ovman.generation.protocol import keeps_free
-from ovman.generation.roaming import carries, roam, side
+from ovman.generation.roaming import carries, goes_m, roam, side
 from ovman.generation.script import Script
 from ovman.generation.sight import Sight
 from ovman.models.change import Alteration
@@ -70,7 +70,7 @@ class Beside:
     """What may change in a scene beside a scripted change, and what the tours are foreseen to record of it."""
 
     def __init__(self, scene: Scene, tours: VisitPair[Tour], terms: Others, constants: Settings) -> None:
-        self.scene, self.terms, self.keeps_free = scene, terms, keeps_free(scene, tours)
+        self.scene, self.tours, self.terms, self.keeps_free = scene, tours, terms, keeps_free(scene, tours)
         self._constants = constants
         self._sights = Sight.of(scene, tours.first.waypoints), Sight.of(scene, tours.second.waypoints)
         self.free = [o for o in scene.objects if o.dynamic and not carries(scene, o)]
@@ -165,12 +165,14 @@ def draw(
     second: tuple[Alteration, ...],
     constants: Settings,
     rng: np.random.Generator,
+    walk_rng: np.random.Generator,
 ) -> Found | Rejection:
     """What else changes in a pair of tours in which `changed` changes for the script's query; NO_OTHERS where it is too little.
 
-    first, second: the scripted alterations. Of those that change alike, as many look larger than the scripted one as is
-    drawn, where the scene has them: who answers with the largest change is no better off than who answers with any. The
-    others are farther than candidates.apart_m from where the scripted change is made and from the answer.
+    first, second: the scripted alterations; walk_rng: of the movers of the second tour. Of those that change alike, as many look
+    larger than the scripted one as is drawn, where the scene has them: who answers with the largest change is no better off
+    than who answers with any. The others are farther than candidates.apart_m from where the scripted change is made and from
+    the answer.
     """
     terms = beside.terms
     own, alike = KIND_OF[relation], getattr(terms.alike, relation.value)
@@ -211,7 +213,7 @@ def draw(
     if len(categories) < max(alike, terms.count[0]):
         return Rejection.NO_OTHERS
     if moving:
-        walks = _walks(beside, there, moving, begins, constants)
+        walks = _walks(beside, there, moving, begins, constants, walk_rng)
         if walks is None:
             return Rejection.NO_OTHERS
         second = (*walks, *(one for one in second if one.kind != "motion"))
@@ -219,19 +221,25 @@ def draw(
 
 
 def _walks(
-    beside: Beside, there: Scene, moving: Sequence[SceneObject], begins: Mapping[str, Alteration], constants: Settings
+    beside: Beside,
+    there: Scene,
+    moving: Sequence[SceneObject],
+    begins: Mapping[str, Alteration],
+    constants: Settings,
+    walk_rng: np.random.Generator,
 ) -> tuple[Alteration, ...] | None:
-    """The motions of several instances in a scene, each on a floor of its own; None where one of them cannot move.
+    """The motions of several instances in a scene, each on a floor of its own; None where one of them comes less than
+    candidates.mover_min_m far.
 
-    begins: where those begin that are put somewhere first.
+    begins: where those begin that are put somewhere first; walk_rng: of the movers, as a world has it.
     """
-    walks = []
-    for item in moving:
+    walks, steps = [], len(beside.tours.second.waypoints) * beside.tours.second.headings
+    for item, stream in zip(moving, [walk_rng, *walk_rng.spawn(len(moving) - 1)], strict=True):
         floor = roam(there, item, beside.floor(there, item), constants.mover.step_m)
         for other in moving:
             if other is not item and floor is not None:
-                floor = side(floor, (other.position.x, other.position.z), constants.candidates.apart_m)
-        if floor is None:
+                floor = side(floor, (other.position.x, other.position.z), _half_m(item) + CLEARANCE_M)
+        if floor is None or goes_m(floor, constants.mover, stream, steps) < constants.candidates.mover_min_m:
             return None
         begin = begins.get(item.id)
         placement, height_m = (None, None) if begin is None else (begin.placement, begin.height_m)
@@ -262,6 +270,11 @@ def _comparable(one: SceneObject, other: SceneObject, ratio: float) -> bool:
 def _standing(item: SceneObject, floor_y: float) -> SceneObject:
     """The instance on the floor where it is, metres."""
     return item.model_copy(update={"position": item.position.model_copy(update={"y": floor_y + item.size.y / 2})})
+
+
+def _half_m(item: SceneObject) -> float:
+    """Half the diagonal of an instance's box, seen from above."""
+    return float(np.hypot(item.size.x, item.size.z)) / 2
 
 
 def _meets(item: SceneObject, at: Point, full: Sequence[SceneObject]) -> bool:

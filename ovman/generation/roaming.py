@@ -6,6 +6,8 @@ record of the scene shows to be free: where the agent's body has room, and where
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -13,6 +15,8 @@ from ovman.generation.placement import CLEARANCE_M, FreeFloor
 from ovman.models.change import Cell, Roam
 from ovman.models.geometry import Point
 from ovman.models.scene import Scene, SceneObject
+from ovman.models.settings.benchmark import Mover
+from ovman.sim import mover as walking
 from ovman.sim.change import AGENT_RADIUS_M
 from ovman.sim.mover import WAYS
 
@@ -50,18 +54,24 @@ def roam(scene: Scene, item: SceneObject, floor: FreeFloor, step_m: float) -> Ro
     return None if len(reached) == 1 else Roam.over(item.position.x, item.position.z, step_m, reached)
 
 
-def side(floor: Roam, other: Point, apart_m: float) -> Roam | None:
-    """The part of a mover's floor on its own side of the line half-way to `other`, where another mover stands, and apart_m / 2 or
-    more from that line; None if it cannot move there. Movers on the two sides are never nearer to each other than `apart_m`.
+def side(floor: Roam, other: Point, clear_m: float) -> Roam | None:
+    """The part of a mover's floor on its own side of the line half-way to `other`, where another mover stands, and `clear_m` or
+    more from that line; None if it cannot move there. Movers that are no wider than that never meet.
     """
     here, there = np.array([floor.x, floor.z]), np.array(other)
     length = float(np.hypot(*(there - here)))
-    if length < apart_m:
+    if length < 2 * clear_m:
         return None
     along = (there - here) / length
-    kept = {cell for cell in floor.cells if float((np.array(floor.at(cell)) - here) @ along) <= (length - apart_m) / 2}
+    kept = {cell for cell in floor.cells if float((np.array(floor.at(cell)) - here) @ along) <= length / 2 - clear_m}
     reached = _connected(kept)
     return None if len(reached) == 1 else Roam.over(floor.x, floor.z, floor.step_m, reached)
+
+
+def goes_m(floor: Roam, params: Mover, walk_rng: np.random.Generator, steps: int) -> float:
+    """How far from where it sets off a mover comes in so many steps with nobody in its way, metres. walk_rng: its stream."""
+    path = walking.walk(walking.Mover.setting_off(floor, walk_rng), params, walk_rng, steps)
+    return max(math.dist(mover.position, (floor.x, floor.z)) for mover in path)
 
 
 def carries(scene: Scene, item: SceneObject) -> bool:

@@ -49,7 +49,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "splits",
         "sensors.*",
         "tour.headings",
-        "mover.step_m",
+        "mover.*",
         "primitives.step_m",
     ),
     "trials": (*_SIMULATOR, *_GAIT, "benchmark.seed", "measurement.*", "success.sweep_deg"),

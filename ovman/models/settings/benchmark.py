@@ -91,8 +91,9 @@ class Candidates(Section):
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     spawn_beyond_m: Annotated[float, Field(ge=0)] = Field(description="metres, from the spawn to whatever a stop is judged by")
-    apart_m: Metres = Field(
-        description="metres, from where a change is scripted, and from the answer, to what else changes; and between movers"
+    apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
+    mover_min_m: Metres = Field(
+        description="metres that each of several movers comes at least from where it sets off, while it is toured"
     )
     crowding_m: Annotated[float, Field(ge=0)] = Field(
         description="metres, no other instance of the category is this near to the answer"
