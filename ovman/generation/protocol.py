@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ovman.models.geometry import Point
 from ovman.models.scene import Scene
 from ovman.models.sensors import Light, Sensors
-from ovman.models.settings import MAIN, Lighting, Others, SecondTour, Settings, scenes_of
+from ovman.models.settings import MAIN, Lighting, Others, SecondTour, Settings
 from ovman.models.settings.benchmark import PerRelation
 from ovman.models.settings.sensors import Errors
 from ovman.models.sighting import VisitPair
@@ -87,12 +87,15 @@ def main_drawing(scene: Scene, constants: Settings) -> Drawing:
 
 
 def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
-    """The splits that have the scene, the benchmark's own first. constants: candidates.draws, splits, tour.headings, and
-    benchmark.scenes."""
-    if scene.scene in constants.benchmark.scenes:
+    """The splits that have the scene, the benchmark's own first. constants: candidates.draws, splits and tour.headings.
+
+    The benchmark's scenes are those that no split keeps for itself, so that nothing is drawn anew where another scene is added.
+    """
+    kept = any(not split.main_job and scene.scene in (split.scenes or ()) for split in constants.splits.values())
+    if not kept:
         yield main_drawing(scene, constants)
     for name, split in constants.splits.items():
-        if scene.scene in scenes_of(name, constants.benchmark, constants.splits):
+        if not kept if split.scenes is None else scene.scene in split.scenes:
             both = tours(scene, constants.tour.headings, split.second_tour)
             errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
             yield Drawing(name, both, split.draws, split.tries, split.changes, split.others, split.light, errors)

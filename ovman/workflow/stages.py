@@ -44,7 +44,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "scenes": (*_SIMULATOR, "tour.waypoints", "mover.step_m"),
     "candidates": (
         "benchmark.seed",
-        "benchmark.scenes",
         "candidates.*",
         "splits",
         "sensors.*",

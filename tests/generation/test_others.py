@@ -25,6 +25,8 @@ from ovman.models.scene import Scene
 from ovman.models.settings import SecondTour
 from ovman.models.sighting import VisitPair
 from ovman.models.trial import Displaced, TrialMeasurement
+from ovman.sim.mover import Mover, walk
+from ovman.workflow import seeds
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -101,28 +103,36 @@ def test_what_is_drawn_is_the_same_twice_and_no_more_than_asked_for(name):
         assert sum(c.refused is None for c in of_it) <= draws and len(of_it) <= draws * SPLIT.tries
 
 
-def test_movers_are_given_floors_that_are_apart():
+def test_movers_are_given_floors_on_which_they_do_not_meet_and_come_far_enough():
+    scene = scene_of("FloorPlan204")
+    half_m = {o.id: math.hypot(o.size.x, o.size.z) / 2 for o in scene.objects}
     moving = [c for c in drawn_in("FloorPlan204") if c.relation is Relation.MOVING and c.refused is None]
     assert moving
     for c in moving:
-        floors = [a.roam for a in c.second if a.kind == "motion"]
-        assert len(floors) >= 2 and [a.instance for a in c.second if a.kind == "motion"][0] == c.target
+        floors, names = zip(*((a.roam, a.instance) for a in c.second if a.kind == "motion"), strict=True)
+        assert len(floors) >= 2 and names[0] == c.target
         points = [np.array([floor.at(cell) for cell in floor.cells]) for floor in floors]
         gaps = np.hypot(*(points[0][:, None] - points[1]).transpose(2, 0, 1))
-        assert gaps.min() >= APART_M - 1e-3, c.id
+        assert gaps.min() >= half_m[names[0]] + half_m[names[1]], c.id
+        rng = seeds.generator(CONSTANTS.benchmark.seed, "mover", c.id, "tour")
+        steps = len(c.tours.second.waypoints) * c.tours.second.headings
+        for floor, stream in zip(floors, [rng, *rng.spawn(len(floors) - 1)], strict=True):
+            path = walk(Mover.setting_off(floor, stream), CONSTANTS.mover, stream, steps)
+            gone_m = max(math.dist(mover.position, (floor.x, floor.z)) for mover in path)
+            assert gone_m >= CONSTANTS.candidates.mover_min_m, c.id
 
 
 @settings(derandomize=True, max_examples=15, deadline=None)
-@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0.2, 2.5))
-def test_two_sides_of_a_floor_are_apart_and_each_holds_its_own_start(x, z, apart_m):
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0.1, 1.25))
+def test_two_sides_of_a_floor_are_apart_and_each_holds_its_own_start(x, z, clear_m):
     cells = [(i, j) for i in range(-12, 13) for j in range(-12, 13)]
     here, there = Roam.over(0.0, 0.0, 0.25, cells), Roam.over(x, z, 0.25, cells)
-    one, other = side(here, (x, z), apart_m), side(there, (0.0, 0.0), apart_m)
-    if math.hypot(x, z) < apart_m:
+    one, other = side(here, (x, z), clear_m), side(there, (0.0, 0.0), clear_m)
+    if math.hypot(x, z) < 2 * clear_m:
         assert one is None and other is None
     elif one is not None and other is not None:
         assert one.cells <= here.cells and (0, 0) in one.cells
-        assert min(math.dist(one.at(a), other.at(b)) for a, b in product(one.cells, other.cells)) >= apart_m - 1e-3
+        assert min(math.dist(one.at(a), other.at(b)) for a, b in product(one.cells, other.cells)) >= 2 * clear_m - 1e-3
 
 
 def test_the_second_tour_has_other_views_of_the_same_number():

@@ -15,11 +15,13 @@ from ovman.generation import candidates, scenes, trials
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
+from ovman.workflow.config import load
 from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, canonical
-from tests.workflow.test_reruns import CONFIG
+from tests.workflow.test_reruns import TREE, merged
 
 SCENE = "FloorPlan429"
+CONFIG = load(merged(TREE, {"benchmark": {"scenes": [SCENE]}}))
 NOTICED_S = 5.0
 
 

@@ -124,7 +124,8 @@ def walked(session, views, moving, recorded):
     frames, clock = [], []
     for frame in walk.frames(session, there, views, TURN_DEG, STEP_M, LENS_DEG):
         frames.append(frame)
-        clock.append((*map(len, there.paths.values()), there.movers.copy()))
+        ((name, path),) = there.paths.items()
+        clock.append((len(path), there.movers[name]))
     walk.check(session, there, Visit.load(recorded))
     return frames, clock
 
@@ -193,7 +194,7 @@ def test_a_walk_that_ends_otherwise_than_its_visit_is_refused(session, views, mo
     there = world(session, moving)
     for _ in walk.frames(session, there, views[:2], TURN_DEG, STEP_M, LENS_DEG):
         pass
-    with pytest.raises(walk.WalkError, match="moving left the mover at .* record the visits again"):
+    with pytest.raises(walk.WalkError, match="moving left the mover .* at .* record the visits again"):
         walk.check(session, there, Visit.load(recorded))
     unmoved = Visit.load(recorded).model_copy(update={"movers": ()})
     with pytest.raises(walk.WalkError, match=f"{re.escape(next(iter(there.movers)))}.* record the visits again"):

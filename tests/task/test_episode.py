@@ -46,7 +46,13 @@ RUN = {
     "path_length_m": 3.25,
     "actions": 31,
 }
-TOUR = {"waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}], "headings": 4, "first_yaw_deg": 0.0}
+TOUR = {
+    "waypoints": [{"x": -1.0, "z": 0.25}, {"x": 1.0, "z": 0.25}],
+    "headings": 4,
+    "first_yaw_deg": 0.0,
+    "light": None,
+    "sensors": None,
+}
 MOVED = {
     "schema": "ovman-episode/4",
     "id": "FloorPlan201/moved/0003",

@@ -80,7 +80,7 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     driven = {"walks", "rollouts", "scores"}  # these start the engine themselves
     seeing = {"detections", "labels", "maps", "maintained", "predictions", "language", "perception", "backprojection"}
     seeing |= {"fragments", "probes", "readmitted_maps", "readmitted_predictions", "sensitivity"}
-    seeing |= {"cues", "appearance", "split_metrics", "controls"}
+    seeing |= {"cues", "appearance", "split_metrics", "split_scores", "split_embodied_metrics", "controls"}
     assert planned == driven | seeing | {"dualmap", "dualmap_objects", "metrics", "tables"}
     answers = set(re.findall(r"output: results/predictions/(\w+)\.jsonl", said.stdout))
     arms = arms_of(load_files([ROOT / "config.yaml", TINY]).arms)

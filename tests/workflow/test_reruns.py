@@ -18,17 +18,18 @@ from tests.workflow.conftest import ROOT, TINY
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
 DUALMAP = ("dualmap", "predictions:dualmap")
 FRAGMENTS = ("fragments", "readmitted", "readmitted_maps")
+RELEASED = ("episodes", "split_episodes")
+AS = {"episodes": "split_episodes", "scores": "split_scores", "split_metrics": "split_embodied_metrics"}
+"""Rules that take the constants of another's stage."""
 FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "scenes": (
         "backprojection",
         "candidates",
         "cues",
-        "episodes",
         "fragments",
         "labels",
         "perception",
         "predictions",
-        "readmitted",
         "trials",
         "walks",
     ),
@@ -39,15 +40,16 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "certified",
         "cues",
         "detections",
-        "episodes",
+        *RELEASED,
         "labels",
+        "predictions:tours",
         "rollouts",
         "perception",
         "walks",
         *FRAGMENTS,
     ),
-    "admissible": ("certified", "episodes"),
-    "certified": ("episodes",),
+    "admissible": ("certified", *RELEASED),
+    "certified": RELEASED,
     "episodes": (
         "appearance",
         "detections",
@@ -55,15 +57,27 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "language",
         "maintained",
         "metrics",
+        "perception",
         "predictions",
         "scores",
-        "split_metrics",
         "tables",
         "walks",
         *DUALMAP,
         "fragments",
         "probes",
         "readmitted",
+    ),
+    "split_episodes": (
+        "appearance",
+        "detections",
+        "maintained",
+        "perception",
+        "predictions",
+        "rollouts",
+        "split_embodied_metrics",
+        "split_metrics",
+        "split_scores",
+        "tables",
     ),
     "detections": ("backprojection", "cues", "fragments", "labels", "maintained", "maps", "perception", "readmitted_maps"),
     "labels": ("predictions:handed",),
@@ -94,10 +108,12 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "readmitted_predictions",
     ),
     "predictions": ("appearance", "fragments", "language", "metrics", "split_metrics"),
-    "rollouts": ("scores",),
+    "rollouts": ("scores", "split_scores"),
     "scores": ("metrics",),
+    "split_scores": ("split_embodied_metrics",),
     "metrics": ("controls", "tables"),
     "split_metrics": ("controls", "tables"),
+    "split_embodied_metrics": ("controls", "tables"),
     "controls": ("tables",),
     "language": ("tables",),
     "perception": ("tables",),
@@ -188,7 +204,8 @@ def owners(*names: str) -> set[str]:
     memory = CONFIG.comparisons.memory
     arms |= {"readmitted_predictions" for _, arm in memory if matching(own_constants(CONFIG.arms[arm]), names)}
     arms |= {"probes" for arm in (memory.arm,) if matching(own_constants(CONFIG.arms[arm]), names)}
-    return arms | {stage for stage in STAGES if stage in FOLLOWS and owned(stage, names)}
+    found = arms | {stage for stage in STAGES if stage in FOLLOWS and owned(stage, names)}
+    return found | {AS[stage] for stage in found & AS.keys()}
 
 
 def and_what_follows(stages: set[str]) -> set[str]:
@@ -258,4 +275,4 @@ def test_the_rules_that_lead_to_the_tables_are_the_stages_in_their_order(world):
     arrows = {(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", said.stdout)}
     stage = {name: name.partition(":")[0] for name in FOLLOWS}
     assert arrows == {(stage[before], stage[after]) for before, all_after in FOLLOWS.items() for after in all_after}
-    assert set(names.values()) == set(stage.values()) < set(STAGES)
+    assert set(names.values()) == set(stage.values()) < {*STAGES, *AS.values()}

@@ -164,7 +164,7 @@ def _walk_of(one: Assigned) -> list[Any]:
     """What the walk of a visit depends on beside the size of its frames, JSON-serialisable."""
     episode, record = one.episode, one.recorded.to_json()
     protocol = [dict(getattr(episode.protocol, name)) for name in ("camera", "primitives", "mover")]
-    visited = [record[key] for key in ("scene", "alterations", "mover", "views")]
+    visited = [record[key] for key in ("scene", "alterations", "movers", "views")]
     return [episode.backend, episode.provenance.seed, episode.id, protocol, *visited]
 
 

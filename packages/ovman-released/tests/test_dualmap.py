@@ -103,7 +103,7 @@ def test_an_empty_map_is_no_kept_run(tmp_path):
 def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
     class One:
         episode = released("FloorPlan429/removed/0002")
-        recorded = Visit(scene="FloorPlan1", visit="a", alterations=(), placed={}, present={}, mover=None, views=())
+        recorded = Visit(scene="FloorPlan1", visit="a", alterations=(), placed={}, present={}, movers=(), views=())
 
     def known(changes, code=("a",), nouns=("sofa",)):
         given = tree("dualmap")
