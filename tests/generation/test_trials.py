@@ -58,7 +58,7 @@ def made(tmp_path_factory):
     recorded = Recorded(root)
     recorded.visits.mkdir(parents=True)
     scenes.run(SCENE, stage_settings(CONFIG, "scenes"), root / "scene.json", root / "scenes.jsonl")
-    drawing = stage_settings(CONFIG, "candidates").with_values({"benchmark.scenes": [SCENE]})
+    drawing = stage_settings(CONFIG, "candidates")
     candidates.run(root / "scene.json", drawing, root / "candidates.jsonl")
     drawn: dict[Relation, Candidate] = {}
     for candidate in Candidate.read(root / "candidates.jsonl"):

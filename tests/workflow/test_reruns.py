@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.models.settings import Arm, Kind, Need
+from ovman.models.settings import Arm, Kind, Need, in_main_job
 from ovman.workflow.config import load
 from ovman.workflow.parameter import flat, own_constants
 from ovman.workflow.stages import STAGES, matching, owned
@@ -109,7 +109,9 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
     ),
     "predictions": ("appearance", "fragments", "language", "metrics", "split_metrics"),
     "rollouts": ("scores", "split_scores"),
+    "rollouts:main": ("scores:main",),
     "scores": ("metrics",),
+    "scores:main": ("metrics",),
     "split_scores": ("split_embodied_metrics",),
     "metrics": ("controls", "tables"),
     "split_metrics": ("controls", "tables"),
@@ -131,6 +133,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
 VALUES = flat(CONFIG)
+IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits[name].arms}
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
 ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m": 0.03, "validity_radius_m": 1.1} | {
     "spawn_clearance_m": 1.9,
@@ -195,7 +198,9 @@ def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
 
 def made(arm: Arm) -> str:
     """The stage that makes an arm's records. Of what answers from tours alone only metrics are made."""
-    return OF_ARMS[arm.kind] + (":tours" if arm.kind is Kind.STATIC and Need.TOURS in arm.needs else "")
+    if arm.kind is Kind.EMBODIED:
+        return OF_ARMS[arm.kind] + ("" if arm.name in IN_SPLITS else ":main")
+    return OF_ARMS[arm.kind] + (":tours" if Need.TOURS in arm.needs else "")
 
 
 def owners(*names: str) -> set[str]:
