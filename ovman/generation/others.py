@@ -5,6 +5,7 @@ Of each kind of change as many are drawn as the split asks for, of instances and
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
@@ -77,6 +78,8 @@ class Beside:
         self._angle_sr = {
             o.id: tuple(sight.solid_angle(o, _centre(o)) for sight in self._sights) for o in scene.objects if o.dynamic
         }
+        number = Counter(o.category for o in scene.objects)
+        self.several = frozenset(category for category in number if number[category] > 1)
         self._seen = {name: tuple(angle_sr >= SURE_SR for angle_sr in both) for name, both in self._angle_sr.items()}
         self._places: dict[str, list[Alteration]] = {}
         step_m = constants.mover.step_m
@@ -170,9 +173,9 @@ def draw(
     """What else changes in a pair of tours in which `changed` changes for the script's query; NO_OTHERS where it is too little.
 
     first, second: the scripted alterations; walk_rng: of the movers of the second tour. Of those that change alike, as many look
-    larger than the scripted one as is drawn, where the scene has them: who answers with the largest change is no better off
-    than who answers with any. The others are farther than candidates.apart_m from where the scripted change is made and from
-    the answer.
+    larger than the scripted one as is drawn: who answers with the largest change, or the smallest, is no better off than who
+    answers with any. Likewise categories with several instances go first: of the queried one there are several. The others are
+    farther than candidates.apart_m from where the scripted change is made and from the answer.
     """
     terms = beside.terms
     own, alike = KIND_OF[relation], getattr(terms.alike, relation.value)
@@ -192,7 +195,8 @@ def draw(
     begins: dict[str, Alteration] = {}
     for number in range(wanted):
         turns: list[Kind] = [own] if number < alike else [KINDS[k] for k in rng.permutation(len(KINDS))]
-        ranked = pool if number >= alike else [*larger, *smaller] if number < above else [*smaller, *larger]
+        ranked = pool if number >= alike else larger if number < above else smaller
+        ranked = sorted(ranked, key=lambda o: o.category not in beside.several)
         options = ((kind, o) for kind in turns for o in ranked if o.id not in categories and not _touch(o, full))
         chosen = next(((kind, o, made) for kind, o in options if (made := beside.made(o, kind, away, full, rng))), None)
         if chosen is None:
