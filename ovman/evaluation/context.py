@@ -17,6 +17,7 @@ from ovman.models.episode import Episode
 from ovman.models.settings import Arm, Need, Settings, Source
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.models.world_state import WorldState
+from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.labels import Labels
 from ovman.perception.object_map import ObjectMap
 from ovman.task.world import recorded_world
@@ -43,6 +44,10 @@ class RolloutContext:
     def mapper(self) -> Mapper:
         """See `AgentContext.mapper`."""
         return self.store.mapper
+
+    def detections(self, visit: Visit) -> Detected:
+        """See `AgentContext.detections`."""
+        return self.store.detections_in(visit)
 
     def noun(self, phrase: str) -> np.ndarray:
         """See `AgentContext.noun`."""
@@ -92,6 +97,12 @@ class EpisodeContext:
         if self._withheld(which):
             return ObjectMap.of(())
         return self.store.perceived.map(self.visits[which])
+
+    def detections(self, which: str) -> Detected:
+        """See `PredictionContext.detections`."""
+        if self._withheld(which):
+            return _nothing_detected()
+        return self.store.detected[self.visits[which]]
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
         """See `PredictionContext.made`. ValueError for an arm from which a visit is withheld: files hold both."""
@@ -145,6 +156,11 @@ class EpisodeContext:
         if self.sightings is None:
             raise ValueError(f"arms.{self.arm.name} is given its {what}: it needs the file of sightings beside the episodes")
         return self.sightings.sightings
+
+
+def _nothing_detected() -> Detected:
+    nothing, masks = np.zeros(0, np.int64), PackedMasks.of(np.zeros((0, 0, 0), bool))
+    return Detected(nothing, np.zeros((0, 3)), np.zeros((0, 0)), nothing, np.zeros(0, np.float32), masks, "")
 
 
 def agent_settings(episode: Episode, stage: StageSettings) -> Settings:

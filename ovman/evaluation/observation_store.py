@@ -17,14 +17,15 @@ from ovman.agents.interface import Visit
 from ovman.evaluation.perceived import Perceived
 from ovman.models.settings import Arm, Need, Settings
 from ovman.perception.clusters import Cluster
-from ovman.perception.records import read_maps, read_nouns
+from ovman.perception.detected import Detected
+from ovman.perception.records import read_detections, read_maps, read_nouns
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
-FILES: Mapping[Need, str] = {Need.MAPS: "maps", Need.MAINTAINED: "maintained", Need.DUALMAP: "dualmap"}
+FILES: Mapping[Need, str] = {need: str(need) for need in (Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.DETECTIONS)}
 """By need: the workflow's name of the file that was made of a scene."""
 
 
@@ -49,7 +50,8 @@ class ObservationStore:
 
     arm: whose agents; what its entry does not need is refused in one line. settings: section perception, for an arm that needs
     networks. field_of_view_deg: of the tours' camera, vertical. visits: directory of the scene's recorded visits. files: what was
-    made of the scene, by the names that the workflow has for it ("maps", "nouns", "maintained", "dualmap").
+    made of the scene, by the names that the workflow has for it ("maps", "nouns", "maintained", "dualmap",
+    "detections").
     """
 
     def __init__(
@@ -70,6 +72,17 @@ class ObservationStore:
         """The scene's maps by what the tours show."""
         maps = self.perceived.maps
         return MapsByContent({self._content(name): clusters for name, clusters in maps.items()})
+
+    @property
+    def detected(self) -> Mapping[str, Detected]:
+        """The detections of the scene's visits by their names."""
+        return self.made(Need.DETECTIONS, read_detections)
+
+    def detections_in(self, visit: Visit) -> Detected:
+        """The detections of a recorded visit, found by what it shows. ValueError for a tour that nothing was detected in."""
+        if visit.content not in self._detected_by_content:
+            raise ValueError(f"no tour with the content {visit.content} was looked at; make the stage detections again")
+        return self._detected_by_content[visit.content]
 
     def noun(self, phrase: str) -> np.ndarray:
         """Unit embedding (K,) of a noun phrase, by the encoder that made the features of the maps.
@@ -102,9 +115,9 @@ class ObservationStore:
 
     def visit(self, name: str, reachable: np.ndarray) -> Visit:
         """The recorded visit of that name, with the positions (K, 2) that can be reached in it; without frames for an arm that
-        needs neither tours nor maps.
+        needs neither tours, maps nor detections.
         """
-        if self._needs(Need.TOURS) or self._needs(Need.MAPS):
+        if any(self._needs(need) for need in (Need.TOURS, Need.MAPS, Need.DETECTIONS)):
             from ovman.evaluation.recorded_tour import recorded
 
             return recorded(self._visits / name, self._field_of_view_deg, reachable)
@@ -117,6 +130,9 @@ class ObservationStore:
             found["tours"] = [self._content(name) for name in visits]
         if self._needs(Need.MAPS):
             found["maps"] = [[_numbers(cluster) for cluster in self.perceived.maps[name]] for name in visits]
+        if self._needs(Need.DETECTIONS):
+            found["detections"] = [self.detected[name].content for name in visits]
+        if self._needs(Need.MAPS) or self._needs(Need.DETECTIONS):
             found["noun"] = self.noun(phrase).tolist()
         for need in (Need.MAINTAINED, Need.DUALMAP):
             if self._needs(need):
@@ -124,6 +140,10 @@ class ObservationStore:
         if self._needs(Need.NETWORKS):
             found["networks"] = self._looked_at_by
         return found
+
+    @cached_property
+    def _detected_by_content(self) -> Mapping[str | None, Detected]:
+        return {self._content(name): seen for name, seen in self.detected.items()}
 
     @cached_property
     def _looked_at_by(self) -> object:

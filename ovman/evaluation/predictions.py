@@ -85,9 +85,9 @@ def run(
     """Write the predictions of an arm for all released episodes, run after run.
 
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
-    perceived, by the workflow's names: under "maps", "maintained" and "dualmap" one file a scene, named after it, and likewise
-    under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files to the
-    predictions.
+    perceived, by the workflow's names: under "maps", "maintained", "dualmap" and "detections" one file a scene, named after it,
+    and likewise under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files
+    to the predictions.
     """
     began, worked = time.perf_counter(), time.process_time()
     episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)

@@ -2,13 +2,14 @@ rule predictions:
     input:
         episodes=episodes_answered,
         sightings=handed(sightings_answered),
-        visits=needed(["tours"], "results/visits/{scene}.json"),
+        visits=needed(["tours", "detections"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         maintained=needed(["maintained"], "results/maintained/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
+        detections=needed(["detections"], "results/detections/{scene}.npz"),
         labels=labels_of_map,
         scenes=scenes_named,
-        nouns=needed(["maps", "maintained", "dualmap"], "results/nouns.npz"),
+        nouns=needed(["maps", "maintained", "dualmap", "detections"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
         predictions="results/predictions/{of}{arm}.jsonl",

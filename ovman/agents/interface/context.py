@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ovman.agents.pilot import Pilot
     from ovman.models.world_state import WorldState
     from ovman.perception.clusters import Cluster
+    from ovman.perception.detected import Detected
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
     from ovman.perception.object_map import ObjectMap
@@ -67,8 +68,11 @@ class AgentContext(Protocol):
     def privileged(self) -> PrivilegedAnswer | None:
         """The answer, for an arm that is given it."""
 
+    def detections(self, visit: Visit) -> Detected:
+        """The detections in the frames of a recorded visit. For an arm that needs detections."""
+
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps or networks."""
+        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, detections or networks."""
 
     def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception. For an arm that needs networks."""
@@ -104,6 +108,9 @@ class PredictionContext(Protocol):
     def map(self, which: str) -> ObjectMap:
         """The reference agent's map of a visit. For an arm that needs maps."""
 
+    def detections(self, which: str) -> Detected:
+        """The detections in the frames of a visit. For an arm that needs detections."""
+
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
         """What was made of the scene, read once by `read`. For an arm that needs it."""
 
@@ -111,7 +118,7 @@ class PredictionContext(Protocol):
         """The frames of a visit. For an arm that needs tours."""
 
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, dualmap or networks."""
+        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, dualmap, detections or networks."""
 
     def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception. For an arm that needs networks."""

@@ -43,7 +43,8 @@ class Need(StrEnum):
 
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
     embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
-    encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns.
+    encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns; DETECTIONS: what the detector found in the frames,
+    and the embeddings of nouns.
     """
 
     TOURS = "tours"
@@ -51,6 +52,7 @@ class Need(StrEnum):
     MAINTAINED = "maintained"
     NETWORKS = "networks"
     DUALMAP = "dualmap"
+    DETECTIONS = "detections"
 
 
 class Withheld(StrEnum):

@@ -1,4 +1,4 @@
-"""The baselines CoW and DualMap, reimplemented."""
+"""The baselines CoW, DualMap, DynaMem and REACT, reimplemented."""
 
 from __future__ import annotations
 
@@ -122,3 +122,28 @@ class Dualmap(Section):
     )
     local_map: DualmapLocal
     global_map: DualmapGlobal
+
+
+class Dynamem(Section):
+    """DynaMem's memory and its query. Lengths are metres, depths are along the optical axis."""
+
+    voxel_m: Metres = Field(description="side of a voxel")
+    nearest_m: Metres = Field(description="depth from which a pixel becomes a point")
+    farthest_m: Metres = Field(description="depth up to which a pixel becomes a point, and up to which points are deleted")
+    hidden_m: Metres = Field(description="a point with something nearer before it, by more than this, is hidden")
+    unknown_m: Metres = Field(description="up to which a depth is not known")
+    median_px: Annotated[Whole, Field(ge=1, le=99)] = Field(description="side of the median filter of depth, odd")
+    median_error_m: Metres = Field(description="a pixel that differs by as much from its median becomes no point")
+    every_px: Some = Field(description="rows and columns of a frame that become points")
+    cluster_voxels: Annotated[float, Field(gt=0)] = Field(description="sides of a voxel within which points are neighbours")
+    cluster_points: Some = Field(description="neighbours of one frame, itself included, without which a point is noise")
+    similarity: Annotated[float, Field(ge=-1, le=1)] = Field(description="cosine from which something is what the noun means")
+    detected_m: Metres = Field(description="nearest depth of a detection that confirms an answer is below this")
+
+
+class React(Section):
+    """REACT's clusters of instances."""
+
+    appearance: Annotated[float, Field(ge=0, le=2)] = Field(
+        description="distance of two unit features up to which clusters of a category are one"
+    )

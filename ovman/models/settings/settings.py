@@ -5,7 +5,7 @@ from __future__ import annotations
 from pydantic import Field
 
 from ovman.models.settings.arms import Arms
-from ovman.models.settings.baselines import Cow, Dualmap, Locobot
+from ovman.models.settings.baselines import Cow, Dualmap, Dynamem, Locobot, React
 from ovman.models.settings.benchmark import (
     Admissibility,
     Appearance,
@@ -56,6 +56,8 @@ class Settings(Section):
     sensitivity: Sensitivity
     gate_sweep: GateSweep
     dualmap: Dualmap
+    dynamem: Dynamem
+    react: React
     training: Training
     locobot: Locobot
     cow: Cow
