@@ -1,11 +1,11 @@
 """The two thresholds on the encoder's features that the rivals' own networks state on other scales.
 
-    python -m ovman.training.resemblance [--config config.yaml] [--views 40]
+    python -m ovman.training.resemblance [--config config.yaml] [--views 48]
 
 `dynamem.similarity` is the cosine from which a detection is what a noun means, `react.appearance` the distance up to which two
 objects of a category look alike. Both are chosen on views from random places of the held-out floor plans, which neither the
 benchmark nor the trainings use. Looking alike is having the same asset: what one half of a floor plan's views shows is set beside
-what the other half shows of the category.
+what the other half shows of the category. Looks are means over views, so that the distance hangs on their number.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ovman.perception.weights import ROOT
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.training.floorplans import floor_plans
-from ovman.training.localisation import Looked, ThresholdScore, scores, views
+from ovman.training.localisation import Looked, scores, views
 from ovman.training.pictures import Picture
 from ovman.workflow import seeds
 from ovman.workflow.config import load
@@ -130,7 +130,7 @@ def main() -> None:
     """Print the scores of the thresholds around the best ones."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
-    parser.add_argument("--views", type=int, default=40, help="of each floor plan")
+    parser.add_argument("--views", type=int, default=48, help="of each floor plan; 48 are those of two tours")
     options = parser.parse_args()
     settings = load(options.config)
     perception = settings.perception

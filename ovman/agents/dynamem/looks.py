@@ -81,7 +81,7 @@ def look(
     return Look(
         depth=depth,
         camera=camera,
-        masked=masks.any(axis=0) if len(masks) else np.zeros(depth.shape, bool),
+        masked=np.logical_or.reduce(masks, axis=0),
         points=pixel_points(depth, rows[row], columns[column], camera),
         of=of,
         features=np.asarray(features, np.float64),
@@ -95,7 +95,7 @@ def _steady(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, constants:
     half = constants.median_px // 2
     around = np.lib.stride_tricks.sliding_window_view(np.pad(depth, half, mode="symmetric"), (constants.median_px,) * 2)
     own = depth[rows, columns]
-    median = np.median(around[rows, columns].reshape(len(rows), -1), axis=1)
+    median = np.median(around[rows, columns].reshape(len(rows), constants.median_px**2), axis=1)
     within = (own > constants.nearest_m) & (own < constants.farthest_m)
     steady: np.ndarray = within & (np.abs(own - median) < constants.median_error_m)
     return steady

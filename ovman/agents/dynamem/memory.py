@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 
@@ -41,17 +40,22 @@ class Memory:
 
     def where(self, kept: np.ndarray) -> Memory:
         """The voxels of a mask (V,) bool."""
+        if kept.all():
+            return self
         return Memory(self.cell[kept], self.point[kept], self.feature[kept], self.weight[kept], self.seen[kept])
 
 
-def remembered(frames: Iterable[Look], constants: Dynamem) -> Memory:
+def remembered(frames: Sequence[Look], constants: Dynamem) -> Memory:
     """The memory after frames in their order, which number its voxels' `seen`."""
-
-    def after(memory: Memory, numbered: tuple[int, Look]) -> Memory:
-        number, look = numbered
-        return added(without_noise(cleared(memory, look, constants), constants), look, number, constants.voxel_m)
-
-    return reduce(after, enumerate(frames), Memory.empty())
+    memory, checked = Memory.empty(), np.zeros(len(frames), np.int64)
+    for number, look in enumerate(frames):
+        memory = cleared(memory, look, constants)
+        # Voxels of another frame are no neighbours, so that only frames that have lost or gained some can have new noise.
+        counts = np.bincount(memory.seen, minlength=len(frames))
+        memory = without_noise(memory, np.flatnonzero(counts != checked), constants)
+        checked = np.bincount(memory.seen, minlength=len(frames))
+        memory = added(memory, look, number, constants.voxel_m)
+    return memory
 
 
 def cleared(memory: Memory, look: Look, constants: Dynamem) -> Memory:
@@ -71,20 +75,21 @@ def cleared(memory: Memory, look: Look, constants: Dynamem) -> Memory:
     return memory.where(~gone)
 
 
-def without_noise(memory: Memory, constants: Dynamem) -> Memory:
-    """The memory without what DBSCAN calls noise: voxels of a frame that are not among enough others of it."""
-    if not len(memory):
-        return memory
+def without_noise(memory: Memory, frames: Sequence[int] | np.ndarray, constants: Dynamem) -> Memory:
+    """The memory without what DBSCAN calls noise in these frames: voxels that are not among enough others of their frame."""
     from scipy.spatial import cKDTree  # loaded where a memory is made: it takes a quarter of a second
 
-    radius_m, least = constants.cluster_voxels * constants.voxel_m, constants.cluster_points
-    places = np.column_stack([memory.point, memory.seen * _APART_M])
-    tree = cKDTree(places)
-    core = tree.query_ball_point(places, radius_m, return_length=True) >= least
-    kept = core.copy()
+    asked = np.flatnonzero(np.isin(memory.seen, frames))
+    if not len(asked):
+        return memory
+    within = np.nextafter(constants.cluster_voxels * constants.voxel_m, np.inf)
+    places = np.column_stack([memory.point[asked], memory.seen[asked] * _APART_M])
+    core = np.isfinite(cKDTree(places).query(places, [constants.cluster_points], distance_upper_bound=within)[0][:, 0])
+    kept = np.ones(len(memory), bool)
+    kept[asked] = core
     if core.any() and not core.all():
-        distance, _ = cKDTree(places[core]).query(places[~core], distance_upper_bound=np.nextafter(radius_m, np.inf))
-        kept[~core] = np.isfinite(distance)
+        distance, _ = cKDTree(places[core]).query(places[~core], distance_upper_bound=within)
+        kept[asked[~core]] = np.isfinite(distance)
     return memory.where(kept)
 
 
@@ -92,20 +97,28 @@ def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
     """The memory with the points of a frame of that number."""
     if not len(look.points):
         return memory
-    cells, which = np.unique(np.concatenate([memory.cell, _cells(look.points, voxel_m)]), return_inverse=True)
-    old, new = which[: len(memory)], which[len(memory) :]
-    weights = np.concatenate([memory.weight, np.ones(len(new))])
-    points = np.concatenate([memory.point, look.points])
-    weight = np.bincount(which, weights)
-    point = np.column_stack([np.bincount(which, weights * along) for along in points.T]) / weight[:, None]
-    counts = np.bincount(new * len(look.features) + look.of, minlength=len(cells) * len(look.features))
-    feature = counts.reshape(len(cells), len(look.features)) @ look.features
-    if len(memory):
-        feature[old] += memory.feature * memory.weight[:, None]
-    seen = np.full(len(cells), number)
-    seen[old] = memory.seen
-    seen[new] = number
-    return Memory(cells, point, feature / weight[:, None], weight, seen)
+    cells, which = np.unique(_cells(look.points, voxel_m), return_inverse=True)
+    points = np.column_stack([np.bincount(which, along) for along in look.points.T])
+    shares = np.bincount(which * len(look.features) + look.of, minlength=len(cells) * len(look.features))
+    weight, features = np.bincount(which).astype(np.float64), shares.reshape(len(cells), len(look.features)) @ look.features
+    again = np.isin(memory.cell, cells, assume_unique=True)
+    if again.any():
+        into = np.searchsorted(cells, memory.cell[again])
+        points[into] += memory.point[again] * memory.weight[again, None]
+        features[into] += memory.feature[again] * memory.weight[again, None]
+        weight[into] += memory.weight[again]
+    points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number)
+    if again.all():
+        return Memory(cells, points, features, weight, seen)
+    left = memory.where(~again)
+    order = np.argsort(every := np.concatenate([left.cell, cells]))
+    return Memory(
+        every[order],
+        np.concatenate([left.point, points])[order],
+        np.concatenate([left.feature, features])[order],
+        np.concatenate([left.weight, weight])[order],
+        np.concatenate([left.seen, seen])[order],
+    )
 
 
 def _cells(points: np.ndarray, voxel_m: float) -> np.ndarray:

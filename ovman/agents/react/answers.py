@@ -57,9 +57,8 @@ def answered(
     if not meant_1 and not meant_2:
         return Abstention(AbstentionReason.NOTHING_GROUNDED), Evidence((), ())
     classes = class_features(embedding)
-    found = among(
-        matched(*(instances(objects, classes) for objects in (map_1, map_2)), settings.react.appearance), meant_1, meant_2
-    )
+    first, second = (instances(objects, classes) for objects in (map_1, map_2))
+    found = among(matched(first, second, settings.react.appearance), meant_1, meant_2)
     of_1 = tuple(sorted({*found.unmatched_1, *(i for i, _ in found.pairs)}))
     of_2 = tuple(sorted({*found.unmatched_2, *(j for _, j in found.pairs)}))
     return read(relation, map_1, map_2, found, settings), Evidence(of_1, of_2, found.pairs)
@@ -77,10 +76,10 @@ def among(output: Association, meant_1: Sequence[int], meant_2: Sequence[int]) -
 def read(relation: Relation, map_1: ObjectMap, map_2: ObjectMap, found: Association, settings: Settings) -> Answer | Abstention:
     """The answer to a relation. `found`: of the maps' objects, those that the noun means.
 
-    A matched instance has moved from a travelled distance of tau_m on. MOVED, FORMER: the matched one that moved farthest; without
-    one a new, or an absent one, whose match was missed. APPEARED: a new one. REMOVED: an absent one. STABLE: the matched one that
-    moved least, if it has not moved. MOVING: of the new and the moved ones the one that was seen last. Of several new or absent
-    ones the one farthest from the other visit's. Abstains as the reference agent's rules do.
+    A matched instance has moved from a travelled distance of tau_m on. MOVED, FORMER: the matched one that moved farthest;
+    without one a new, or an absent one, whose match was missed. APPEARED: a new one. REMOVED: an absent one. STABLE: the matched
+    one that moved least, if it has not moved. MOVING: of the new and the moved ones the one that was seen last. Of several new or
+    absent ones the one farthest from the other visit's. Abstains as the reference agent's rules do.
     """
     if Relation(relation) is Relation.MOVING:
         apart = distances(map_1.p, map_2.p)
