@@ -100,14 +100,15 @@ def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
     cells, which = np.unique(_cells(look.points, voxel_m), return_inverse=True)
     points = np.column_stack([np.bincount(which, along) for along in look.points.T])
     shares = np.bincount(which * len(look.features) + look.of, minlength=len(cells) * len(look.features))
-    weight, features = np.bincount(which).astype(np.float64), shares.reshape(len(cells), len(look.features)) @ look.features
+    weight: np.ndarray = np.bincount(which).astype(np.float64)
+    features: np.ndarray = shares.reshape(len(cells), len(look.features)) @ look.features
     again = np.isin(memory.cell, cells, assume_unique=True)
     if again.any():
         into = np.searchsorted(cells, memory.cell[again])
         points[into] += memory.point[again] * memory.weight[again, None]
         features[into] += memory.feature[again] * memory.weight[again, None]
         weight[into] += memory.weight[again]
-    points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number)
+    points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number, np.int64)
     if again.all():
         return Memory(cells, points, features, weight, seen)
     left = memory.where(~again)

@@ -1,0 +1,111 @@
+"""Tours of a real scene before and after a chair was moved, with true masks as detections: features say which instance it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from ovman.agents.interface import Visit
+from ovman.evaluation.recorded_tour import recorded
+from ovman.models.change import Alteration
+from ovman.models.settings.benchmark import Mover
+from ovman.models.visit import Visit as Record
+from ovman.perception.backprojection import median_points
+from ovman.perception.clusters import Cluster
+from ovman.perception.detected import Detected, PackedMasks
+from ovman.perception.tour_files import tour
+from ovman.sim import visit
+from ovman.sim.change import World, position
+from ovman.sim.session import AgentPose, Session
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+
+SCENE, CHAIR, LENS = "FloorPlan16", "Chair", CONFIG.camera.field_of_view_deg
+WIDE = 2.0
+"""Metres within which places are seen from the stands of the tours."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Toured:
+    """A tour, its detections, and of each detection the number of the instance, which is where its feature is 1."""
+
+    visit: Visit
+    detected: Detected
+    instance: np.ndarray
+
+    def clusters(self) -> tuple[Cluster, ...]:
+        """An object for each instance."""
+        found = []
+        for number in np.unique(self.instance):
+            mine = self.instance == number
+            track = self.detected.point[mine][:, [0, 2]]
+            found.append(Cluster(np.median(track, axis=0), np.eye(len(self.detected.feature[0]))[number], track,
+                                 self.detected.view[mine], np.flatnonzero(mine)))  # fmt: skip
+        return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Home:
+    """Both tours, where the chair was and where it is, and the feature (K,) of the chair."""
+
+    before: Toured
+    after: Toured
+    old: tuple[float, float]
+    new: tuple[float, float]
+    chair: np.ndarray
+
+
+def home(directory: Path) -> Home:
+    """The tours go around the chair's old place and its new one, near enough for points of it."""
+    mover = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
+    with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
+        session.reset()
+        cells = np.array(session.reachable())
+        chair, old = next((k, position(o)) for k, o in sorted(session.objects.items()) if o["objectType"] == CHAIR)
+        start, floor = session.pose, np.array([(old.x, old.z)])
+        barred = np.hypot(*(cells - floor).T) < WIDE
+        barred |= np.hypot(*(cells - (start.x, start.z)).T) < 1.2
+        free = np.array([np.sum(np.hypot(*(cells - cell).T) < 0.6) for cell in cells])
+        new = cells[int(np.argmax(np.where(barred, 0, free)))]
+        stands = []
+        for place in (floor[0], new):
+            away = np.abs(np.hypot(*(cells - place).T) - 1.3) + 10.0 * (np.hypot(*(cells - new).T) < 0.8)
+            stands += [cells[k] for k in np.argsort(away, kind="stable")[:2]]
+        moved = (Alteration(kind="displace", instance=chair, placement=tuple(map(float, new)), height_m=0.5),)
+        for name, alterations in (("before", ()), ("after", moved)):
+            world = World(session, alterations, mover, np.random.default_rng(0))
+            views = [AgentPose(float(x), float(z), 90.0 * k) for x, z in stands for k in range(4)]
+            visit.record(session, world, name, alterations, views, 1, directory / name, name)
+        now = position(session.objects[chair])
+    names = sorted(
+        {name for which in ("before", "after") for view in Record.load(directory / which).views for name in view.instances}
+    )
+    before, after = (_toured(directory / which, names, cells) for which in ("before", "after"))
+    return Home(before, after, (old.x, old.z), (now.x, now.z), np.eye(len(names))[names.index(chair)])
+
+
+def _toured(directory: Path, names: list[str], cells: np.ndarray) -> Toured:
+    views, instances, masks, points = [], [], [], []
+    for number, (view, seen) in enumerate(zip(tour(directory, LENS), Record.load(directory).views, strict=True)):
+        ids = cv2.imread(str(directory / f"{number:02d}_ids.png"), cv2.IMREAD_UNCHANGED)
+        for k, name in enumerate(seen.instances, start=1):
+            mask = ids == k
+            if np.count_nonzero(mask) >= CONFIG.perception.detector.min_mask_px:
+                views.append(number)
+                instances.append(names.index(name))
+                masks.append(mask)
+                points.append(median_points(view.depth, mask[None], view.camera)[0])
+    every = np.stack(masks)
+    detected = Detected(
+        view=np.array(views),
+        point=np.stack(points),
+        feature=np.eye(len(names), dtype=np.float32)[instances],
+        pixels=every.sum(axis=(1, 2)),
+        confidence=np.ones(len(every), np.float32),
+        packed=PackedMasks.of(every),
+        content=directory.name,
+    )
+    return Toured(recorded(directory, LENS, cells), detected, np.array(instances))
