@@ -124,7 +124,7 @@ def test_one_version() -> None:
     version = ovman.__version__
     assert Version(version)
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == version
-    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1] == version
+    assert re.search(r"^## (\S+)$", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)[1] == version
     assert PROJECT["tool"]["setuptools"]["dynamic"]["version"]["attr"] == "ovman.__version__"
 
 

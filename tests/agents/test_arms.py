@@ -38,7 +38,7 @@ def test_rows_of_a_table_are_told_apart_by_what_the_table_shows():
 
 def test_an_embodied_arm_executes_the_static_arm_that_is_like_it():
     followed = [(arm, named(ARMS, arm.executes)) for arm in ARMS if arm.executes is not None]
-    assert len(followed) == 5
+    assert len(followed) == 7
     for arm, static in followed:
         assert (static.memory, static.grounding, static.positions) == (arm.memory, arm.grounding, arm.positions)
 
@@ -87,7 +87,7 @@ def test_merged_arms_stand_in_the_order_of_the_files_however_they_were_merged(tm
         ({"mine": MINE | {"kind": "both"}}, "arms.mine.kind is \"both\"; it must be 'static' or 'embodied'"),
         (
             {"mine": MINE | {"needs": ["eyes"]}},
-            "arms.mine.needs is \"eyes\"; it must be 'tours', 'maps', 'maintained', 'networks' or",
+            "arms.mine.needs is \"eyes\"; it must be 'tours', 'maps', 'maintained', 'networks', 'dualmap' or",
         ),
         ({"mine": MINE | {"runs": 3}}, "arms.mine.runs is not for an arm that is embodied; take it out"),
         ({"mine": MINE | {"kind": "static", "budget": 9}}, "arms.mine.budget is not for an arm that is static; take it out"),
