@@ -167,7 +167,7 @@ def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Pat
     panel_in = PAGE_IN / len(Relation)
     columns = max((len(row) for row in chosen.values()), default=1)
     with drawing(output) as plt:
-        size = panel_in * columns, (panel_in * 2 + 0.52) * len(chosen)
+        size = panel_in * columns, (panel_in * 2 + 0.6) * len(chosen)
         figure = plt.figure(figsize=size, layout="constrained")
         figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, hspace=0.01, wspace=0.01)
         parts = np.ravel(figure.subfigures(len(chosen), 1))
