@@ -21,7 +21,7 @@ from ovman.report.tables.constants import KEYS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, flat, own_constants, stage_settings
 from ovman.workflow.settings_files import check_command_line, read
-from ovman.workflow.stages import STAGES, matching, owned
+from ovman.workflow.stages import ENTRIES, STAGES, matching, owned
 from tests.arms import ARMS
 
 FILE = Path(__file__).parents[1] / "config.yaml"
@@ -186,13 +186,33 @@ def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
                 if name == "arms":
                     assert arms_of(here.arms) == ARMS
                 else:
-                    assert listed(getattr(here, last)) == VALUES[name]
+                    seen, there = listed(getattr(here, last)), VALUES[name]
+                    if fields := ENTRIES.get(stage, {}).get(name):
+                        seen, there = ([{key: one[key] for key in fields} for one in entries] for entries in (seen, there))
+                    assert seen == there
             else:
                 with pytest.raises(AttributeError, match=stage):
                     here = view
                     for section in sections:
                         here = getattr(here, section)
                     getattr(here, last)
+
+
+def test_who_answers_a_split_reaches_no_stage_that_draws_it():
+    everyday = CONFIG.splits["everyday"]
+    fewer = everyday.model_copy(update={"arms": everyday.arms[:-1]})
+    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": fewer}}))}
+    assert touched and not touched & {"candidates", "episodes"}
+    more = everyday.model_copy(update={"episodes": everyday.episodes.model_copy(update={"moved": 1})})
+    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": more}}))}
+    assert "episodes" in touched and "candidates" not in touched
+    redrawn = everyday.model_copy(update={"light": None})
+    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": redrawn}}))}
+    assert {"candidates", "episodes"} <= touched
+    view = stage_settings(CONFIG, "candidates").splits["everyday"]
+    assert (view.others, view.light, dict(view.draws)) == (everyday.others, everyday.light, dict(everyday.draws)) and view.single
+    with pytest.raises(AttributeError, match="'candidates' does not own the constant 'splits.everyday.arms'"):
+        view.arms  # noqa: B018
 
 
 def test_a_view_is_made_of_the_very_parameter_and_frozen():

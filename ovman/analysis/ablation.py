@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.analysis import frames
-from ovman.analysis.outcomes import read_cases, static_outcomes
+from ovman.analysis.outcomes import outcomes_of
 from ovman.analysis.rates import Rate, static_rates
-from ovman.models.prediction import Prediction
 from ovman.models.settings import Settings
 
 
@@ -28,13 +27,6 @@ def run(variants: Mapping[str, tuple[Path, Sequence[Path]]], constants: Settings
     """
     rows = []
     for name, (episodes_file, prediction_files) in variants.items():
-        outcomes = static_outcomes(
-            read_cases(episodes_file),
-            [prediction for file in prediction_files for prediction in Prediction.read(file)],
-            radius_m=constants.success.radius_m,
-            samples=constants.single_visit.samples,
-            seed=constants.benchmark.seed,
-        )
-        for rate in static_rates(outcomes, constants.evaluation.confidence):
+        for rate in static_rates(outcomes_of(episodes_file, prediction_files, constants), constants.evaluation.confidence):
             rows.append(AblationRate(**{field: getattr(rate, field) for field in Rate.__slots__}, variant=name))
     frames.write(output, AblationRate, rows)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import fmean
 
 from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
@@ -102,14 +102,9 @@ def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str
     if not outcomes:
         return {}
     return {
-        relation: (_mean(1.0 / outcome.instances for outcome in group), _mean(1.0 / outcome.alike for outcome in group))
+        relation: (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
         for relation, group in by_relation([*outcomes.values()])
     }
-
-
-def _mean(values: Iterable[float]) -> float:
-    listed = [*values]
-    return math.fsum(listed) / len(listed)
 
 
 def run(rates: Sequence[Path], outcomes: Sequence[Path], constants: Settings, output: Path) -> None:

@@ -10,7 +10,7 @@ from ovman.analysis.budget import Step, budget
 from ovman.analysis.difficulty import Difficulty, difficulty
 from ovman.analysis.mover import MoverDistance, mover
 from ovman.analysis.navigation import Navigation, navigation
-from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, read_cases, static_outcomes
+from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, judged, read_cases
 from ovman.analysis.own_task import OwnTask, own_task
 from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, by_arm, by_seed, embodied_rates, static_rates
@@ -53,13 +53,7 @@ def run(
     cases = read_cases(episodes_file)
     predictions = [record for path in prediction_files for record in _predictions(path, cases, arms)]
     runs = [run for path in run_files for run in Score.read(path)]
-    static = static_outcomes(
-        cases,
-        predictions,
-        radius_m=constants.success.radius_m,
-        samples=constants.single_visit.samples,
-        seed=constants.benchmark.seed,
-    )
+    static = judged(cases, predictions, constants)
     embodied = embodied_outcomes(cases, runs)
     _whole(Kind.STATIC, static, arms)
     _whole(Kind.EMBODIED, embodied, arms)

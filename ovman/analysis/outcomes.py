@@ -13,6 +13,7 @@ from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, Answer, Prediction
 from ovman.models.relation import Relation
 from ovman.models.run import Score
+from ovman.models.settings import Settings
 from ovman.workflow.seeds import generator
 
 OWN_SUCCESS = "own_success"
@@ -108,6 +109,26 @@ class EmbodiedOutcome:
 def read_cases(episodes_file: Path) -> list[Case]:
     """The episodes of a JSONL file, in its order. RecordError, one line, as `Episode.load`."""
     return [Case.of(episode) for episode in Episode.load(episodes_file)]
+
+
+def outcomes_of(episodes_file: Path, prediction_files: Sequence[Path], constants: Settings) -> list[StaticOutcome]:
+    """The static outcomes of the predictions of these files, as `static_outcomes`, which see.
+
+    constants: success.radius_m, single_visit.samples, benchmark.seed. RecordError, one line, for a file that cannot be read.
+    """
+    predictions = [prediction for file in prediction_files for prediction in Prediction.read(file)]
+    return judged(read_cases(episodes_file), predictions, constants)
+
+
+def judged(cases: Sequence[Case], predictions: Iterable[Prediction], constants: Settings) -> list[StaticOutcome]:
+    """`static_outcomes` under the benchmark's success test. constants: as of `outcomes_of`."""
+    return static_outcomes(
+        cases,
+        predictions,
+        radius_m=constants.success.radius_m,
+        samples=constants.single_visit.samples,
+        seed=constants.benchmark.seed,
+    )
 
 
 def is_expectation(outcome: StaticOutcome | EmbodiedOutcome) -> bool:

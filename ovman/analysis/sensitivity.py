@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman.analysis import frames
-from ovman.analysis.outcomes import Case, static_outcomes
+from ovman.analysis.outcomes import Case, judged
 from ovman.models.admission import Admission
 from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
@@ -96,14 +96,7 @@ def run(
     cases = [Case.of(episode) for episode in Episode.load(episodes_file)]
 
     def rates(file: Path) -> list[float]:
-        outcomes = static_outcomes(
-            cases,
-            Prediction.read(file),
-            radius_m=constants.success.radius_m,
-            samples=constants.single_visit.samples,
-            seed=constants.benchmark.seed,
-        )
-        success = {outcome.episode: outcome.success for outcome in outcomes}
+        success = {outcome.episode: outcome.success for outcome in judged(cases, Prediction.read(file), constants)}
         return [success[one.id] for one in admissions]
 
     rows = margins(admissions, rates(arm_file), rates(baseline_file), constants)

@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ovman.analysis import frames
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, embodied_outcomes, read_cases, static_outcomes
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, embodied_outcomes, outcomes_of, read_cases
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 from ovman.models.settings import Settings
 
@@ -19,13 +18,7 @@ def run(episodes_file: Path, prediction_files: Sequence[Path], constants: Settin
     constants: success.radius_m, single_visit.samples, benchmark.seed, evaluation.confidence. Raises ValueError in one line unless
     each arm answers every episode exactly once in each of its runs.
     """
-    outcomes = static_outcomes(
-        read_cases(episodes_file),
-        [prediction for file in prediction_files for prediction in Prediction.read(file)],
-        radius_m=constants.success.radius_m,
-        samples=constants.single_visit.samples,
-        seed=constants.benchmark.seed,
-    )
+    outcomes = outcomes_of(episodes_file, prediction_files, constants)
     frames.write(outcomes_out, StaticOutcome, outcomes)
     frames.write(rates_out, Rate, static_rates(outcomes, constants.evaluation.confidence))
 

@@ -15,8 +15,7 @@ from ovman.models.record import lines
 from ovman.models.sighting import VisitPair
 from ovman.models.tour import Tour
 from ovman.models.variant import VARIANTS, Setting
-from ovman.sim.visit import visit_name
-from ovman.workflow import seeds
+from ovman.sim.visit import mover_seed, visit_name
 
 
 def variant(episode: Episode, kept: Collection[Setting]) -> Episode:
@@ -52,10 +51,8 @@ def _tour(episode: Episode, which: str, kept: Collection[Setting]) -> Tour:
 def _visit(episode: Episode, which: str) -> str:
     """Name of a visit of an episode, as trials name visits: equal visits of a scene share it."""
     alterations, tour = episode.alterations(which), episode.tours[which]
-    moving = any(alteration.kind == "motion" for alteration in alterations)
-    seed = seeds.integer(episode.provenance.seed, "mover", episode.id, "tour") if moving else None
-    usual = Tour(waypoints=episode.tours.first.waypoints, headings=tour.headings)
-    return visit_name(alterations, seed, None if tour == usual else tour)
+    seed = mover_seed(episode.provenance.seed, episode.id, alterations)
+    return visit_name(alterations, seed, tour, episode.tours.first.waypoints)
 
 
 def run(episodes_file: Path, outputs: Mapping[str, Path]) -> None:

@@ -30,7 +30,7 @@ def record_tour(
     simulator refuses.
     """
     alterations, name = episode.alterations(which), episode.visits[which]
-    rng = seeds.generator(episode.provenance.seed, "mover", episode.id, "tour")
+    rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
     world = World(session, alterations, episode.protocol.mover, rng, dynamic)
     views = visit.views(episode.tours[which])
     key = tour_key(episode, which, min_mask_px, made_by)

@@ -145,7 +145,7 @@ def draw(
         second = (drawn,)
     also = NOBODY
     if beside is not None and refused is None:
-        walk_rng = seeds.generator(constants.benchmark.seed, "mover", name, "tour")
+        walk_rng = seeds.generator(constants.benchmark.seed, *seeds.tour_movers(name))
         found = others.draw(beside, changed, relation, script, first, second, constants, rng, walk_rng)
         if isinstance(found, Rejection):
             refused = found

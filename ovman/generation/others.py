@@ -28,6 +28,7 @@ from ovman.models.scene import Scene, SceneObject
 from ovman.models.settings import Others, Settings
 from ovman.models.sighting import VisitPair
 from ovman.models.tour import Tour
+from ovman.sim.mover import streams
 from ovman.workflow import seeds
 
 Kind = Literal["displace", "enable", "disable", "motion"]
@@ -238,7 +239,7 @@ def _walks(
     begins: where those begin that are put somewhere first; walk_rng: of the movers, as a world has it.
     """
     walks, steps = [], len(beside.tours.second.waypoints) * beside.tours.second.headings
-    for item, stream in zip(moving, [walk_rng, *walk_rng.spawn(len(moving) - 1)], strict=True):
+    for item, stream in zip(moving, streams(walk_rng, len(moving)), strict=True):
         floor = roam(there, item, beside.floor(there, item), constants.mover.step_m)
         for other in moving:
             if other is not item and floor is not None:

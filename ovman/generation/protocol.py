@@ -44,7 +44,8 @@ class Drawing:
         light = None
         if self.light is not None:
             rng = seeds.generator(seed, "light", name)
-            light = Light(**{key: round(float(rng.uniform(*ends)), LIGHT_DECIMALS) for key, ends in self.light})
+            drawn = {key: round(float(rng.uniform(low, high)), LIGHT_DECIMALS) for key, (low, high) in self.light.ranges.items()}
+            light = Light(**drawn, materials=seeds.integer(seed, "materials", name) if self.light.materials else None)
 
         def sensors(which: str) -> Sensors | None:
             return None if self.errors is None else Sensors(errors=self.errors, seed=seeds.integer(seed, "sensors", name, which))

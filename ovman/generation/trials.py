@@ -22,7 +22,6 @@ from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
 from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
 from ovman.models.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
 from ovman.models.visit import Visit
 from ovman.models.visit_files import VisitFiles, VisitManifest, kept
@@ -58,15 +57,13 @@ class Trials:
         self._visits: dict[str, Visit] = {}
 
     def _world(self, alterations: Sequence[Alteration], candidate: str) -> World:
-        rng = seeds.generator(self._constants.benchmark.seed, "mover", candidate, "tour")
+        rng = seeds.generator(self._constants.benchmark.seed, *seeds.tour_movers(candidate))
         return World(self._session, alterations, self._constants.mover, rng, dynamic)
 
     def _visit(self, which: str, candidate: Candidate) -> Visit:
         alterations, tour = (candidate.first if which == "first" else candidate.second), candidate.tours[which]
-        moving = any(a.kind == "motion" for a in alterations)
-        seed = seeds.integer(self._constants.benchmark.seed, "mover", candidate.id, "tour") if moving else None
-        usual = Tour(waypoints=self._waypoints, headings=tour.headings)
-        name = visit.visit_name(alterations, seed, None if tour == usual else tour)
+        seed = visit.mover_seed(self._constants.benchmark.seed, candidate.id, alterations)
+        name = visit.visit_name(alterations, seed, tour, self._waypoints)
         if name not in self._visits:
             directory = self._visits_dir / name
             key = digest(self._constants.canonical, tour.to_json(), [a.to_json() for a in alterations], seed)

@@ -12,7 +12,7 @@ import numpy as np
 from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Position
 from ovman.models.settings.benchmark import Mover as MoverParams
-from ovman.sim.mover import Mover
+from ovman.sim.mover import Mover, streams
 from ovman.sim.session import Session, SimulatorError
 
 AGENT_RADIUS_M = 0.2
@@ -69,7 +69,7 @@ class World:
     ) -> None:
         self._session, self._params = session, params
         moving = [alteration.instance for alteration in alterations if alteration.kind == "motion"]
-        self._streams = dict(zip(moving, [rng, *rng.spawn(max(len(moving) - 1, 0))], strict=False))
+        self._streams = dict(zip(moving, streams(rng, len(moving)), strict=True))
         self._bodies: dict[str, _Body] = {}
         self.placed: dict[str, Position] = {}
         self.movers: dict[str, Mover] = {}

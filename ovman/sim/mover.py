@@ -21,6 +21,14 @@ WAYS: Mapping[HeadingDeg, Cell] = {0: (0, 1), 90: (1, 0), 180: (0, -1), 270: (-1
 """The steps of a lattice, (along x, along z), by their headings."""
 
 
+def streams(rng: np.random.Generator, number: int) -> list[np.random.Generator]:
+    """The streams of so many movers of one tour or run, the first of them `rng` itself.
+
+    The others are spawned from it, so the walk of one does not depend on how many there are.
+    """
+    return [rng, *rng.spawn(number - 1)] if number else []
+
+
 @dataclass(frozen=True)
 class Mover:
     """State of a mover: the point of its lattice where it is, and which way it goes on."""

@@ -25,18 +25,26 @@ from ovman.sim.change import World, dynamic, position
 from ovman.sim.light import illuminate
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow import journal
+from ovman.workflow import journal, seeds
 
 PNG = (cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP)
 """One filter for every row: hardly larger than the best filter for each row, in half the time."""
 
 
-def visit_name(alterations: Sequence[Alteration], seed: int | None, tour: Tour | None = None) -> str:
-    """Name of the visit of a world state; equal visits share it.
+def mover_seed(root: int, of: str, alterations: Sequence[Alteration]) -> int | None:
+    """What stands for the draws of the movers of a visit in its name, None where nothing moves.
 
-    seed: of the movers, None where nothing moves. tour: None for the scene's own, which no name mentions.
+    root: of the benchmark; of: id of the candidate or the episode for which the tour is recorded.
     """
-    own = [] if tour is None else [journal.digest(tour.to_json())[:6]]
+    return seeds.integer(root, *seeds.tour_movers(of)) if any(one.kind == "motion" for one in alterations) else None
+
+
+def visit_name(alterations: Sequence[Alteration], seed: int | None, tour: Tour, waypoints: tuple[Point, ...]) -> str:
+    """Name of the visit of a world state; equal visits of a scene share it.
+
+    seed: as `mover_seed` has it. waypoints: of the scene's own tour, which no name mentions.
+    """
+    own = [] if tour == Tour(waypoints=waypoints, headings=tour.headings) else [journal.digest(tour.to_json())[:6]]
     if not alterations:
         return "-".join(["untouched", *own])
     content = journal.digest([a.to_json() for a in alterations], seed)

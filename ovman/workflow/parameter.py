@@ -16,7 +16,7 @@ from ovman.models.settings import Arm, Settings
 from ovman.models.settings.arms import WORDS, ArmJob
 from ovman.models.settings.values import listed
 from ovman.workflow.plugins import stage_of_plugin, with_sections
-from ovman.workflow.stages import STAGES, matching
+from ovman.workflow.stages import ENTRIES, STAGES, matching
 
 
 def flat(settings: Settings) -> dict[str, Any]:
@@ -60,6 +60,8 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
         record["agent"] = [module_digest(one.agent.partition(":")[0]) for one in involved]
         record["of_agent"] = sorted(set(matching(patterns, values)) - set(matching(of_stage, values)))
     record["constants"] = {name: values[name] for name in matching(patterns, values)}
+    for name, fields in ENTRIES.get(stage, {}).items():
+        record["constants"][name] = [{field: entry[field] for field in fields} for entry in values[name]]
     sections = {name.partition(".")[0] for name in record["constants"]}
     if plugins := {name: module for name, module in settings.plugins.items() if name in sections}:
         record["plugins"] = plugins

@@ -17,6 +17,11 @@ def generator(root: int, *names: str | int) -> np.random.Generator:
     return np.random.default_rng(sequence(root, *names))
 
 
+def tour_movers(of: str) -> tuple[str, ...]:
+    """The path of the draws of the movers of a tour. of: id of the candidate or the episode for which the tour is recorded."""
+    return "mover", of, "tour"
+
+
 def integer(root: int, *names: str | int) -> int:
     """A 31-bit seed for programs that take an integer, derived by `sequence`."""
     return int(sequence(root, *names).generate_state(1)[0] & 0x7FFFFFFF)

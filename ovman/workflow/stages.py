@@ -238,6 +238,14 @@ def owned(stage: str, names: Iterable[str]) -> tuple[str, ...]:
     return matching(STAGES[stage], names)
 
 
+_DRAWN = ("name", "main_job", "scenes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
+ENTRIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
+    "candidates": {"splits": _DRAWN},
+    "episodes": {"splits": (*_DRAWN, "episodes")},
+}
+"""Of the entries of these sections a stage owns these fields only: who answers a split changes no episode of it."""
+
+
 def matching(patterns: Iterable[str], names: Iterable[str]) -> tuple[str, ...]:
     """Those of `names` (dotted) that are among the patterns, "a.b" or "a.*"; sorted."""
     patterns = tuple(patterns)

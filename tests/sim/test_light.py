@@ -65,10 +65,17 @@ def run(session: Session, episode: Episode, light: Light | None) -> np.ndarray:
 
 
 def test_a_run_meets_the_light_of_its_tour_and_the_next_visit_its_own(session, episode, tmp_path):
-    lights = {"plain": None, "dim": DIM, "tinted": TINTED, "plain again": None}
+    other = DIM.model_copy(update={"materials": 7})
+    lights = {"plain": None, "dim": DIM, "tinted": TINTED, "other materials": other, "dim again": DIM, "plain again": None}
     in_tour = {name: toured(session, episode, tmp_path / name, light) for name, light in lights.items()}
     in_run = {name: run(session, episode, light) for name, light in lights.items()}
     for name in lights:
         assert np.array_equal(in_tour[name], in_run[name]), name
     assert np.array_equal(in_tour["plain"], in_tour["plain again"])
-    assert len({picture.tobytes() for picture in in_tour.values()}) == 3
+    assert np.array_equal(in_tour["dim"], in_tour["dim again"])
+    assert len({picture.tobytes() for picture in in_tour.values()}) == 4
+
+
+def test_a_light_without_other_materials_does_not_name_them():
+    assert "materials" not in DIM.to_json()
+    assert Light.from_json(DIM.model_copy(update={"materials": 7}).to_json()).materials == 7

@@ -197,10 +197,12 @@ def test_equal_world_states_share_a_name_and_others_do_not():
         ([in_motion("Vase|1", roam)], 1),
         ([in_motion("Vase|1", roam)], 2),
     ]
-    names = [visit.visit_name(*state) for state in states]
+    usual = Tour(waypoints=((0.0, 0.0), (1.0, 0.0)), headings=8)
+    own = usual.model_copy(update={"first_yaw_deg": 22.5})
+    names = [visit.visit_name(*state, tour, usual.waypoints) for tour in (usual, own) for state in states]
     assert len(set(names)) == len(names)
     again = [Alteration.from_json(json.loads(json.dumps(a.to_json()))) for a in states[5][0]]
-    assert visit.visit_name(again, 1) == names[5]
+    assert visit.visit_name(again, 1, usual, usual.waypoints) == names[5]
 
 
 def test_a_view_that_is_not_free_is_an_error_and_leaves_no_visit(session, tmp_path):

@@ -7,6 +7,8 @@ and the second does not, otherwise for what the second shows and the first does 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,15 +22,34 @@ Differs = Callable[[Sample, Shown, Settings], np.ndarray]
 where the frame says nothing. settings: controls.*."""
 
 
+@dataclass(frozen=True)
+class _Compared:
+    """What an answer depends on: two tours by what they show, which of them has what is looked for, how they are compared."""
+
+    past: bool
+    contents: tuple[str | None, str | None]
+    differs: Differs
+    constants: tuple[tuple[str, float], ...]
+    tours: tuple[Visit, Visit] = field(compare=False, repr=False)
+    settings: Settings = field(compare=False, repr=False)
+
+
 def answer(past: bool, first: Visit, second: Visit, differs: Differs, settings: Settings) -> Answer | Abstention:
     """The place of the largest connected difference in any one frame: the median of its points on the floor plane.
 
     Something else is where more frames of the other tour say so than say that it is the same.
     past: whether what the first tour shows is looked for. Of equal differences the first is taken. Abstains with NO_CANDIDATE
-    where nothing differs. settings: controls.*.
+    where nothing differs. settings: controls.*. Recorded tours are compared once, under whatever seeds a run asks again.
     """
+    contents = first.content, second.content
+    compared = _Compared(past, contents, differs, tuple(settings.controls), (first, second), settings)
+    return _compare(compared) if None in contents else _compare_once(compared)
+
+
+def _compare(compared: _Compared) -> Answer | Abstention:
+    (first, second), settings, differs = compared.tours, compared.settings, compared.differs
     every_px = settings.controls.every_px
-    here, there = (sampled(visit, every_px) for visit in ((first, second) if past else (second, first)))
+    here, there = (sampled(visit, every_px) for visit in ((first, second) if compared.past else (second, first)))
     most, place = 0, None
     for sample in here:
         votes = np.zeros(sample.depth.shape)
@@ -40,6 +61,9 @@ def answer(past: bool, first: Visit, second: Visit, differs: Differs, settings: 
     if place is None:
         return Abstention(AbstentionReason.NO_CANDIDATE)
     return Answer(float(place[0]), float(place[2]))
+
+
+_compare_once = lru_cache(maxsize=1024)(_compare)
 
 
 def _largest(mask: np.ndarray) -> np.ndarray:

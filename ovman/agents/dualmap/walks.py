@@ -81,7 +81,7 @@ def frames(session: Session, of: Assigned, turn_deg: float) -> Iterable[Frame]:
     simulator refuses.
     """
     settings = of.episode.settings
-    rng = seeds.generator(settings.benchmark.seed, "mover", of.episode.id, "tour")
+    rng = seeds.generator(settings.benchmark.seed, *seeds.tour_movers(of.episode.id))
     world = World(session, of.recorded.alterations, settings.mover, rng, object_filter=lambda _: False)
     views = [AgentPose(**dict(view.pose)) for view in of.recorded.views]
     lens = settings.camera.field_of_view_deg

@@ -60,10 +60,18 @@ class Lighting(Section):
     brightness: Range = Field(description="least and greatest factor of every light, above 0")
     hue: Range = Field(description="of the tint of the lights, in [0, 1]")
     saturation: Range = Field(description="of the tint of the lights, in [0, 1]")
+    materials: bool = Field(
+        False, description="whether the second visit has other materials, too, as RandomizeMaterials draws them"
+    )
+
+    @property
+    def ranges(self) -> Mapping[str, tuple[float, float]]:
+        """What is drawn of the light, by name."""
+        return {name: (ends[0], ends[1]) for name in ("brightness", "hue", "saturation") for ends in (getattr(self, name),)}
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
-        for name, (low, high) in self:
+        for name, (low, high) in self.ranges.items():
             if low > high:
                 raise ValueError(f"{name} is {[low, high]}; write the least before the greatest")
             if name == "brightness" and low <= 0:

@@ -40,11 +40,22 @@ def _plain(value: Any) -> Any:
     return {name: _plain(one) for name, one in value} if isinstance(value, Section) else value
 
 
-def _by_name(entries: list[Any], kind: Any) -> dict[str, Any]:
-    """The inverse of `listed`. kind: of the mapping's values."""
-    if isinstance(kind, type) and issubclass(kind, Section):
-        return {entry["name"]: kind.model_validate(entry) for entry in entries}
-    return dict(entries)
+def _by_name(entries: list[Any], kind: Any, stage: str, path: str) -> dict[str, Any]:
+    """The inverse of `listed`. kind: of the mapping's values; stage, path: as for `Section.owned`."""
+    if not (isinstance(kind, type) and issubclass(kind, Section)):
+        return dict(entries)
+    whole = kind.model_fields.keys()
+    return {
+        entry["name"]: kind.model_validate(entry)
+        if whole == entry.keys()
+        else kind.owned(entry, stage, f"{path}.{entry['name']}")
+        for entry in entries
+    }
+
+
+def _section_in(kind: Any) -> type[Section] | None:
+    """The section that a field of this annotation may have instead of null, None for fields of other values."""
+    return next((one for one in get_args(kind) if isinstance(one, type) and issubclass(one, Section)), None)
 
 
 class Section(BaseModel):
@@ -80,7 +91,9 @@ class Section(BaseModel):
             if isinstance(kind, type) and issubclass(kind, Section):
                 fields[name] = kind.owned(value, stage, inner)
             elif get_origin(kind) is dict:
-                fields[name] = _by_name(value, get_args(kind)[1])
+                fields[name] = _by_name(value, get_args(kind)[1], stage, inner)
+            elif isinstance(value, Mapping) and (section := _section_in(kind)):
+                fields[name] = section.model_validate(value)
             else:
                 fields[name] = tuple(value) if isinstance(value, list) else value
         # A section of which the stage owns nothing is there, so that the error names the constant.

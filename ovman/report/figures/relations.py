@@ -167,23 +167,24 @@ def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Pat
     panel_in = PAGE_IN / len(Relation)
     columns = max((len(row) for row in chosen.values()), default=1)
     with drawing(output) as plt:
-        size = panel_in * columns, (panel_in * 2 + 0.75) * len(chosen)
-        figure, axes = plt.subplots(2 * len(chosen), columns, figsize=size, squeeze=False)
-        for axis in axes.flat:
-            axis.set_xticks([])
-            axis.set_yticks([])
-            for spine in axis.spines.values():
-                spine.set_visible(False)
-        for number, (split, row) in enumerate(chosen.items()):
+        size = panel_in * columns, (panel_in * 2 + 0.6) * len(chosen)
+        figure = plt.figure(figsize=size, layout="constrained")
+        figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, hspace=0.01, wspace=0.01)
+        parts = np.ravel(figure.subfigures(len(chosen), 1))
+        for part, (split, row) in zip(parts, chosen.items(), strict=True):
+            axes = part.subplots(2, columns, squeeze=False)
+            for axis in axes.flat:
+                axis.set_xticks([])
+                axis.set_yticks([])
+                axis.set_frame_on(False)
             for which, called in enumerate(("first visit", "second visit")):
-                axes[2 * number + which, 0].set_ylabel(f"{split}, {called}" if len(chosen) > 1 else called)
+                axes[which, 0].set_ylabel(f"{split}, {called}" if len(chosen) > 1 else called)
             for column, shown in enumerate(row):
                 for which in (0, 1):
-                    _panel(axes[2 * number + which, column], shown, which, constants.camera)
-                axes[2 * number, column].set_title(shown.episode.relation.value.upper(), fontweight="bold")
+                    _panel(axes[which, column], shown, which, constants.camera)
+                axes[0, column].set_title(shown.episode.relation.value.upper(), fontweight="bold")
                 sentence = textwrap.wrap(f"“{shown.episode.sentence}”", WRAP)
-                axes[2 * number + 1, column].set_xlabel("\n".join(sentence), fontsize=SMALL_PT)
-        figure.tight_layout(pad=0.3, w_pad=0.4, h_pad=0.4)
+                axes[1, column].set_xlabel("\n".join(sentence), fontsize=SMALL_PT)
 
 
 def run(episodes_files: Sequence[Path], visits_dir: Path, constants: Settings, output: Path) -> None:
