@@ -56,6 +56,7 @@ class Settings(Section):
     sensitivity: Sensitivity
     gate_sweep: GateSweep
     dualmap: Dualmap
+    joint: Joint
     dynamem: Dynamem
     react: React
     training: Training
