@@ -111,11 +111,11 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     hidden = seen & (shown.depth < FAR_M)
     assert (
         hidden.any()
-        and np.isnan(shown.darkest[hidden]).all()
+        and np.isnan(shown.colours()[0][hidden]).all()
         and np.isnan(CONTROLS["depth"](here[0], shown, SETTINGS)[hidden]).all()
     )
     assert (
-        np.isfinite(shown.darkest[seen & ~hidden]).all()
+        np.isfinite(shown.colours()[0][seen & ~hidden]).all()
         and (CONTROLS["depth"](here[0], shown, SETTINGS)[seen & ~hidden] < 0).all()
     )
 
@@ -124,7 +124,7 @@ def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
     here, tours = sampled(tour(frame()), EVERY_PX)[0], sampled(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
     (shown,) = shown_at(here, tours, EVERY_PX, HIDDEN_M)
-    assert shown.depth is tours[1].depth and shown.darkest is shown.lightest is tours[1].rgb
+    assert shown.depth is tours[1].depth and all(bound is tours[1].rgb for bound in shown.colours())
     assert len(list(shown_at(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 
 

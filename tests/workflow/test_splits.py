@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import csv
+import shutil
 from pathlib import Path
 
 from ovman.models.episode import Episode
 from ovman.models.settings import arms_of
 from ovman.models.sighting import Sightings
+from ovman.models.variant import VARIANTS
 from ovman.report.show.results import Results
 from ovman.task import referents
 from ovman.workflow.parameter import stage_settings
+from tests.workflow.conftest import World
 from tests.workflow.test_reruns import CONFIG
 
 SPLIT = CONFIG.splits["multi"]
@@ -50,3 +53,15 @@ def test_its_episodes_are_shown_with_what_arms_answered(world):
     assert all(results.static_verdict(arm, 0, chosen) for arm in SPLIT.arms)
     assert results.sightings(results.episodes[chosen]) is not None
     assert results.map(results.episodes[chosen], "second") is not None
+
+
+def test_what_its_settings_cost_is_a_table_of_its_own(world, tmp_path):
+    again = World(shutil.copytree(world.directory, tmp_path / "world"))
+    said = again.snakemake(target="results/ablation/everyday/table")
+    assert said.returncode == 0, said.stdout
+    with next(of(again, "ablation/everyday/table").glob("*.csv")).open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows and {file.stem for file in of(again, "ablation/everyday/episodes").glob("*.jsonl")} == {*VARIANTS}
+    assert again.planned(target="results/ablation/everyday/table") == {}
+    before, after = world.results(), again.results()
+    assert {name: after[name] for name in before} == before

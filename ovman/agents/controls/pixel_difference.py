@@ -16,8 +16,9 @@ from ovman.models.settings import Settings
 
 def discoloured(sample: Sample, shown: Shown, settings: Settings) -> np.ndarray:
     """By how much (h, w) more than controls.changed_level a channel of a frame is beyond the other's bounds; full scale is 1."""
-    beyond = np.maximum(shown.darkest - sample.rgb, sample.rgb - shown.lightest).max(axis=2)
-    votes: np.ndarray = beyond - settings.controls.changed_level
+    darkest, lightest = shown.colours()
+    red, green, blue = np.moveaxis(np.maximum(darkest - sample.rgb, sample.rgb - lightest), 2, 0)
+    votes: np.ndarray = np.maximum(np.maximum(red, green), blue) - settings.controls.changed_level
     return votes
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -17,7 +18,7 @@ AROUND = 3
 """Cells on each side of the square that stands for a place in a picture: places fall between the cells."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Sample:
     """A frame at every n-th pixel, h rows of w. rgb (h, w, 3) in [0, 1]; depth (h, w) in metres along the optical axis, NaN where
     it is not known; points (h, w, 3): where that is in the world; pose, camera: of the frame; shape: (H, W) of the frame."""
@@ -29,19 +30,35 @@ class Sample:
     camera: Camera
     shape: tuple[int, int]
 
+    @cached_property
+    def nearest(self) -> np.ndarray:
+        """The least depth (h, w) in the square around each cell, inf where none is known."""
+        from scipy.ndimage import minimum_filter  # takes a quarter of a second, and equal tours need none of it
+
+        least: np.ndarray = minimum_filter(np.where(np.isfinite(self.depth), self.depth, np.inf), AROUND, mode="nearest")
+        return least
+
+    @cached_property
+    def colours(self) -> tuple[np.ndarray, np.ndarray]:
+        """The darkest and the lightest of each channel (h, w, 3) in the square around each cell."""
+        from scipy.ndimage import maximum_filter, minimum_filter
+
+        square = AROUND, AROUND, 1
+        return minimum_filter(self.rgb, square, mode="nearest"), maximum_filter(self.rgb, square, mode="nearest")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
     """What a frame of another tour shows at the places (h, w) of a sample.
 
     away: the place's depth for that frame's camera; depth: the nearest depth that the frame shows there; both in metres, NaN
-    where the place is not in the picture. darkest, lightest: the bounds (h, w, 3) of the colour there, NaN where it is hidden.
+    where the place is not in the picture. colours: gives the bounds of each channel there, the darkest and the lightest, both
+    (h, w, 3), NaN where the place is hidden.
     """
 
     away: np.ndarray
     depth: np.ndarray
-    darkest: np.ndarray
-    lightest: np.ndarray
+    colours: Callable[[], tuple[np.ndarray, np.ndarray]]
 
 
 def sampled(visit: Visit, every_px: int) -> tuple[Sample, ...]:
@@ -70,28 +87,29 @@ def shown_at(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: fl
     """
     for other in tour:
         if other.pose == sample.pose and other.camera == sample.camera and other.depth.shape == sample.depth.shape:
-            yield Shown(sample.depth, other.depth, other.rgb, other.rgb)
+            yield Shown(sample.depth, other.depth, partial(_twice, other.rgb))
             return
     for other in tour:
         yield _shown(sample, other, every_px, hidden_m)
 
 
-def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
-    from scipy.ndimage import maximum_filter, minimum_filter  # takes a quarter of a second, and equal tours need none of it
+def _twice(rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return rgb, rgb
 
+
+def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
     rows, columns, distances, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
-    nearest = minimum_filter(np.where(np.isfinite(other.depth), other.depth, np.inf), AROUND, mode="nearest")
     away, depth = np.full(sample.depth.size, np.nan), np.full(sample.depth.size, np.nan)
-    away[inside], depth[inside] = distances, nearest[rows, columns]
+    away[inside], depth[inside] = distances, other.nearest[rows, columns]
     depth[~np.isfinite(depth)] = np.nan
-    open_to = inside[depth[inside] > distances - hidden_m]
-    seen = np.isin(inside, open_to, assume_unique=True)
-    bounds = []
-    for extreme in (minimum_filter, maximum_filter):
-        bound = np.full((sample.depth.size, 3), np.nan)
-        bound[open_to] = extreme(other.rgb, (AROUND, AROUND, 1), mode="nearest")[rows[seen], columns[seen]]
-        bounds.append(bound.reshape(sample.rgb.shape))
-    return Shown(away.reshape(sample.depth.shape), depth.reshape(sample.depth.shape), bounds[0], bounds[1])
+    seen = depth[inside] > distances - hidden_m
+
+    def colours() -> tuple[np.ndarray, np.ndarray]:
+        darkest, lightest = np.full((2, sample.depth.size, 3), np.nan)
+        darkest[inside[seen]], lightest[inside[seen]] = (extreme[rows[seen], columns[seen]] for extreme in other.colours)
+        return darkest.reshape(sample.rgb.shape), lightest.reshape(sample.rgb.shape)
+
+    return Shown(away.reshape(sample.depth.shape), depth.reshape(sample.depth.shape), colours)
 
 
 def _cells(points: np.ndarray, other: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

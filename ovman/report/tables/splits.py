@@ -41,6 +41,9 @@ def differs(split: Split) -> str:
         fewest, most = split.others.count
         number = f"{fewest}" if fewest == most else f"{fewest} to {most}"
         says.append(f"{number} instances of other categories change as well")
-    if split.second_tour is not None:
-        says.append("the second tour has views of its own")
+    own = [what for what, has in (("views", split.second_tour), ("light", split.light)) if has is not None]
+    if own:
+        says.append(f"the second tour has {' and '.join(own)} of its own")
+    if split.sensors is not None:
+        says.append(f"depth and poses err (sensors: {split.sensors})")
     return "; ".join(says) or "the paper's protocol"
