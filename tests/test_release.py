@@ -16,7 +16,8 @@ from ovman.models.episode import Episode
 from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.run import Score
-from ovman.models.settings import Arm, Kind, Source, of_kind
+from ovman.models.settings import MAIN, Arm, Kind, Source, of_kind
+from ovman.models.settings.splits import in_main_job
 from ovman.models.trial import Trial, Verdict
 from ovman.task import referents, spl
 from ovman.workflow.config import load
@@ -38,6 +39,13 @@ def released():
     return Episode.load(EPISODES)
 
 
+@pytest.fixture(scope="module")
+def released_in():
+    """The released episodes of every split by their ids."""
+    files = [file for file in (DATA / "episodes").glob("*.jsonl") if not file.stem.endswith("sightings")]
+    return {file.stem: {episode.id: episode for episode in Episode.load(file)} for file in files}
+
+
 def test_every_file_has_its_checksum():
     sums = dict(reversed(line.split("  ", 1)) for line in (DATA / "SHA256SUMS").read_text().splitlines())
     files = {p.relative_to(DATA).as_posix() for p in DATA.rglob("*") if p.is_file()} - {"SHA256SUMS"}
@@ -52,30 +60,33 @@ def test_the_split_is_the_papers(released):
     assert len({e.scene for e in released}) == 20 == len(CONFIG.benchmark.scenes)
 
 
-def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released):
+def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released_in):
     task = constants("admissible")
-    for episode in released:
+    assert {*released_in} == {MAIN, *CONFIG.splits}
+    for episode in (episode for episodes in released_in.values() for episode in episodes.values()):
         assert len(episode.certification) == 1 + CONFIG.admissibility.runs
         assert all(run.success for run in episode.certification), episode.id
         assert referents(*episode.states, episode.query, task) == (episode.target,), episode.id
 
 
-def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, released):
+def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, released_in):
     # What the other arms answer follows from maps, which networks make.
     for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
         predictions.run(arm, EPISODES, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl", SIGHTINGS)
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
-    run_files = sorted((DATA / "runs").glob("*/seed*/*.jsonl"))
-    episodes, judged_runs = {episode.id: episode for episode in released}, 0
-    for file in run_files:
+    embodied = {arm.name for arm in of_kind(ARMS, Kind.EMBODIED)}
+    wanted = {MAIN: embodied} | {name: embodied & {*CONFIG.splits[name].arms} for name in in_main_job(CONFIG.splits)}
+    of_splits = {episode.id: episode for episodes in released_in.values() for episode in episodes.values()}
+    runs: dict[str, list[tuple[str, int, str]]] = {name: [] for name in wanted}
+    for file in sorted((DATA / "runs").rglob("*.jsonl")):
         for run in Score.read(file):
-            episode = episodes[run.episode]
+            episode = of_splits[run.episode]
             assert judged(run, episode.relation, episode.protocol.success) == run.success, run
             assert round(spl(run.success, episode.shortest_path_m, run.path_length_m), 6) == run.spl, run
-            judged_runs += 1
-    driven = {path.name for path in (DATA / "runs").iterdir()}
-    assert driven <= {arm.name for arm in of_kind(ARMS, Kind.EMBODIED)}
-    assert judged_runs == len(episodes) * len(CONFIG.evaluation.seeds) * len(driven) == 3285
+            runs[episode.split].append((run.arm, run.seed, run.episode))
+    for name, arms in wanted.items():
+        whole = {(arm, seed, episode) for arm in arms for seed in CONFIG.evaluation.seeds for episode in released_in[name]}
+        assert len(runs[name]) == len(whole) and {*runs[name]} == whole, name
 
 
 def of_each_kind(trials: list[Trial], verdicts: list[Verdict], released: set[str]) -> list[Trial]:
