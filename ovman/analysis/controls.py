@@ -107,7 +107,12 @@ def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str
     }
 
 
+def judged_splits(rates: Sequence[Path], outcomes: Sequence[Path]) -> list[Judged]:
+    """The splits of the files, of which each rates file has its outcomes file at the same place."""
+    return [Judged.of(*files) for files in zip(rates, outcomes, strict=True)]
+
+
 def run(rates: Sequence[Path], outcomes: Sequence[Path], constants: Settings, output: Path) -> None:
     """Write the rows of all splits in the order of the files, which is the same for both. constants, errors: ``controlled``."""
-    judged = [Judged.of(*files) for files in zip(rates, outcomes, strict=True)]
+    judged = judged_splits(rates, outcomes)
     frames.write(output, Controlled, [row for one in judged for row in controlled(one, constants)])

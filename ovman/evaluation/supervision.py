@@ -71,7 +71,11 @@ class Supervised:
         if absent:
             raise AgentError(f"{self._where}{type(agent).__name__} has no method {absent[0]}; an agent has it (docs/agents.md)")
         self._agent: Agent = agent
-        self.looks = bool(getattr(agent, "looks", True))
+
+    @property
+    def looks(self) -> bool:
+        """Whether the agent takes images while it drives (`Agent`)."""
+        return bool(getattr(self._agent, "looks", True))
 
     def familiarise(self, visit: Visit) -> None:
         """See `Agent.familiarise`. AgentError where the agent raises."""

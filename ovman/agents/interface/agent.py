@@ -13,9 +13,9 @@ class Agent(Protocol):
     """An agent under evaluation, called in this order for every episode: familiarise, revisit, ask, then act until it ends.
 
     ``familiarise`` starts a new episode: an agent forgets what it kept of the last one. An agent that needs no images while it
-    drives says so with an attribute `looks` that is False: `act` gets poses without images, and nothing is drawn for it. Without
-    the attribute it gets images at every step. An exception raised by any of these ends the run of the evaluation, not the
-    episode: an agent that cannot decide returns ABSTAIN.
+    drives says so with an attribute `looks` that is False once ``ask`` has returned: `act` gets poses without images, and nothing
+    is drawn for it. Without the attribute it gets images at every step. An exception raised by any of these ends the run of the
+    evaluation, not the episode: an agent that cannot decide returns ABSTAIN.
     """
 
     def familiarise(self, visit: Visit) -> None:

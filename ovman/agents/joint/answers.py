@@ -16,9 +16,14 @@ from ovman.perception.detected import Detected
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arm. Reads joint.*."""
     constants = context.settings.joint
-    tours, detected = ([read(which) for which in VISITS] for read in (context.tour, context.detections))
-    first, second = evidence(tours[0], tours[1], detected[0], detected[1], constants)
+    first, second = recorded(context, constants)
     return answer(query, first, second, Nouns(context.noun, constants), constants), None
+
+
+def recorded(context: PredictionContext, constants: Joint) -> tuple[Segments, Segments]:
+    """The segments of both recorded visits."""
+    first, second = VISITS
+    return evidence(context.tour(first), context.tour(second), context.detections(first), context.detections(second), constants)
 
 
 def evidence(first: Visit, second: Visit, in_first: Detected, in_second: Detected, constants: Joint) -> tuple[Segments, Segments]:
@@ -33,4 +38,4 @@ def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, consta
     relation = Relation(query.relation)
     if relation is Relation.MOVING:
         return moving(second, phrase, nouns, constants)
-    return decide(relation, *(objects(seen, phrase, nouns, constants) for seen in (first, second)), constants)
+    return decide(relation, objects(first, phrase, nouns, constants), objects(second, phrase, nouns, constants), constants)

@@ -67,4 +67,5 @@ def moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -
 
 def log_sigmoid(odds: np.ndarray) -> np.ndarray:
     """log(1 / (1 + exp(-odds))): the log probability of log odds."""
-    return -np.logaddexp(0.0, -odds)
+    found: np.ndarray = -np.logaddexp(0.0, -odds)
+    return found

@@ -50,7 +50,7 @@ def log_odds(open_share: np.ndarray, standing_share: np.ndarray, doubt: float) -
 def segments(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
     """The segments of a tour. mine: its frames; detected: in them; other: the frames of the other tour."""
     there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, itself=True)
-    masks = detected.masks() if len(detected) else np.zeros((0, *mine[0].depth.shape), bool)
+    masks = detected.masks() if len(detected) else ()
     found: list[tuple[int, np.ndarray, int]] = []
     for number in range(len(detected)):
         view = int(detected.view[number])
@@ -60,12 +60,12 @@ def segments(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], 
         for seen_in, cells, _ in found:
             if seen_in == view:
                 taken |= cells
-        found += [(view, cells, -1) for cells in _left_over(there[view], taken, constants)]
+        found += [(view, cells, -1) for cells in left_over(there[view], taken, constants)]
     rows = [row for view, cells, number in found if (row := _row(view, cells, number, mine[view], there[view], here[view]))]
     return _gathered(rows, detected, constants)
 
 
-def _left_over(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:
+def left_over(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:
     """The parts (h, w) bool of a picture's grid that the other tour sees through and no detection has."""
     from scipy.ndimage import label
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from ovman.agents.interface import Observation, Visit
@@ -14,18 +15,21 @@ from ovman.perception.backprojection import Camera, pixel_points
 
 NEAREST_M = 0.2
 """What is nearer to a camera than this, or behind it, is not in its picture."""
-AROUND = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
+AROUND_PX = 3
+"""Side of the square around a pixel of which some depth may be the place's."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A frame and its grid of every n-th pixel, h rows of w.
 
-    depth (H, W): metres along the optical axis, 0 where it is not known; rows (h,), columns (w,): of the grid's pixels;
-    points (h, w, 3): where they lie in the world, metres; known (h, w) bool: whether they have depth.
+    nearest, farthest (H, W): least and greatest depth around a pixel, metres along the optical axis, inf and -inf where none is
+    known; rows (h,), columns (w,): of the grid's pixels; points (h, w, 3): where they lie in the world, metres; known (h, w)
+    bool: whether they have depth.
     """
 
-    depth: np.ndarray
+    nearest: np.ndarray
+    farthest: np.ndarray
     camera: Camera
     rows: np.ndarray
     columns: np.ndarray
@@ -71,14 +75,18 @@ def frame(observation: Observation, constants: Joint) -> Frame:
     rows, columns = (np.arange(constants.every_px // 2, side, constants.every_px) for side in depth.shape)
     at = np.meshgrid(rows, columns, indexing="ij")
     points = pixel_points(depth, at[0].ravel(), at[1].ravel(), camera).reshape(*at[0].shape, 3)
-    return Frame(depth, camera, rows, columns, points, depth[at[0], at[1]] > 0)
+    known = depth > 0
+    around = np.ones((AROUND_PX, AROUND_PX))
+    nearest, farthest = cv2.erode(np.where(known, depth, np.inf), around), cv2.dilate(np.where(known, depth, -np.inf), around)
+    return Frame(nearest, farthest, camera, rows, columns, points, known[at[0], at[1]])
 
 
 def votes(points: np.ndarray, seen_by: Iterable[Frame], constants: Joint) -> Votes:
     """The votes of frames on places (N, 3), metres.
 
-    A frame sees through a place where everything around its pixel is farther by more than the tolerance, and something at it where
-    some of that is within the tolerance. Depth and poses err the more, the farther away a place is, and so grows the tolerance.
+    A frame sees through a place where everything around its pixel is farther by more than the tolerance, and something at it
+    where some of that is within the tolerance. Depth and poses err the more, the farther away a place is, and so grows the
+    tolerance.
     """
     through, at = np.zeros(len(points), np.int64), np.zeros(len(points), np.int64)
     for one in seen_by:
@@ -91,8 +99,8 @@ def votes(points: np.ndarray, seen_by: Iterable[Frame], constants: Joint) -> Vot
 
 def _beyond(points: np.ndarray, seen_by: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Which places (M,) are in a frame's picture, by how many metres what it shows there is farther than they are, and how far
-    away they are, metres. Of the depths around the place's pixel the one nearest to the place's counts, 0 if it lies among them."""
-    height, width = seen_by.depth.shape
+    away they are, metres. Of the depths around a place's pixel the one nearest to its own counts, 0 if it lies among them."""
+    height, width = seen_by.nearest.shape
     aside, up, away = ((points - np.array(seen_by.camera.position)) @ seen_by.camera.axes()).T
     ahead = np.flatnonzero(away > NEAREST_M)
     focal_px = height / 2 / math.tan(math.radians(seen_by.camera.field_of_view_deg) / 2)
@@ -100,14 +108,10 @@ def _beyond(points: np.ndarray, seen_by: Frame) -> tuple[np.ndarray, np.ndarray,
     columns = np.floor(width / 2 + focal_px * aside[ahead] / away[ahead]).astype(np.int64)
     inside = (rows >= 1) & (rows < height - 1) & (columns >= 1) & (columns < width - 1)
     places, rows, columns = ahead[inside], rows[inside], columns[inside]
-    around = np.stack([seen_by.depth[rows + row, columns + column] for row, column in AROUND]) if len(places) else np.ones((9, 0))
-    seen = (around > 0).any(axis=0)
-    places, around = places[seen], around[:, seen]
-    known = around > 0
-    nearest, farthest = np.where(known, around, np.inf).min(axis=0), np.where(known, around, -np.inf).max(axis=0)
-    own = away[places]
-    beyond: np.ndarray = np.where(nearest > own, nearest - own, np.where(farthest < own, farthest - own, 0.0))
-    return places, beyond, own
+    nearest, farthest, own = seen_by.nearest[rows, columns], seen_by.farthest[rows, columns], away[places]
+    beyond = np.where(nearest > own, nearest - own, np.minimum(farthest - own, 0.0))
+    seen = np.isfinite(beyond)
+    return places[seen], beyond[seen], own[seen]
 
 
 def grid_votes(mine: Sequence[Frame], seen_by: Sequence[Frame], constants: Joint, itself: bool = False) -> list[np.ndarray]:

@@ -100,6 +100,7 @@ class Arm(Section):
     positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
     answer: Whence = Field(Source.OWN, description="handed to the oracle only")
     control: bool = Field(False, description="shows what the benchmark measures, and is no system; it stands apart in the tables")
+    ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
     withheld: Annotated[Withheld, Field(strict=False)] | None = Field(
         None, description="what a static arm is not given of the query or of the visits"
     )
@@ -133,7 +134,7 @@ class Arm(Section):
         return handed and not self.reads_labels
 
 
-WORDS = ("system", "memory", "control")
+WORDS = ("system", "memory", "control", "ablates")
 """Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""
 
 

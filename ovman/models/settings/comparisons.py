@@ -18,6 +18,7 @@ class Pair(Section):
     name: str = Field(description="the key of its entry: the title of the comparison in the tables")
     arm: str = Field(description="the arm that is tested")
     baseline: str = Field(description="the arm that it is tested against")
+    every_split: bool = Field(False, description="whether it is tested on the other splits, too, where both arms are asked")
 
 
 def _without_nulls(value: Any) -> Any:

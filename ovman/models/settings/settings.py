@@ -25,6 +25,7 @@ from ovman.models.settings.benchmark import (
     Tour,
 )
 from ovman.models.settings.comparisons import Comparisons, PaperRows
+from ovman.models.settings.joint import Joint
 from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.sensitivity import GateSweep, Sensitivity
 from ovman.models.settings.sensors import Levels

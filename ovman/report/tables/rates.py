@@ -34,16 +34,15 @@ _SUFFIXES = {"rate": "", "low": "_low", "high": "_high", "least": "_min", "great
 def static_table(rates: pd.DataFrame, settings: Settings) -> Table:
     """The static gate, one row an arm that has rates. rates: rows of `Rate`.
 
-    Arms on their own come first, then those with grounding and with positions handed over, each in the order of the settings, and
-    controls last.
-    Arms that differ from another in the reading of what is handed over stand in the table of readings instead. Raises ValueError
-    for an arm that is not static.
+    Arms on their own come first, then those that lack a part, then those with grounding and with positions handed over, each in
+    the order of the settings, and controls last. Arms that differ from another in the reading of what is handed over stand in the
+    table of readings instead. Raises ValueError for an arm that is not static.
     """
     confidence = settings.evaluation.confidence
     every = arms_of(settings.arms)
     left = other_readings(every)
     shown = (arm for arm in of_kind(every, Kind.STATIC) if arm.name not in left)
-    arms = sorted(shown, key=lambda arm: (arm.control, handed_over(arm)))
+    arms = sorted(shown, key=lambda arm: (arm.control, handed_over(arm), arm.ablates is not None))
     rows = _by_arm(rates[~rates["arm"].isin(left)], arms, ALL).join(arms_frame(settings)).rename(columns={"seeds": "runs"})
     rows[SECTION] = [_section(arm) for arm in arms if arm.name in rows.index]
     caption = (
@@ -129,6 +128,8 @@ def _rate_columns(rate: Column) -> tuple[Column, ...]:
 def _section(arm: Arm) -> str:
     if arm.control:
         return CONTROLS
+    if arm.ablates is not None:
+        return "a part taken away (ablation)"
     if arm.positions is Source.HANDED:
         return "positions handed over (diagnostic)"
     return "grounding handed over (diagnostic)" if arm.grounding is Source.HANDED else ""

@@ -35,7 +35,7 @@ def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
     others = comparisons[(comparisons["seed"] != first) & (comparisons["relation"] == ALL)]
     rows = shown.rename(columns={"title": "comparison"}).assign(**{SECTION: shown["title"]})
     for key in ("baseline_successes", "wins", "losses"):
-        rows[key] = _counts(rows, key)
+        rows[key] = counts(rows, key)
     columns = (
         words("comparison", formats=CSV_AND_MARKDOWN),
         words("arm", formats=DATA),
@@ -47,7 +47,7 @@ def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
         numbers("baseline_successes", "baseline"),
         numbers("wins"),
         numbers("losses"),
-        _test_column(),
+        test_column(),
         p_values("p", "p"),
         p_values("p_holm", "p (Holm)"),
     )
@@ -94,7 +94,7 @@ def pairings_table(pairings: pd.DataFrame, settings: Settings) -> Table:
         numbers("best", data=signed),
         words("best_runs", "best runs", formats=DATA),
         p_values("best_p", "p"),
-        _test_column(),
+        test_column(),
         numbers("n"),
     )
     caption = (
@@ -134,9 +134,11 @@ def _row(title: str, relation: str, runs: pd.DataFrame) -> dict[str, object]:
     }
 
 
-def _counts(rows: pd.DataFrame, key: str) -> list[str]:
+def counts(rows: pd.DataFrame, key: str) -> list[str]:
+    """A column of counts, or of expectations where the baseline is a stochastic pick, as they are written."""
     return [count(value, test == Method.POISSON_BINOMIAL) for value, test in zip(rows[key], rows["test"], strict=True)]
 
 
-def _test_column() -> Column:
+def test_column() -> Column:
+    """The column that names the test."""
     return Column("test", "test", page=lambda test: TESTS[Method(test)])

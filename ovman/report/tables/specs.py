@@ -29,6 +29,7 @@ from ovman.analysis.scores import Score
 from ovman.analysis.sensitivity import Margin
 from ovman.analysis.shortcuts import Shortcut
 from ovman.analysis.significance import Comparison
+from ovman.analysis.split_significance import SplitComparison
 from ovman.analysis.spread import Pass
 from ovman.analysis.taxonomy import TaxonomyCount
 from ovman.models.settings import Kind, Settings
@@ -54,6 +55,7 @@ from ovman.report.tables.seeds import seeds_table
 from ovman.report.tables.sensitivity import sensitivity_table
 from ovman.report.tables.shortcuts import shortcuts_table
 from ovman.report.tables.significance import pairings_table, significance_table
+from ovman.report.tables.split_significance import split_significance_table
 from ovman.report.tables.splits import split_embodied_table, split_rejections_table, split_table
 from ovman.report.tables.table import Table
 from ovman.report.tables.taxonomy import taxonomy_table
@@ -87,6 +89,7 @@ SPECS: Mapping[str, TableSpec] = {
     "scenes": TableSpec(SceneRate, scenes_table),
     "mover": TableSpec(MoverDistance, mover_table),
     "controls": TableSpec(Controlled, controls_table),
+    "split_significance": TableSpec(SplitComparison, split_significance_table),
     "language": TableSpec(LanguageRate, language_table),
     "perception": TableSpec(Score, perception_table),
     "backprojection": TableSpec(Localised, backprojection_table),
