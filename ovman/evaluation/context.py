@@ -101,7 +101,7 @@ class EpisodeContext:
     def detections(self, which: str) -> Detected:
         """See `PredictionContext.detections`."""
         if self._withheld(which):
-            return _nothing_detected()
+            return nothing_detected()
         return self.store.detected[self.visits[which]]
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
@@ -158,7 +158,8 @@ class EpisodeContext:
         return self.sightings.sightings
 
 
-def _nothing_detected() -> Detected:
+def nothing_detected() -> Detected:
+    """The detections of a visit that showed nothing."""
     nothing, masks = np.zeros(0, np.int64), PackedMasks.of(np.zeros((0, 0, 0), bool))
     return Detected(nothing, np.zeros((0, 3)), np.zeros((0, 0)), nothing, np.zeros(0, np.float32), masks, "")
 

@@ -1,0 +1,99 @@
+"""Names and objects: probabilities, shrinkage, and what is one object."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ovman.agents.interface import Answer
+from ovman.agents.joint.decision import moving
+from ovman.agents.joint.naming import Nouns
+from ovman.agents.joint.objects import objects
+from ovman.agents.joint.segments import Segments
+from ovman.language import noun
+from ovman.language.vocabulary import SYNONYMS
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+
+CONSTANTS = stage_settings(CONFIG, "predictions", "joint").joint
+PHRASES = list(dict.fromkeys(noun(category) for category in SYNONYMS))
+FEATURES = np.eye(len(PHRASES) + 1)
+CHAIR = PHRASES.index("chair")
+
+
+def embedding(phrase: str) -> np.ndarray:
+    return FEATURES[PHRASES.index(phrase)] if phrase in PHRASES else FEATURES[-1]
+
+
+NOUNS = Nouns(embedding, CONSTANTS)
+
+
+def seen(places, features=None, views=None, changed=0.0, moving=-3.0) -> Segments:
+    places = np.array([(x, 0.5, z) for x, z in places], float).reshape(-1, 3)
+    count = len(places)
+    return Segments(
+        view=np.arange(count) if views is None else np.array(views),
+        place=places,
+        cells=np.full(count, 20),
+        feature=FEATURES[[CHAIR] * count] if features is None else np.array(features),
+        named=np.ones(count, bool),
+        changed=np.full(count, changed),
+        moving=np.full(count, moving),
+    )
+
+
+def test_probabilities_of_the_vocabulary_come_to_one_whatever_is_shown():
+    rng = np.random.default_rng(1)
+    shown = rng.normal(size=(5, len(FEATURES)))
+    shown /= np.linalg.norm(shown, axis=1, keepdims=True)
+    every = np.exp([NOUNS.log_probability(shown, phrase) for phrase in PHRASES]).sum(axis=0)
+    assert every == pytest.approx(1.0)
+
+
+def test_what_has_no_feature_or_resembles_nothing_is_as_likely_as_chance():
+    nothing = NOUNS.log_probability(np.zeros((1, len(FEATURES))), "chair")
+    stranger = NOUNS.log_probability(FEATURES[-1:], "chair")
+    assert nothing == pytest.approx(NOUNS.chance) and stranger == pytest.approx(NOUNS.chance)
+
+
+def test_a_name_is_never_ruled_out_and_a_new_noun_is_one_more():
+    other = NOUNS.log_probability(FEATURES[:1], PHRASES[1])
+    assert other == pytest.approx(np.log(CONSTANTS.astray / len(PHRASES)))
+    assert NOUNS.log_probability(FEATURES[-1:], "contraption")[0] > np.log(0.8)
+
+
+def test_more_views_are_believed_more():
+    named = [objects(seen([(0, 0)] * count), "chair", NOUNS, CONSTANTS).named for count in (1, 2, 8)]
+    assert [len(one) for one in named] == [1, 1, 1] and NOUNS.chance < named[0] < named[1] < named[2] < 0
+
+
+def test_one_place_and_one_look_make_one_object_and_two_of_either_make_two():
+    def count(places, features=None):
+        return len(objects(seen(places, features), "chair", NOUNS, CONSTANTS))
+
+    assert count([(0, 0), (0.1, 0)]) == 1 and count([(0, 0), (2 * CONSTANTS.radius_m, 0)]) == 2
+    assert count([(0, 0), (0, 0)], [FEATURES[CHAIR], -FEATURES[CHAIR]]) == 2
+    assert count([]) == 0
+
+
+def test_objects_do_not_depend_on_the_order_of_the_segments():
+    rng = np.random.default_rng(2)
+    many = seen(rng.uniform(0, 3, (20, 2)))
+    order = rng.permutation(20)
+    other = replace(many, **{name: getattr(many, name)[order] for name in Segments.__slots__})
+    one, two = (objects(segments, "chair", NOUNS, CONSTANTS) for segments in (many, other))
+    assert np.allclose(one.place[np.lexsort(one.place.T)], two.place[np.lexsort(two.place.T)])
+
+
+def test_a_track_follows_views_no_faster_than_a_mover_and_ends_where_it_was_seen_last():
+    walk = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.5, 0.0)]
+    away = seen([*walk, (6.0, 0.0)], views=[0, 1, 2, 3, 4], moving=3.0)
+    assert moving(away, "chair", NOUNS, CONSTANTS) == Answer(1.5, 0.0)
+    still = replace(away, moving=np.array([-6.0] * 4 + [3.0]), changed=np.full(5, -6.0))
+    assert moving(still, "chair", NOUNS, replace_motion(10.0)) == Answer(6.0, 0.0)
+
+
+def replace_motion(weight):
+    return CONSTANTS.model_copy(update={"motion": weight})
