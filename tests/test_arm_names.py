@@ -23,7 +23,7 @@ NAMES = {arm.name for arm in ARMS} | {
     name for path in (*(ROOT / "overlays").glob("*.yaml"), *(ROOT / "packages").glob("*/*.yaml"))
     for name in (yaml.safe_load(path.read_text(encoding="utf-8")) or {}).get("arms", {})
 }  # fmt: skip
-SECTIONS = {"cow", "single_visit"}
+SECTIONS = {"cow", "joint", "single_visit"}
 """Names of arms that are names of sections of config.yaml, too. In code they stand for the section or for a seed's branch."""
 OF_A_SECTION = {("ovman/analysis/outcomes.py", "single_visit")}
 """The branch of the random numbers of section single_visit: another name would draw others."""

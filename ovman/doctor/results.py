@@ -80,7 +80,7 @@ def check_split(results: Results, path: Path) -> Iterator[str]:
 NO_OUTPUTS = frozenset({"checksums", "journal", "visits", "pages", "report.html"})
 """What in results/ is no output of a rule."""
 PER_SCENE = {"scenes": ".json", "trials": ".jsonl"} | dict.fromkeys(
-    ("detections", "labels", "maps", "maintained", "walks", "walk_labels"), ".npz"
+    ("detections", "labels", "maps", "maintained", "segments", "walks", "walk_labels"), ".npz"
 )
 """Folders of results/ with a file for every scene, and how their names end."""
 CHECKS: Mapping[str, Check] = {

@@ -49,6 +49,10 @@ class RolloutContext:
         """See `AgentContext.detections`."""
         return self.store.detections_in(visit)
 
+    def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
+        """See `AgentContext.made`."""
+        return self.store.made(need, read)
+
     def noun(self, phrase: str) -> np.ndarray:
         """See `AgentContext.noun`."""
         return self.store.noun(phrase)

@@ -25,7 +25,9 @@ if TYPE_CHECKING:
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
-FILES: Mapping[Need, str] = {need: str(need) for need in (Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.DETECTIONS)}
+FILES: Mapping[Need, str] = {
+    need: str(need) for need in (Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.DETECTIONS, Need.SEGMENTS)
+}
 """By need: the workflow's name of the file that was made of a scene."""
 
 
@@ -51,7 +53,7 @@ class ObservationStore:
     arm: whose agents; what its entry does not need is refused in one line. settings: section perception, for an arm that needs
     networks. field_of_view_deg: of the tours' camera, vertical. visits: directory of the scene's recorded visits. files: what was
     made of the scene, by the names that the workflow has for it ("maps", "nouns", "maintained", "dualmap",
-    "detections").
+    "detections", "segments").
     """
 
     def __init__(
@@ -115,9 +117,9 @@ class ObservationStore:
 
     def visit(self, name: str, reachable: np.ndarray) -> Visit:
         """The recorded visit of that name, with the positions (K, 2) that can be reached in it; without frames for an arm that
-        needs neither tours, maps nor detections.
+        needs neither tours, maps, detections nor segments.
         """
-        if any(self._needs(need) for need in (Need.TOURS, Need.MAPS, Need.DETECTIONS)):
+        if any(self._needs(need) for need in (Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS)):
             from ovman.evaluation.recorded_tour import recorded
 
             return recorded(self._visits / name, self._field_of_view_deg, reachable)
@@ -132,9 +134,9 @@ class ObservationStore:
             found["maps"] = [[_numbers(cluster) for cluster in self.perceived.maps[name]] for name in visits]
         if self._needs(Need.DETECTIONS):
             found["detections"] = [self.detected[name].content for name in visits]
-        if self._needs(Need.MAPS) or self._needs(Need.DETECTIONS):
+        if any(self._needs(need) for need in (Need.MAPS, Need.DETECTIONS, Need.SEGMENTS)):
             found["noun"] = self.noun(phrase).tolist()
-        for need in (Need.MAINTAINED, Need.DUALMAP):
+        for need in (Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS):
             if self._needs(need):
                 found[need] = self.made(need, _digest)
         if self._needs(Need.NETWORKS):

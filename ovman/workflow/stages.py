@@ -100,6 +100,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "labels": (),
     "maps": ("maps.*",),
     "maintained": ("maps.*",),
+    "segments": ("joint.every_px", "joint.tolerance_m", "joint.tolerance_per_m", "joint.part_cells", "joint.doubt"),
     "nouns": ("perception.device", "perception.trust_pickles", "perception.encoder.*"),
     # The seed, the camera, the primitives, the mover and the success test of what follows are those of each episode.
     "walks": ("perception.*", "dualmap.runs", "dualmap.walk.*", "dualmap.observation.*"),

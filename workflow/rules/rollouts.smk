@@ -3,11 +3,12 @@ rule rollouts:
     input:
         episodes=episodes_answered,
         sightings=handed(sightings_answered),
-        visits=needed(["tours", "maps", "detections"], "results/visits/{scene}.json"),
+        visits=needed(["tours", "maps", "detections", "segments"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
         detections=needed(["detections"], "results/detections/{scene}.npz"),
-        nouns=needed(["maps", "dualmap", "detections"], "results/nouns.npz"),
+        segments=needed(["segments"], "results/segments/{scene}.npz"),
+        nouns=needed(["maps", "dualmap", "detections", "segments"], "results/nouns.npz"),
         networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
     output:
         **{f"seed{seed}": f"results/rollouts/{{of}}{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},

@@ -10,5 +10,8 @@ with job(snakemake) as work:
         work.constants,
         work.output("predictions"),
         next(iter(work.inputs("sightings")), None),
-        files={name: work.inputs(name) for name in ("maps", "maintained", "dualmap", "detections", "labels", "scenes", "nouns")},
+        files={
+            name: work.inputs(name)
+            for name in ("maps", "maintained", "dualmap", "detections", "segments", "labels", "scenes", "nouns")
+        },
     )

@@ -12,5 +12,5 @@ with job(snakemake) as work:
         {int(name.removeprefix("seed")): work.output(name) for name, _ in snakemake.output.items()},
         work.journal(),
         next(iter(work.inputs("sightings")), None),
-        files={name: work.inputs(name) for name in ("maps", "dualmap", "detections", "nouns")},
+        files={name: work.inputs(name) for name in ("maps", "dualmap", "detections", "segments", "nouns")},
     )

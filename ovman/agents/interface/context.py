@@ -71,8 +71,11 @@ class AgentContext(Protocol):
     def detections(self, visit: Visit) -> Detected:
         """The detections in the frames of a recorded visit. For an arm that needs detections."""
 
+    def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
+        """What was made of the scene, read once by `read`. For an arm that needs it."""
+
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, detections or networks."""
+        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, detections, segments or networks."""
 
     def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception. For an arm that needs networks."""
@@ -118,7 +121,7 @@ class PredictionContext(Protocol):
         """The frames of a visit. For an arm that needs tours."""
 
     def noun(self, phrase: str) -> np.ndarray:
-        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, dualmap, detections or networks."""
+        """Unit embedding (K,) of a noun phrase. For an arm that needs maps, dualmap, detections, segments or networks."""
 
     def networks(self) -> tuple[Detector, Encoder]:
         """The detector and the encoder of section perception. For an arm that needs networks."""

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from ovman.agents.interface import Abstention, Action, AgentContext, Observation, Query, Relation, Visit
-from ovman.agents.joint.answers import answer, evidence
+from ovman.agents.joint.answers import answer
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.pursuit import Pursuit
-from ovman.perception.detected import Detected
+from ovman.agents.joint.recorded import of_tours, read
+from ovman.models.settings import Need
 
 
 class JointAgent:
@@ -18,15 +19,13 @@ class JointAgent:
         self._context = context
 
     def familiarise(self, visit: Visit) -> None:
-        """Keeps what the first tour shows."""
-        self._first = self._seen(visit)
+        """Keeps the first tour."""
+        self._first = visit
 
     def revisit(self, visit: Visit) -> None:
-        """Weighs both tours against each other, and keeps the grid on which to navigate."""
-        self._tours = self._first[0], visit
-        detected = self._first[1], self._seen(visit)[1]
-        self._evidence = evidence(*self._tours, *detected, self._context.settings.joint)
-        self._reachable = visit.reachable
+        """Weighs both tours against each other."""
+        self._second = visit
+        self._evidence = of_tours(self._context.made(Need.SEGMENTS, read), self._first, visit)
 
     def ask(self, query: Query) -> None:
         """Decides, and for MOVING gets ready to look for what moves."""
@@ -34,9 +33,9 @@ class JointAgent:
         self._goal = answer(query, *self._evidence, Nouns(self._context.noun, settings.joint), settings.joint)
         self._pursuit = None
         if query.relation is Relation.MOVING and not isinstance(self._goal, Abstention):
-            self._pursuit = Pursuit(self._tours[1], (self._goal.x, self._goal.z), settings)
+            self._pursuit = Pursuit(self._second, (self._goal.x, self._goal.z), settings)
         self.looks = self._pursuit is not None
-        self._context.pilot.set_out(self._reachable, query.relation)
+        self._context.pilot.set_out(self._second.reachable, query.relation)
 
     def act(self, observation: Observation) -> Action:
         """One primitive towards the answer, or towards where it saw last what it follows; ABSTAIN without an answer."""
@@ -49,9 +48,6 @@ class JointAgent:
             return self._pursuit.turn()
         action = self._context.pilot.act(observation, self._pursuit.place)
         return self._pursuit.turn() if action is Action.STOP and self._pursuit.lost else action
-
-    def _seen(self, visit: Visit) -> tuple[Visit, Detected]:
-        return visit, self._context.detections(visit)
 
 
 def agent(context: AgentContext) -> JointAgent:

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext, Query, Relation, Visit
+from ovman.agents.interface import VISITS, Abstention, Answer, PredictionContext, Query, Relation
 from ovman.agents.joint.decision import decide, moving
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.objects import objects
-from ovman.agents.joint.segments import Segments, segments
-from ovman.agents.joint.sight import frames
+from ovman.agents.joint.recorded import of_tours, read
+from ovman.agents.joint.segments import Segments
 from ovman.language import noun
+from ovman.models.settings import Need
 from ovman.models.settings.joint import Joint
-from ovman.perception.detected import Detected
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arm. Reads joint.*."""
     constants = context.settings.joint
-    first, second = recorded(context, constants)
-    return answer(query, first, second, Nouns(context.noun, constants), constants), None
+    return answer(query, *recorded(context), Nouns(context.noun, constants), constants), None
 
 
-def recorded(context: PredictionContext, constants: Joint) -> tuple[Segments, Segments]:
-    """The segments of both recorded visits."""
+def recorded(context: PredictionContext) -> tuple[Segments, Segments]:
+    """The segments of both recorded visits, as the stage `segments` made them."""
     first, second = VISITS
-    return evidence(context.tour(first), context.tour(second), context.detections(first), context.detections(second), constants)
-
-
-def evidence(first: Visit, second: Visit, in_first: Detected, in_second: Detected, constants: Joint) -> tuple[Segments, Segments]:
-    """The segments of both visits, which know no query."""
-    frames_1, frames_2 = frames(first, constants), frames(second, constants)
-    return segments(frames_1, in_first, frames_2, constants), segments(frames_2, in_second, frames_1, constants)
+    return of_tours(context.made(Need.SEGMENTS, read), context.tour(first), context.tour(second))
 
 
 def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, constants: Joint) -> Answer | Abstention:

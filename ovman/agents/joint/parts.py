@@ -56,7 +56,7 @@ Evidenced = Callable[[Segments, Segments, Joint], tuple[Segments, Segments]]
 def _asked(
     query: Query, context: PredictionContext, constants: Joint, instead: Evidenced | None = None
 ) -> tuple[Answer | Abstention, None]:
-    first, second = recorded(context, constants)
+    first, second = recorded(context)
     if instead is not None:
         first, second = instead(first, second, constants)
     return answer(query, first, second, Nouns(context.noun, constants), constants), None

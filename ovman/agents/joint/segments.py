@@ -11,7 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.agents.joint.sight import Frame, grid_votes
+from ovman.agents.interface import Visit
+from ovman.agents.joint.sight import Frame, frames, grid_votes
 from ovman.models.settings.joint import Joint
 from ovman.perception.detected import Detected
 
@@ -45,6 +46,12 @@ def log_odds(open_share: np.ndarray, standing_share: np.ndarray, doubt: float) -
     """
     odds: np.ndarray = np.log((open_share + doubt) / (standing_share + doubt))
     return odds
+
+
+def evidence(first: Visit, second: Visit, in_first: Detected, in_second: Detected, constants: Joint) -> tuple[Segments, Segments]:
+    """The segments of both visits, which know no query. in_first, in_second: what was detected in their frames."""
+    frames_1, frames_2 = frames(first, constants), frames(second, constants)
+    return segments(frames_1, in_first, frames_2, constants), segments(frames_2, in_second, frames_1, constants)
 
 
 def segments(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
@@ -91,8 +98,7 @@ def _row(view: int, cells: np.ndarray, number: int, one: Frame, there: np.ndarra
 
 def _gathered(rows: Sequence[_Row], detected: Detected, constants: Joint) -> Segments:
     numbers = np.array([row[2] for row in rows], np.int64)
-    dims = detected.feature.shape[1] if len(detected) else 0
-    feature = np.zeros((len(rows), dims))
+    feature = np.zeros((len(rows), detected.feature.shape[1]))
     feature[numbers >= 0] = detected.feature[numbers[numbers >= 0]]
     shares = np.array([[row[4], row[5]] for row in rows]).reshape(len(rows), 2, 2)
     return Segments(

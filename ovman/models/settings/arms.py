@@ -44,7 +44,7 @@ class Need(StrEnum):
     TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
     embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
     encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns; DETECTIONS: what the detector found in the frames,
-    and the embeddings of nouns.
+    and the embeddings of nouns; SEGMENTS: that with what both visits say of each one's place, and the embeddings of nouns.
     """
 
     TOURS = "tours"
@@ -53,6 +53,7 @@ class Need(StrEnum):
     NETWORKS = "networks"
     DUALMAP = "dualmap"
     DETECTIONS = "detections"
+    SEGMENTS = "segments"
 
 
 class Withheld(StrEnum):
@@ -204,7 +205,7 @@ def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], s
             yield place, f"is {withheld}, but plug-in {arm.made_by} asks the arm; take it out"
         if withheld in (Withheld.NOUN, Withheld.NOUN_WRONG) and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
             yield place, f"is {withheld}, but the arm is handed what the noun means; write grounding: own and positions: own"
-        if withheld.visit is not None and (joint := {Need.MAINTAINED, Need.DUALMAP} & set(arm.needs)):
+        if withheld.visit is not None and (joint := {Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS} & set(arm.needs)):
             yield place, f"is {withheld}, but {min(joint)} is made of both visits; name an arm that needs maps or tours"
 
 

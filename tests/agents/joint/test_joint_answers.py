@@ -11,10 +11,13 @@ import pytest
 from ovman.agents.interface import Abstention, Action, Answer, Query, Relation, Visit
 from ovman.agents.joint import parts
 from ovman.agents.joint.agent import agent
-from ovman.agents.joint.answers import answer, evidence, predict
+from ovman.agents.joint.answers import answer, predict
 from ovman.agents.joint.naming import Nouns
+from ovman.agents.joint.recorded import read, write
+from ovman.agents.joint.segments import Segments, evidence
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import nothing_detected
+from ovman.models.settings import Need
 from tests.agents.moved_chair import home as made
 from tests.arms import CONFIG
 
@@ -42,14 +45,17 @@ class Told:
             nothing = replace(self._tours[blind], visit=Visit((), np.zeros((0, 2))), detected=nothing_detected())
             self._tours[blind] = nothing
         self.pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
+        tours = self._tours["first"], self._tours["second"]
+        visits = [toured.visit for toured in tours]
+        weighed = evidence(*visits, *(toured.detected for toured in tours), SETTINGS.joint)
+        self._weighed = {tuple(str(visit.content) for visit in visits): weighed}
+
+    def made(self, need, read):
+        assert need is Need.SEGMENTS
+        return self._weighed
 
     def tour(self, which):
         return self._tours[which].visit
-
-    def detections(self, which):
-        if isinstance(which, str):
-            return self._tours[which].detected
-        return next(toured.detected for toured in self._tours.values() if toured.visit is which)
 
     def noun(self, phrase):
         return self._home.chair if phrase == "chair" else np.zeros(len(self._home.chair))
@@ -116,3 +122,16 @@ def test_it_drives_there_without_images_and_looks_for_movers_alone(home):
     start = home.after.visit.observations[0]
     first = replace(start, rgb=None, depth=None, pose=replace(start.pose, x=float(far[0]), z=float(far[1]), yaw_deg=0.0))
     assert drives.act(first) in (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT)
+
+
+def test_segments_are_the_same_when_they_are_read_again(home, tmp_path):
+    weighed = evidence(home.before.visit, home.after.visit, home.before.detected, home.after.detected, SETTINGS.joint)
+    write(tmp_path / "segments.npz", {("a", "b"): weighed, ("b", "a"): weighed[::-1]})
+    again = read(tmp_path / "segments.npz")
+    assert list(again) == [("a", "b"), ("b", "a")]
+    for was, now in ((weighed, again["a", "b"]), (weighed[::-1], again["b", "a"])):
+        for one, other in zip(was, now, strict=True):
+            assert all(np.array_equal(getattr(one, name), getattr(other, name)) for name in Segments.__slots__)
+            assert len(one)
+    write(tmp_path / "none.npz", {})
+    assert read(tmp_path / "none.npz") == {}
