@@ -87,7 +87,7 @@ def test_merged_arms_stand_in_the_order_of_the_files_however_they_were_merged(tm
         ({"mine": MINE | {"kind": "both"}}, "arms.mine.kind is \"both\"; it must be 'static' or 'embodied'"),
         (
             {"mine": MINE | {"needs": ["eyes"]}},
-            "arms.mine.needs is \"eyes\"; it must be 'tours', 'maps', 'maintained', 'networks', 'dualmap' or",
+            "arms.mine.needs is \"eyes\"; it must be 'tours', 'maps', 'maintained', 'networks', 'dualmap', ",
         ),
         ({"mine": MINE | {"runs": 3}}, "arms.mine.runs is not for an arm that is embodied; take it out"),
         ({"mine": MINE | {"kind": "static", "budget": 9}}, "arms.mine.budget is not for an arm that is static; take it out"),

@@ -177,7 +177,7 @@ def test_runs_over_other_episodes_are_refused():
 
 def test_without_the_baselines_nothing_is_paired_and_each_pair_is_named():
     rows, left_out = pairings([static("two_visits", 0, 1)], PAIRINGS)
-    assert rows == [] and len(left_out) == len(PAIRINGS) == 10
+    assert rows == [] and len(left_out) == len(PAIRINGS) == 11
     assert all(line.startswith("not compared: ") for line in left_out)
     everything = {name for pair in PAIRINGS for name in (pair.arm, pair.baseline)}
     assert among(everything, PAIRINGS) == (list(PAIRINGS), [])

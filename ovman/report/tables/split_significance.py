@@ -45,4 +45,4 @@ def split_significance_table(comparisons: pd.DataFrame, settings: Settings) -> T
     )
     if (comparisons["test"] == Method.POISSON_BINOMIAL).any():
         caption += f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. {OF_A_PICK}."
-    return Table(caption, columns, rows, wide=True)
+    return Table(caption, columns, rows.drop(columns=["kind", "title"]), wide=True)

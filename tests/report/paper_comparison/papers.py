@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from ovman.models.settings.sensitivity import THRESHOLDS
+from ovman.models.settings.splits import in_main_job
 from ovman.report.paper_comparison.comparison import RELATIONS
 from ovman.report.paper_comparison.metrics import ALL, Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Figure, Paper
@@ -194,6 +195,7 @@ def papers_files() -> Files:
             *controls_compared(),
         ],
         "controls.csv": controls(),
+        "split_significance.csv": compared_on_splits(),
         "own_task.csv": [own_task(seed) for seed in SEEDS],
         "pairings.csv": [
             *(
@@ -383,16 +385,17 @@ CHANCE = 0.45
 
 def controls() -> list[dict[str, str]]:
     """Controls as statements of our own say they are; the paper has none."""
-    rates = {"depth": 0.9, "depth_driving": 0.9, "category": CHANCE}
+    rates = {"depth": 0.9, "depth_driving": 0.9, "category": CHANCE, "joint": 0.95, "joint_driving": 0.95}
+    plain = {"joint_noun_withheld": 0.9}  # on main what changed is plain without the noun
     return [
         _row(
-            split="main",
+            split=split,
             kind=CONFIG.arms[arm].kind,
             arm=arm,
             control=str(int(CONFIG.arms[arm].control)),
             relation=relation,
             n=10,
-            rate=rates.get(entry.role, 0.1),
+            rate=(rates | plain if split == "main" else rates).get(entry.role, 0.1),
             low=0.0,
             high=1.0,
             interval="wilson",
@@ -402,8 +405,20 @@ def controls() -> list[dict[str, str]]:
             least="",
             greatest="",
         )
+        for split in ("main", *in_main_job(CONFIG.splits))
         for arm, entry in CONFIG.comparisons.controls.items()
         for relation in EVERY
+    ]
+
+
+def compared_on_splits() -> list[dict[str, str]]:
+    """Every pair that is tested on every split, as a clear difference."""
+    return [
+        _row(split=split, arm=pair.arm, baseline=pair.baseline, seed=seed, n=10, wins=9, losses=0, p=1e-9)
+        for split in ("main", *in_main_job(CONFIG.splits))
+        for pair in CONFIG.comparisons.pairs.values()
+        if pair.every_split
+        for seed in (SEEDS if CONFIG.arms[pair.arm].kind == "embodied" else SEEDS[:1])
     ]
 
 

@@ -14,6 +14,7 @@ import pytest
 from ovman.analysis import metrics
 from ovman.evaluation import labels, predictions
 from ovman.language import noun
+from ovman.language.vocabulary import all_nouns
 from ovman.models.change import Change, MoverStart, Roam
 from ovman.models.episode import Episode, Protocol, Provenance
 from ovman.models.geometry import Position, Spawn
@@ -244,7 +245,8 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
     tours = [root / "scenes" / f"{SCENE}.json"], [root / "detections" / f"{SCENE}.npz"], root / "visits"
     labels.run(*tours, [root / "labels" / f"{SCENE}.npz"])
-    write_nouns(root / "nouns.npz", {noun(CATEGORY): np.array([1.0, 0.0]), noun("FloorLamp"): np.array([0.0, 1.0])})
+    known = {noun(CATEGORY): np.array([1.0, 0.0]), noun("FloorLamp"): np.array([0.0, 1.0])}
+    write_nouns(root / "nouns.npz", dict.fromkeys(all_nouns(), np.array([-1.0, 0.0])) | known)
     files = []
     for arm in of_kind(REFERENCE, Kind.STATIC):
         perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
