@@ -88,7 +88,7 @@ class World:
         """The bytes of everything that a reader of the results sees."""
         kept = (
             *("visits", "trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz", "walks", "dualmap"),
-            *("labels", "walk_labels", "maintained", "cues"),
+            *("labels", "walk_labels", "maintained", "segments", "cues"),
             *("predictions", "readmitted", "rollouts", "scores", "language", "metrics", "tables"),
         )
         roots = [self.directory / "results" / name for name in kept]

@@ -20,7 +20,7 @@ EPISODES = "results/episodes/main.jsonl"
 CODE = ("Snakefile", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
 UNCHANGED = ("scenes", "candidates", "trials", "admissible", "certified", "episodes")
 """Stages that start the engine or follow it, and whose records have no picture in them."""
-SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP}
+SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS}
 
 
 def checkout(directory: Path) -> Path:
@@ -78,7 +78,7 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     assert said.returncode == 0, said.stdout
     planned = set(re.findall(r"^(?:local)?rule (\w+):", said.stdout, re.MULTILINE))
     driven = {"walks", "rollouts", "scores"}  # these start the engine themselves
-    seeing = {"detections", "labels", "maps", "maintained", "predictions", "language", "perception", "backprojection"}
+    seeing = {"detections", "segments", "labels", "maps", "maintained", "predictions", "language", "perception", "backprojection"}
     seeing |= {"fragments", "probes", "readmitted_maps", "readmitted_predictions", "sensitivity"}
     seeing |= {"cues", "appearance", "split_metrics", "split_scores", "split_embodied_metrics", "controls"}
     assert planned == driven | seeing | {"dualmap", "dualmap_objects", "metrics", "tables"}

@@ -45,6 +45,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "predictions:tours",
         "rollouts",
         "perception",
+        "segments",
         "walks",
         *FRAGMENTS,
     ),
@@ -60,6 +61,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "perception",
         "predictions",
         "scores",
+        "segments",
         "tables",
         "walks",
         *DUALMAP,
@@ -74,12 +76,24 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "perception",
         "predictions",
         "rollouts",
+        "segments",
         "split_embodied_metrics",
         "split_metrics",
         "split_scores",
         "tables",
     ),
-    "detections": ("backprojection", "cues", "fragments", "labels", "maintained", "maps", "perception", "readmitted_maps"),
+    "detections": (
+        "backprojection",
+        "cues",
+        "fragments",
+        "labels",
+        "maintained",
+        "maps",
+        "perception",
+        "readmitted_maps",
+        "segments",
+    ),
+    "segments": ("predictions:tours", "rollouts"),
     "labels": ("predictions:handed",),
     "cues": ("appearance",),
     "appearance": ("tables",),
@@ -197,10 +211,10 @@ def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def made(arm: Arm) -> str:
-    """The stage that makes an arm's records. Of what answers from tours alone only metrics are made."""
+    """The stage that makes an arm's records. Of what answers from tours or their segments alone only metrics are made."""
     if arm.kind is Kind.EMBODIED:
         return OF_ARMS[arm.kind] + ("" if arm.name in IN_SPLITS else ":main")
-    return OF_ARMS[arm.kind] + (":tours" if Need.TOURS in arm.needs else "")
+    return OF_ARMS[arm.kind] + (":tours" if {Need.TOURS, Need.SEGMENTS} & {*arm.needs} else "")
 
 
 def owners(*names: str) -> set[str]:
