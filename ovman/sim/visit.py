@@ -7,7 +7,7 @@ A visit is written to a temporary directory and renamed, so that what exists is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -100,12 +100,14 @@ def record(
     key: str,
     light: Light | None = None,
     sensors: Sensors | None = None,
+    standing: Callable[[AgentPose], AgentPose] | None = None,
 ) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
     all files. light: of the visit, None for the scene's own. sensors: what the agent senses with; the depth that is written is
-    the sensed one, None for exact ones. Masks and positions are true.
+    the sensed one, None for exact ones. Masks and positions are true. standing: from a view to where it is taken, asked before
+    each; None for the view itself.
     """
     clear_partials(directory)
     partial = partial_path(directory)
@@ -121,7 +123,8 @@ def record(
     recorded = []
     illuminate(session, light)
     sensing = None if sensors is None else Sensing(sensors)
-    for i, pose in enumerate(views):
+    for i, view in enumerate(views):
+        pose = view if standing is None else standing(view)
         event = look(session, world, pose)
         index, names, sizes = _seen(event, min_mask_px)
         now = {k: position(o) for k, o in there().items()}

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from functools import partial
+
 import pytest
 
+from ovman.evaluation.ablated_tours import nearest_free
 from ovman.evaluation.ablated_tours import run as record_all
 from ovman.evaluation.ablation import run, variant
+from ovman.evaluation.tours import record_tour
 from ovman.models.change import Change
 from ovman.models.episode import Episode
 from ovman.models.record import lines
@@ -17,6 +22,7 @@ from ovman.models.tour import Tour
 from ovman.models.variant import VARIANTS, Setting
 from ovman.models.visit import Visit
 from ovman.models.visit_files import VisitManifest
+from ovman.sim.session import Session, SimulatorError
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES
@@ -102,3 +108,17 @@ def test_every_variant_is_recorded_once_and_kept(full, tmp_path):
     stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")}
     record_all(SCENE, [*files.values()], constants, tmp_path / "visits", manifest)
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")} == stamps
+
+
+def test_a_waypoint_on_which_a_thing_now_stands_gives_way(tmp_path):
+    everyday = Episode.load(DATA / "episodes" / "everyday.jsonl")
+    plain = variant(next(one for one in everyday if one.id == "FloorPlan205/moved/everyday-0002"), frozenset())
+    with Session(plain.scene, plain.settings) as session:
+        with pytest.raises(SimulatorError, match="Collided with"):
+            record_tour(session, plain, "second", tmp_path)
+        made = record_tour(session, plain, "second", tmp_path, standing=partial(nearest_free, session))
+    planned = plain.tours.second.poses
+    assert len(made.views) == len(planned)
+    ways = [math.dist((view.pose.x, view.pose.z), (pose.x, pose.z)) for view, pose in zip(made.views, planned, strict=True)]
+    assert [view.pose.yaw_deg for view in made.views] == [pose.yaw_deg for pose in planned]
+    assert 0 < sum(way > 0 for way in ways) < len(ways) and max(ways) < 1.5

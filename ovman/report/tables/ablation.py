@@ -77,7 +77,8 @@ def ablation_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table
     )
     caption = (
         f"What each setting of the split {split} costs, static gate: its episodes with none of the settings in force, with each "
-        "alone, and with all. Query, answer and spawn are the same in every row, and nothing is certified anew; cost is the "
-        "difference from the row with none."
+        "alone, and with all. Query, answer and spawn are the same in every row, and nothing is certified anew: a "
+        "waypoint on which a thing now stands gives way to the nearest free position. Cost is the difference from the row with "
+        "none."
     )
     return Table(caption, columns, frame, wide=True)
