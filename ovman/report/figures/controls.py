@@ -15,6 +15,8 @@ from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing
 
 CHANCES = {"chance": ("1/n", ":"), "chance_of_change": ("1/m", "--")}
 """What a chance is called, and the style of its line, by column."""
+_SHADES = (LIGHT, DARK, "#0c2f52")
+"""Of agents, in turn."""
 _WIDTH = 0.8
 _MARKS = ("o", "s", "D", "^", "v", "<", ">", "P", "X", "*")
 _COLOURS = (AMBER, "#2f7d4f", "#a33b3b", "#6b4c9a")
@@ -60,7 +62,7 @@ def _panel(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
             width = _WIDTH / len(agents)
             rate, low, high = (float(here.loc[arm, column]) for column in ("rate", "low", "high"))
             at = place + (index - (len(agents) - 1) / 2) * width
-            bar(axis, at, (rate, low, high), width - 0.02, (LIGHT, DARK)[index % 2], _name(arm, settings) if first else None)
+            bar(axis, at, (rate, low, high), width - 0.02, _SHADES[index % len(_SHADES)], _name(arm, settings) if first else None)
         for index, arm in enumerate(arm for arm in controls if arm in here.index):
             at = place + ((index + 0.5) / len(controls) - 0.5) * _WIDTH
             style = {"marker": _MARKS[index % len(_MARKS)], "color": _COLOURS[index % len(_COLOURS)], "markersize": 3.2}
