@@ -65,7 +65,8 @@ class StaticOutcome:
     """A prediction judged. outcome: "answered", "abstained" (reason says why) or "expected", where the arm is a stochastic pick.
 
     distance_m: from the predicted point to the answer, None unless answered. success: 1 or 0; for "expected" its probability.
-    other_m: from the predicted point to the nearest of ``Case.others``, None unless answered and there is one.
+    other_m: from the predicted point to the nearest of ``Case.others``, None unless answered and there is one. confidence: how
+    probable the arm holds its answer, None where it does not say.
     """
 
     episode: str
@@ -81,6 +82,7 @@ class StaticOutcome:
     distance_m: float | None
     success: float
     other_m: float | None = None
+    confidence: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,10 +153,10 @@ def static_outcomes(
     outcomes = []
     for prediction in predictions:
         case = _case(by_id, prediction.episode, prediction.arm)
-        reason, distance, other = None, None, None
+        reason, distance, other, confidence = None, None, None, None
         match prediction.outcome:
-            case Answer(x, z):
-                distance = math.dist((x, z), case.answer)
+            case Answer(x, z, sure):
+                distance, confidence = math.dist((x, z), case.answer), sure
                 other = min((math.dist((x, z), point) for point in case.others), default=None)
                 outcome, success = "answered", float(distance <= radius_m)
             case Abstention(why):
@@ -178,6 +180,7 @@ def static_outcomes(
                 distance_m=distance,
                 success=success,
                 other_m=other,
+                confidence=confidence,
             )
         )
     _complete(by_id, outcomes)

@@ -55,6 +55,7 @@ METRICS: tuple[Metric, ...] = (
     Metric("mover", table="mover", compared=True),
     Metric("controls", stage="controls", table="controls", compared=True, drawn=True),
     Metric("split_significance", stage="controls", table="split_significance", compared=True),
+    Metric("coverage", stage="controls", table="coverage", drawn=True),
     Metric("language", stage="language", table="language", compared=True),
     Metric("perception", stage="perception", table="perception", compared=True),
     Metric("backprojection", stage="backprojection", table="backprojection", compared=True),

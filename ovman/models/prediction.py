@@ -22,14 +22,16 @@ class AbstentionReason(StrEnum):
     NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold
     NOTHING_GROUNDED = "nothing_grounded"  # no object of the maps is what the noun means; so it is with empty maps
     NOT_PARSED = "not_parsed"  # the sentence names no query
+    UNSURE = "unsure"  # the best answer is less probable than the agent wants it to be
 
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """A floor-plane point in metres, world frame."""
+    """A floor-plane point in metres, world frame. confidence: how probable the agent holds it, None where it does not say."""
 
     x: float
     z: float
+    confidence: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,8 +107,9 @@ class EvidenceRecord(Record):
 class Prediction(Record):
     """What one arm answers to one episode in one of its runs, `seed`: one of a point x, z, `abstain`, `candidates` and `box`.
 
-    Metres on the floor plane. evidence: what the answer was drawn from, for an arm with a map of its own; no verdict depends on
-    it. Keys without a value are left out of files. Raises RecordError for a record that has not exactly one of the four.
+    Metres on the floor plane. confidence: of a point, how probable the arm holds it; evidence: what the answer was drawn from, for
+    an arm with a map of its own; no verdict depends on either. Keys without a value are left out of files. Raises RecordError for
+    a record that has not exactly one of the four.
     """
 
     schema_id: Literal["ovman-prediction/1"] = Field("ovman-prediction/1", alias="schema")
@@ -115,6 +118,7 @@ class Prediction(Record):
     seed: int
     x: float | None = None
     z: float | None = None
+    confidence: float | None = Field(None, ge=0, le=1)
     abstain: AbstentionReason | None = None
     candidates: tuple[Point, ...] | None = None
     box: UniformBox | None = None
@@ -125,8 +129,8 @@ class Prediction(Record):
         """The record of an outcome. seed: the number of the arm's run."""
         form: dict[str, Any]
         match outcome:
-            case Answer(x, z):
-                form = {"x": x, "z": z}
+            case Answer(x, z, confidence):
+                form = {"x": x, "z": z, "confidence": confidence}
             case Abstention(reason):
                 form = {"abstain": reason}
             case UniformPick(candidates):
@@ -153,7 +157,7 @@ class Prediction(Record):
     def outcome(self) -> Predicted:
         """What is predicted."""
         if self.x is not None and self.z is not None:
-            return Answer(self.x, self.z)
+            return Answer(self.x, self.z, self.confidence)
         if self.abstain is not None:
             return Abstention(self.abstain)
         if self.candidates is not None:

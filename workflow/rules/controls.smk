@@ -10,6 +10,7 @@ rule controls:
         outcomes=expand("results/metrics/{of}_outcomes.csv", of=JUDGED),
     output:
         controls="results/metrics/controls.csv",
+        coverage="results/metrics/coverage.csv",
         split_significance="results/metrics/split_significance.csv",
     log:
         "logs/controls.log",

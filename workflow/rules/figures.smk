@@ -26,12 +26,14 @@ rule charts:
         agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
         budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
         controls=report("results/figures/controls.png", caption="../report/controls.rst", category="Figures"),
+        coverage=report("results/figures/coverage.png", caption="../report/coverage.rst", category="Figures"),
         diag=report("results/figures/diag.png", caption="../report/diag.rst", category="Figures"),
         difficulty=report("results/figures/difficulty.png", caption="../report/difficulty.rst", category="Figures"),
         memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
         sensitivity=report("results/figures/sensitivity.png", caption="../report/sensitivity.rst", category="Figures"),
         print=expand(
-            "results/figures/{name}.pdf", name=("agent", "budget", "controls", "diag", "difficulty", "memory", "sensitivity")
+            "results/figures/{name}.pdf",
+            name=("agent", "budget", "controls", "coverage", "diag", "difficulty", "memory", "sensitivity"),
         ),
     log:
         "logs/charts.log",

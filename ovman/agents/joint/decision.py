@@ -16,7 +16,7 @@ def decide(relation: Relation, first: Objects, second: Objects, constants: Joint
 
     FORMER, REMOVED: among the objects of visit 1, MOVED, APPEARED: of visit 2, whose place is otherwise in the other visit. MOVED
     and FORMER want a look-alike that vanished or came elsewhere, APPEARED and REMOVED want none. STABLE: among the objects of
-    visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED where nothing is seen.
+    visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED where nothing is seen, and as `best`.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
@@ -26,8 +26,22 @@ def decide(relation: Relation, first: Objects, second: Objects, constants: Joint
         elsewhere = counterpart(here, there, constants)
         wanted = elsewhere if relation in (Relation.MOVED, Relation.FORMER) else -elsewhere
         scores = scores + constants.identity * log_sigmoid(wanted)
-    place = here.place[int(scores.argmax())]
-    return Answer(float(place[0]), float(place[2]))
+    return best(here.place, scores, constants)
+
+
+def best(places: np.ndarray, scores: np.ndarray, constants: Joint) -> Answer | Abstention:
+    """The place (N, 3) with the highest log probability (N,), up to a factor, the first of equal ones.
+
+    Its confidence is the share of the probability that lies no farther than `radius_m` from it. Abstains with UNSURE below
+    `least_confidence`.
+    """
+    place = places[int(scores.argmax())]
+    near = np.linalg.norm(places - place, axis=1) <= constants.radius_m
+    share = np.exp(scores - scores.max())
+    confidence = round(float(share[near].sum() / share.sum()), 4)
+    if confidence < constants.least_confidence:
+        return Abstention(AbstentionReason.UNSURE)
+    return Answer(float(place[0]), float(place[2]), confidence)
 
 
 def counterpart(here: Objects, there: Objects, constants: Joint) -> np.ndarray:
@@ -61,8 +75,7 @@ def moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -
         reach = constants.radius_m + constants.speed_m * (seen.view[j] - seen.view[before])
         possible = total[before][metres <= reach]
         total[j] = own[j] + max(float(possible.max(initial=0.0)), 0.0)
-    place = seen.place[int(total.argmax())]
-    return Answer(float(place[0]), float(place[2]))
+    return best(seen.place, total, constants)
 
 
 def log_sigmoid(odds: np.ndarray) -> np.ndarray:

@@ -30,4 +30,5 @@ class Joint(Section):
     unlike: Annotated[float, Field(lt=0)] = Field(description="log odds of being elsewhere where nothing is alike")
     motion: Annotated[float, Field(gt=0)] = Field(description="weight of motion beside the name, in a track")
     speed_m: Metres = Field(description="farthest that a mover comes between two views of a tour")
+    least_confidence: Probability = Field(description="probability of its place below which it gives no answer")
     pursuit_m: Metres = Field(description="farthest from where a mover is thought to be that something is taken for it")

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ovman.models.settings import Settings
-from ovman.report.figures import agent, budget, controls, diag, difficulty, memory, sensitivity
+from ovman.report.figures import agent, budget, controls, coverage, diag, difficulty, memory, sensitivity
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Paper
 
@@ -21,6 +21,7 @@ def run(metrics_files: Sequence[Path], paper_file: Path, constants: Settings, di
     agent.draw(directory / "agent.png")
     budget.draw(metrics, paper, constants, directory / "budget.png")
     controls.draw(metrics, constants, directory / "controls.png")
+    coverage.draw(metrics, constants, directory / "coverage.png")
     diag.draw(metrics, paper, constants, directory / "diag.png")
     difficulty.draw(metrics, paper, constants, directory / "difficulty.png")
     memory.draw(metrics, paper, directory / "memory.png")

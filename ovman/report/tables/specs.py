@@ -11,6 +11,7 @@ import pandas as pd
 from ovman.analysis.appearance import Appearance
 from ovman.analysis.budget import Step
 from ovman.analysis.controls import Controlled
+from ovman.analysis.coverage import Coverage
 from ovman.analysis.difficulty import Difficulty
 from ovman.analysis.dualmap_objects import Objects
 from ovman.analysis.fragments import Fragments
@@ -37,6 +38,7 @@ from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.backprojection import backprojection_table
 from ovman.report.tables.budget import budget_table
 from ovman.report.tables.controls import controls_table
+from ovman.report.tables.coverage import coverage_table
 from ovman.report.tables.difficulty import difficulty_table
 from ovman.report.tables.dualmap import dualmap_table
 from ovman.report.tables.fragments import fragments_table
@@ -89,6 +91,7 @@ SPECS: Mapping[str, TableSpec] = {
     "scenes": TableSpec(SceneRate, scenes_table),
     "mover": TableSpec(MoverDistance, mover_table),
     "controls": TableSpec(Controlled, controls_table),
+    "coverage": TableSpec(Coverage, coverage_table),
     "split_significance": TableSpec(SplitComparison, split_significance_table),
     "language": TableSpec(LanguageRate, language_table),
     "perception": TableSpec(Score, perception_table),

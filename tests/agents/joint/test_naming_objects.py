@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Answer
-from ovman.agents.joint.decision import moving
+from ovman.agents.interface import Abstention, AbstentionReason, Answer
+from ovman.agents.joint.decision import best, moving
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.objects import objects
 from ovman.agents.joint.segments import Segments
@@ -90,10 +90,21 @@ def test_objects_do_not_depend_on_the_order_of_the_segments():
 def test_a_track_follows_views_no_faster_than_a_mover_and_ends_where_it_was_seen_last():
     walk = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.5, 0.0)]
     away = seen([*walk, (6.0, 0.0)], views=[0, 1, 2, 3, 4], moving=3.0)
-    assert moving(away, "chair", NOUNS, CONSTANTS) == Answer(1.5, 0.0)
+    assert place(moving(away, "chair", NOUNS, CONSTANTS)) == (1.5, 0.0)
     still = replace(away, moving=np.array([-6.0] * 4 + [3.0]), changed=np.full(5, -6.0))
-    assert moving(still, "chair", NOUNS, replace_motion(10.0)) == Answer(6.0, 0.0)
+    heavier = CONSTANTS.model_copy(update={"motion": 10.0})
+    assert place(moving(still, "chair", NOUNS, heavier)) == (6.0, 0.0)
 
 
-def replace_motion(weight):
-    return CONSTANTS.model_copy(update={"motion": weight})
+def test_confidence_is_the_share_of_the_probability_that_lies_at_the_place():
+    def confidence(*scores, least=0.0):
+        places = np.array([(0.0, 0.5, 0.0), (0.1, 0.5, 0.0), (5.0, 0.5, 0.0)])[: len(scores)]
+        return best(places, np.log(np.array(scores)), CONSTANTS.model_copy(update={"least_confidence": least}))
+
+    assert confidence(0.3).confidence == 1.0
+    assert confidence(0.3, 0.1, 0.4) == Answer(5.0, 0.0, 0.5) and confidence(0.5, 0.1, 0.4) == Answer(0.0, 0.0, 0.6)
+    assert confidence(0.5, 0.1, 0.4, least=0.61) == Abstention(AbstentionReason.UNSURE)
+
+
+def place(outcome):
+    return outcome.x, outcome.z

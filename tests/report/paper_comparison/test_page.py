@@ -203,7 +203,8 @@ def test_the_stage_writes_the_page_twice_the_same(tmp_path):
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
     linked = re.findall(r"!\[[^]]*\]\(([^)]*)\)", (tmp_path / "one").read_text())
     assert sorted(linked) == [
-        f"figures/{name}.png" for name in ("agent", "budget", "controls", "diag", "difficulty", "memory", "sensitivity")
+        f"figures/{name}.png"
+        for name in ("agent", "budget", "controls", "coverage", "diag", "difficulty", "memory", "sensitivity")
     ]
 
 
