@@ -107,9 +107,9 @@ class EvidenceRecord(Record):
 class Prediction(Record):
     """What one arm answers to one episode in one of its runs, `seed`: one of a point x, z, `abstain`, `candidates` and `box`.
 
-    Metres on the floor plane. confidence: of a point, how probable the arm holds it; evidence: what the answer was drawn from, for
-    an arm with a map of its own; no verdict depends on either. Keys without a value are left out of files. Raises RecordError for
-    a record that has not exactly one of the four.
+    Metres on the floor plane. confidence: of a point, how probable the arm holds it; evidence: what the answer was drawn from,
+    for an arm with a map of its own; no verdict depends on either. Keys without a value are left out of files. Raises RecordError
+    for a record that has not exactly one of the four.
     """
 
     schema_id: Literal["ovman-prediction/1"] = Field("ovman-prediction/1", alias="schema")
