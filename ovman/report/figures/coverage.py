@@ -34,4 +34,4 @@ def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
             absent(axis, missing)
         framed(axis, "success among the answers")
         axis.set_xlim(0, 1)
-        axis.set_xlabel("coverage: share of the episodes that are answered, the surest first")
+        axis.set_xlabel("share of episodes answered, the surest first")
