@@ -16,7 +16,7 @@ from ovman.evaluation.supervision import AgentError
 from ovman.evaluation.withheld import asked, categories_in
 from ovman.language import noun
 from ovman.language.vocabulary import nouns
-from ovman.models.settings import Withheld
+from ovman.models.settings import Need, Withheld
 from ovman.models.settings.arms import ArmJob
 from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
@@ -24,7 +24,7 @@ from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, released
 
-ARMS = {arm.withheld: arm.name for arm in CONFIG.arms.values() if arm.withheld is not None}
+ARMS = {arm.withheld: arm.name for arm in CONFIG.arms.values() if arm.withheld is not None and Need.MAPS in arm.needs}
 EPISODES = {relation: next(e for e in released() if e.relation is relation) for relation in Relation}
 RUNS = range(60)
 KINDS = ("Chair", "Vase", "Statue")

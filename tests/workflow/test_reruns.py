@@ -83,6 +83,8 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "tables",
     ),
     "detections": (
+        "rollouts",
+        "predictions:tours",
         "backprojection",
         "cues",
         "fragments",
@@ -149,6 +151,8 @@ CONFIG = load(TREE)
 VALUES = flat(CONFIG)
 IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits[name].arms}
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
+ASKED_AGAIN = {CONFIG.comparisons.agent, CONFIG.comparisons.memory.baseline, CONFIG.appearance.agent}
+"""Static arms whose agents other stages ask as well."""
 ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m": 0.03, "validity_radius_m": 1.1} | {
     "spawn_clearance_m": 1.9,
     "min_mask_px": 500,
@@ -211,10 +215,10 @@ def overlay(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def made(arm: Arm) -> str:
-    """The stage that makes an arm's records. Of what answers from tours or their segments alone only metrics are made."""
+    """The stage that makes an arm's records. Of an arm that no other stage asks only metrics are made."""
     if arm.kind is Kind.EMBODIED:
         return OF_ARMS[arm.kind] + ("" if arm.name in IN_SPLITS else ":main")
-    return OF_ARMS[arm.kind] + (":tours" if {Need.TOURS, Need.SEGMENTS} & {*arm.needs} else "")
+    return OF_ARMS[arm.kind] + ("" if arm.name in ASKED_AGAIN else ":tours")
 
 
 def owners(*names: str) -> set[str]:

@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 from ovman.models.episode import Episode
-from ovman.models.settings import arms_of
+from ovman.models.settings import Kind, arms_of
 from ovman.models.sighting import Sightings
 from ovman.models.variant import VARIANTS
 from ovman.report.show.results import Results
@@ -17,6 +17,7 @@ from tests.workflow.conftest import World
 from tests.workflow.test_reruns import CONFIG
 
 SPLIT = CONFIG.splits["multi"]
+STATIC = [arm for arm in SPLIT.arms if CONFIG.arms[arm].kind is Kind.STATIC]
 
 
 def of(world, name: str) -> Path:
@@ -41,7 +42,7 @@ def test_its_episodes_have_several_changes_and_one_referent(world):
 def test_its_table_has_the_arms_that_its_entry_names(world):
     with of(world, "tables/multi.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(SPLIT.arms) == len(list(of(world, "predictions/multi").glob("*.jsonl")))
+    assert len(rows) == len(STATIC) == len(list(of(world, "predictions/multi").glob("*.jsonl")))
     assert {row["n"] for row in rows} == {str(sum(count for _, count in SPLIT.episodes))}
     assert of(world, "tables/multi_rejections.csv").is_file()
 
@@ -49,8 +50,8 @@ def test_its_table_has_the_arms_that_its_entry_names(world):
 def test_its_episodes_are_shown_with_what_arms_answered(world):
     results = Results(world.directory / "results", arms_of(CONFIG.arms), CONFIG.splits)
     (chosen,) = results.chosen(["*/multi-*"])
-    assert {*results.predictions(chosen)} == {*SPLIT.arms}
-    assert all(results.static_verdict(arm, 0, chosen) for arm in SPLIT.arms)
+    assert {*results.predictions(chosen)} == {*STATIC}
+    assert all(results.static_verdict(arm, 0, chosen) for arm in STATIC)
     assert results.sightings(results.episodes[chosen]) is not None
     assert results.map(results.episodes[chosen], "second") is not None
 
