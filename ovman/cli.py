@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ovman import __version__
 
@@ -39,12 +40,48 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     replay.add_argument("recording", metavar="FILE", help="what `ovman record` wrote")
     replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
+    _add_score(commands)
     options = parser.parse_args(arguments)
     if options.command == "doctor":
         return _doctor(options.thor)
+    if options.command == "score":
+        return _score(options)
     if options.command == "check":
         return _check(options)
     return _show(options) if options.command == "show" else _session(options)
+
+
+def _add_score(commands: Any) -> None:
+    score = commands.add_parser("score", help="the static gate of a file of predicted points, beside the released arms")
+    score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
+    asked = score.add_mutually_exclusive_group()
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    score.add_argument("--partial", action="store_true", help="rates where episodes are missing, too; they are no score")
+    score.add_argument("--json", action="store_true", help="the same as JSON")
+    score.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    score.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _score(options: argparse.Namespace) -> int:
+    from ovman.entry import release, score, score_page
+    from ovman.models.settings import MAIN
+    from ovman.workflow.config import load
+
+    try:
+        settings = load(Path(options.config or release.CONFIG))
+        released = release.Release(Path(options.release or release.DATA), settings)
+        own = None if options.episodes is None else Path(options.episodes)
+        found = score.score_file(Path(options.predictions), released, options.split or MAIN, own, options.partial)
+    except (ValueError, OSError) as error:
+        print(f"ovman score: {error}", file=sys.stderr)
+        return 1
+    if found.whole or options.partial:
+        print(score_page.as_json(found) if options.json else score_page.as_text(found), end="", flush=True)
+    if found.whole:
+        return 0
+    print(f"ovman score: {score_page.complaint(found)}", file=sys.stderr)
+    return 1
 
 
 def _doctor(thor: bool) -> int:
