@@ -1,1 +1,1 @@
-"""What somebody else's agent comes in by: the score of a file of predictions, without the workflow."""
+"""What somebody else's agent comes in by, outside the workflow: the score of its points, and its evaluation on episodes."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import StaticOutcome
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate
 from ovman.analysis.rows import read_rows
+from ovman.analysis.significance import Outcome
 from ovman.models.settings import MAIN, Kind, Settings, splits_of
 
 ROOT = Path(__file__).parents[2]
@@ -40,17 +42,26 @@ class Release:
         files = {split: self.directory / "episodes" / f"{split}.jsonl" for split in splits_of(self.settings.splits)}
         return next((split for split, file in files.items() if file.is_file() and file.read_bytes() == episodes), None)
 
-    def static(self, split: str) -> tuple[list[Rate], list[StaticOutcome]]:
-        """Rates and outcomes, on a split, of the reference arm and of the static controls that the release has there.
+    def references(self, kind: Kind) -> frozenset[str]:
+        """The reference agent: `comparisons.agent`, or the embodied arms that drive to its answers."""
+        agent = self.settings.comparisons.agent
+        of = {name for name, arm in self.settings.arms.items() if arm.kind is kind and arm.executes == agent}
+        return frozenset({agent} if kind is Kind.STATIC else of)
 
-        Both are in the order of the settings, the reference arm first; empty where the release has no metrics of the split.
+    def of_kind(self, kind: Kind, split: str) -> tuple[list[Rate], Sequence[Outcome]]:
+        """Rates and outcomes, on a split, of the arms of a kind that are the reference agent or controls.
+
+        In the order of the settings, the reference agent first; empty where the release has no metrics of that kind on the split.
         """
-        name = str(Kind.STATIC) if split == MAIN else split
+        name = {MAIN: str(kind)}.get(split, split if kind is Kind.STATIC else f"{split}_{kind}")
         files = [self.directory / "metrics" / f"{name}_{part}.csv" for part in ("rates", "outcomes")]
         if not all(path.is_file() for path in files):
             return [], []
-        comparisons, arms = self.settings.comparisons, self.settings.arms
-        controls = [one for one in comparisons.controls if one in arms and arms[one].control and arms[one].kind is Kind.STATIC]
-        place = {arm: number for number, arm in enumerate(dict.fromkeys([comparisons.agent, *controls]))}
-        rates, outcomes = read_rows(files[0], Rate, place), read_rows(files[1], StaticOutcome, place)
-        return sorted(rates, key=lambda row: place[row.arm]), sorted(outcomes, key=lambda row: place[row.arm])
+        arms = self.settings.arms
+        controls = [one for one in self.settings.comparisons.controls if one in arms and arms[one].control]
+        named = [*sorted(self.references(kind)), *(one for one in controls if arms[one].kind is kind)]
+        place = {arm: number for number, arm in enumerate(named)}
+        row: type[StaticOutcome] | type[EmbodiedOutcome] = StaticOutcome if kind is Kind.STATIC else EmbodiedOutcome
+        outcomes: Sequence[Outcome] = read_rows(files[1], row, place)
+        rates = read_rows(files[0], Rate, place)
+        return sorted(rates, key=lambda rate: place[rate.arm]), sorted(outcomes, key=lambda outcome: place[outcome.arm])

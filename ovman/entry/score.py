@@ -9,14 +9,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.analysis.outcomes import Case, StaticOutcome, is_expectation, static_outcomes
-from ovman.analysis.rates import Rate, by_arm, by_seed, chances, static_rates
-from ovman.analysis.significance import Comparison, family
+from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
+from ovman.analysis.rates import Rate, static_rates
+from ovman.entry.beside import Beside, set_beside
 from ovman.entry.predictions import Run, Submitted, read_submitted
 from ovman.entry.release import EntryError, Release
 from ovman.models.episode import Episode, root_seed
 from ovman.models.prediction import Prediction
-from ovman.models.settings import Pair, Settings
+from ovman.models.settings import Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,11 +25,8 @@ class StaticScore:
 
     split: the released split that the episodes are, None for others. radius_m: how near to the answer a point succeeds, by the
     episodes' own protocols, ascending. rates: of each arm of the file by relation, then all. missing: of each run (arm and seed)
-    that lacks episodes, how many; with any, the rates are of those that all runs of the arm answer, and no score. released: the
-    same rows of the released reference arm, then of the released controls; none where the episodes are not those of a released
-    split, or some are missing. chance: the mean of 1/n_i by relation and over all, n_i the instances of an episode's category.
-    tests: each run of the file against the released arms that were realised once. untested: a line for each arm that is not
-    tested, and why.
+    that lacks episodes, how many; with any, the rates are of those that all runs of the arm answer, and no score. beside: has
+    released arms and tests where the episodes are a released split and none is missing.
     """
 
     file: Path
@@ -39,11 +36,7 @@ class StaticScore:
     radius_m: tuple[float, ...]
     rates: Sequence[Rate]
     missing: Mapping[Run, int]
-    released: Sequence[Rate]
-    reference: str
-    chance: Mapping[str, float]
-    tests: Sequence[Comparison]
-    untested: Sequence[str]
+    beside: Beside
 
     @property
     def whole(self) -> bool:
@@ -70,8 +63,6 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
     submitted = read_submitted(file, [episode.id for episode in episodes], of)
     missing = {run: len(absent) for run, absent in submitted.missing.items()}
     judged = [] if missing and not partial else list(_judged(episodes, submitted, release.settings))
-    rates, outcomes = ([], []) if of_split is None or missing else release.static(of_split)
-    tests, untested = _tests(judged, outcomes)
     return StaticScore(
         file=file,
         of=of,
@@ -80,11 +71,7 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
         radius_m=tuple(sorted({episode.protocol.success.radius_m for episode in episodes})),
         rates=static_rates(judged, release.settings.evaluation.confidence),
         missing=missing,
-        released=rates,
-        reference=release.settings.comparisons.agent,
-        chance={relation: of_n for relation, (of_n, _) in chances({outcome.episode: outcome for outcome in judged}).items()},
-        tests=tests,
-        untested=untested,
+        beside=set_beside(judged, Kind.STATIC, None if missing else of_split, release),
     )
 
 
@@ -107,22 +94,3 @@ def _judged(episodes: Sequence[Episode], submitted: Submitted, constants: Settin
                 samples=constants.single_visit.samples,
                 seed=root_seed(episodes),
             )
-
-
-def _tests(judged: Sequence[StaticOutcome], released: Sequence[StaticOutcome]) -> tuple[list[Comparison], list[str]]:
-    """Each run of each arm against every released arm, and a line for each arm that has no paired test."""
-    tests, untested = [], []
-    baselines = {}
-    for name, outcomes in by_arm(released).items():
-        if len(runs := by_seed(outcomes)) > 1 or any(map(is_expectation, outcomes)):
-            untested.append(f"{name}: {len(runs)} runs" if len(runs) > 1 else f"{name}: a stochastic pick")
-        else:
-            baselines[name] = outcomes
-    for arm, outcomes in by_arm(judged).items():
-        if any(map(is_expectation, outcomes)):
-            untested.append(f"{arm} of the file: a stochastic pick")
-            continue
-        for seed, run in by_seed(outcomes).items():
-            for name, baseline in baselines.items():
-                tests += family(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
-    return tests, untested

@@ -62,7 +62,7 @@ def test_released_tests_are_found_again():
         (row.baseline, row.relation): row
         for row in read_rows(DATA / "metrics" / "significance.csv", Comparison, [REFERENCE.stem])
     }
-    found = score(REFERENCE).tests
+    found = score(REFERENCE).beside.tests
     both = [(test, of[test.baseline, test.relation]) for test in found if (test.baseline, test.relation) in of]
     assert len(both) >= 14
     for ours, theirs in both:
@@ -73,7 +73,7 @@ def test_released_tests_are_found_again():
 
 
 def test_what_stands_beside_is_the_release():
-    beside = score(REFERENCE).released
+    beside = score(REFERENCE).beside.released
     assert beside[0].arm == CONFIG.comparisons.agent
     controls = {rate.arm for rate in beside[7:]}
     assert controls and all(CONFIG.arms[name].control for name in controls)
@@ -112,7 +112,7 @@ def test_the_radius_is_that_of_each_episode(tmp_path_factory, away_m, towards):
         for one in (usual, other)
     ]
     found = score(written(directory, here), episodes_file=episodes)
-    assert found.radius_m == (0.25, 1.0) and found.split is None and found.released == []
+    assert found.radius_m == (0.25, 1.0) and found.split is None and found.beside.released == []
     if min(abs(away_m - 0.25), abs(away_m - 1.0)) > 1e-9:
         assert found.rates[-1].successes == (away_m < 1.0) + (away_m < 0.25)
 
@@ -126,12 +126,12 @@ def test_a_control_that_reaches_the_score_is_named(tmp_path):
 def test_runs_are_tested_one_by_one_and_picks_are_not(tmp_path):
     lines = [{**line, "seed": seed} for seed in (0, 1) for line in everywhere(x=0.0, z=float(seed))]
     runs = score(written(tmp_path, lines))
-    assert {test.seed for test in runs.tests} == {0, 1} and {rate.seeds for rate in runs.rates} == {2}
+    assert {test.seed for test in runs.beside.tests} == {0, 1} and {rate.seeds for rate in runs.rates} == {2}
     assert len([line for line in as_text(runs).splitlines() if "mine, seed 1" in line]) == len(
-        {test.baseline for test in runs.tests}
+        {test.baseline for test in runs.beside.tests}
     )
     pick = score(written(tmp_path, everywhere(candidates=[{"x": 0.0, "z": 0.0}])))
-    assert pick.tests == [] and "mine of the file: a stochastic pick" in pick.untested
+    assert pick.beside.tests == [] and "mine, which is judged: a stochastic pick" in pick.beside.untested
 
 
 def test_json_has_what_the_text_has(capsys):
@@ -146,7 +146,7 @@ def test_episodes_of_a_file_are_known_by_their_bytes(tmp_path):
     copy = tmp_path / "copy.jsonl"
     copy.write_bytes((DATA / "episodes" / "multi.jsonl").read_bytes())
     same = score(PREDICTIONS / "multi" / REFERENCE.name, episodes_file=copy)
-    assert same.split == "multi" and same.released
+    assert same.split == "multi" and same.beside.released
 
 
 @pytest.mark.parametrize("partial", [False, True])
@@ -166,7 +166,7 @@ def test_runs_that_lack_different_episodes_share_what_both_answer(tmp_path):
     whole = everywhere(candidates=[{"x": 0.0, "z": 0.0}])
     lines = [{**line, "seed": 0} for line in whole[:50]] + [{**line, "seed": 1} for line in whole[40:]]
     found = score(written(tmp_path, lines), partial=True)
-    assert found.rates[-1].n == 10 and found.missing == {("mine", 0): 169, ("mine", 1): 40} and not found.tests
+    assert found.rates[-1].n == 10 and found.missing == {("mine", 0): 169, ("mine", 1): 40} and not found.beside.tests
 
 
 FIRST, SECOND = (episode.id for episode in Episode.load(EPISODES)[:2])
