@@ -11,8 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.frames import csv_text, rows_of, typed
-from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.frames import csv_text
 from ovman.analysis.rates import Rate
 from ovman.analysis.rows import read_rows
 from ovman.analysis.significance import Comparison
@@ -78,16 +77,6 @@ def test_what_stands_beside_is_the_release():
     controls = {rate.arm for rate in beside[7:]}
     assert controls and all(CONFIG.arms[name].control for name in controls)
     assert {rate.relation for rate in beside} == {rate.relation for rate in score(REFERENCE).rates}
-
-
-@pytest.mark.parametrize("name", ["static_outcomes", "embodied_outcomes", "static_rates", "significance"])
-def test_rows_without_data_frames_are_those_with(name):
-    import pandas as pd
-
-    kind = {"static_outcomes": StaticOutcome, "embodied_outcomes": EmbodiedOutcome, "static_rates": Rate}.get(name, Comparison)
-    path = DATA / "metrics" / f"{name}.csv"
-    with_frames = rows_of(kind, typed(pd.read_csv(path, dtype=str, keep_default_na=False), kind))
-    assert read_rows(path, kind) == with_frames and len(with_frames) > 100
 
 
 def test_the_answers_themselves_score_one_and_the_least_line_is_enough(tmp_path):
