@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from ovman import __version__
 
@@ -39,12 +40,91 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     replay.add_argument("recording", metavar="FILE", help="what `ovman record` wrote")
     replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
+    _add_score(commands)
+    _add_eval(commands)
     options = parser.parse_args(arguments)
     if options.command == "doctor":
         return _doctor(options.thor)
+    if options.command == "score":
+        return _score(options)
+    if options.command == "eval":
+        return _eval(options)
     if options.command == "check":
         return _check(options)
     return _show(options) if options.command == "show" else _session(options)
+
+
+def _add_score(commands: Any) -> None:
+    score = commands.add_parser("score", help="the static gate of a file of predicted points, beside the released arms")
+    score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
+    asked = score.add_mutually_exclusive_group()
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    score.add_argument("--partial", action="store_true", help="rates where episodes are missing, too; they are no score")
+    score.add_argument("--json", action="store_true", help="the same as JSON")
+    score.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    score.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _score(options: argparse.Namespace) -> int:
+    from ovman.entry import release, score, score_page
+    from ovman.models.settings import MAIN
+    from ovman.workflow.config import load
+
+    try:
+        settings = load(Path(options.config or release.CONFIG))
+        released = release.Release(Path(options.release or release.DATA), settings)
+        own = None if options.episodes is None else Path(options.episodes)
+        found = score.score_file(Path(options.predictions), released, options.split or MAIN, own, options.partial)
+    except (ValueError, OSError) as error:
+        print(f"ovman score: {error}", file=sys.stderr)
+        return 1
+    if found.whole or options.partial:
+        print(score_page.as_json(found) if options.json else score_page.as_text(found), end="", flush=True)
+    if found.whole:
+        return 0
+    print(f"ovman score: {score_page.complaint(found)}", file=sys.stderr)
+    return 1
+
+
+def _add_eval(commands: Any) -> None:
+    found = commands.add_parser("eval", help="an embodied agent on released episodes, outside the workflow")
+    who = found.add_mutually_exclusive_group(required=True)
+    who.add_argument("--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md); it runs in this process")
+    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml that needs tours at most")
+    asked = found.add_mutually_exclusive_group(required=True)
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    found.add_argument(
+        "--out", required=True, metavar="DIR", help="runs.jsonl, summary.md, summary.json and manifest.json go there"
+    )
+    found.add_argument("--name", metavar="NAME", help="what the agent is called in its records; default: its module's last name")
+    found.add_argument("--needs", nargs="*", metavar="NEED", help="what the agent is given: tours (the default), or nothing")
+    found.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
+    found.add_argument("--seeds", nargs="+", type=int, metavar="N", help="default: evaluation.seeds of config.yaml")
+    found.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
+    found.add_argument("--cache", metavar="DIR", help="where recorded tours are kept; default: the user's cache")
+    found.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    found.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _eval(options: argparse.Namespace) -> int:
+    try:
+        from ovman.entry import command
+        from ovman.evaluation.supervision import AgentError
+        from ovman.sim.session import SimulatorDied, SimulatorError
+    except ModuleNotFoundError as missing:
+        print(f"ovman eval: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        return 1
+    try:
+        print(command.run(options, lambda line: print(line, flush=True)), end="", flush=True)
+    except (ValueError, OSError, AgentError, SimulatorDied, SimulatorError) as error:
+        print(f"ovman eval: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"ovman eval: interrupted; the same command goes on in {options.out}", file=sys.stderr)
+        return 130
+    return 0
 
 
 def _doctor(thor: bool) -> int:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import fmean
 
 from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-from ovman.analysis.rates import Interval, Rate, by_relation
+from ovman.analysis.rates import Interval, Rate, chances
 from ovman.models.settings import MAIN, Kind, Settings
 
 
@@ -95,16 +94,6 @@ def _row(judged: Judged, control: bool, rate: Rate, chance: tuple[float, float])
         least=rate.least,
         greatest=rate.greatest,
     )
-
-
-def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str, tuple[float, float]]:
-    """The means of 1/n and of 1/m (``Controlled``) by relation, and over all. outcomes: one an episode."""
-    if not outcomes:
-        return {}
-    return {
-        relation: (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
-        for relation, group in by_relation([*outcomes.values()])
-    }
 
 
 def judged_splits(rates: Sequence[Path], outcomes: Sequence[Path]) -> list[Judged]:

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
-from types import UnionType
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
 import pandas as pd
+
+from ovman.analysis.rows import members, read_rows
+
+__all__ = ["csv_text", "dtypes", "frame_of", "read", "read_rows", "rows_of", "typed", "write"]
 
 P_VALUES = ("p", "p_holm")
 """Columns that are written with six significant digits, as six decimals would round small values to 0."""
@@ -73,36 +76,27 @@ def rows_of(kind: type[RowType], frame: pd.DataFrame) -> list[RowType]:
     hints, dtype_of = get_type_hints(kind), dtypes(kind)
 
     def value(name: str, cell: Any) -> Any:
-        members = _members(hints[name])
-        if pd.isna(cell) or (cell == "" and type(None) in members):
+        made = members(hints[name])
+        if pd.isna(cell) or (cell == "" and type(None) in made):
             return None
-        return members[0](cell) if dtype_of[name] != "str" or members[0] is not str else str(cell)
+        return made[0](cell) if dtype_of[name] != "str" or made[0] is not str else str(cell)
 
     names = list(dtype_of)
     return [kind(**{name: value(name, cell) for name, cell in zip(names, row, strict=True)}) for row in _tuples(frame[names])]
 
 
-def read_rows(path: Path, kind: type[RowType]) -> list[RowType]:
-    """The rows of a file of metrics. Raises as `read` does."""
-    return rows_of(kind, read(path, kind))
-
-
 def dtypes(kind: type) -> dict[str, str]:
     """The type of a column for each field of a dataclass: float64; int64, or Int64 where None is possible; else str."""
     hints = get_type_hints(kind)
-    return {field.name: _dtype(_members(hints[field.name])) for field in fields(kind)}
+    return {field.name: _dtype(members(hints[field.name])) for field in fields(kind)}
 
 
-def _dtype(members: Sequence[Any]) -> str:
-    if float in members:
+def _dtype(made: Sequence[Any]) -> str:
+    if float in made:
         return "float64"
-    if set(members) <= {int, bool, type(None)}:
-        return "Int64" if {bool, type(None)} & set(members) else "int64"
+    if set(made) <= {int, bool, type(None)}:
+        return "Int64" if {bool, type(None)} & set(made) else "int64"
     return "str"
-
-
-def _members(hint: Any) -> tuple[Any, ...]:
-    return get_args(hint) if isinstance(hint, UnionType) else (hint,)
 
 
 def _plain(value: Any) -> Any:

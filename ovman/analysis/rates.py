@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from statistics import fmean
 from typing import TypeVar
 
 import numpy as np
@@ -110,6 +111,19 @@ def by_seed(outcomes: Iterable[Outcome]) -> dict[int, list[Outcome]]:
     for outcome in sorted(outcomes, key=lambda outcome: outcome.seed):
         seeds.setdefault(outcome.seed, []).append(outcome)
     return seeds
+
+
+def chances(outcomes: Mapping[str, StaticOutcome | EmbodiedOutcome]) -> dict[str, tuple[float, float]]:
+    """The means of 1/n and of 1/m by relation, and over all. outcomes: one an episode.
+
+    n: the instances of the category; m: the changes of the kind that defines an episode, its own included.
+    """
+    if not outcomes:
+        return {}
+    return {
+        relation: (fmean(1.0 / outcome.instances for outcome in group), fmean(1.0 / outcome.alike for outcome in group))
+        for relation, group in by_relation([*outcomes.values()])
+    }
 
 
 def poisson_binomial_range(probabilities: Sequence[float], confidence: float) -> tuple[float, float]:

@@ -125,7 +125,7 @@ def workflow() -> Finding:
     """The packages of the benchmark beside the engine."""
     missing = [
         name
-        for name in ("snakemake", "pydantic", "yaml", "matplotlib", "pandas", "statsmodels", "jinja2")
+        for name in ("snakemake", "pydantic", "yaml", "matplotlib", "pandas", "jinja2")
         if importlib.util.find_spec(name) is None
     ]
     if missing:

@@ -53,14 +53,20 @@ class ObservationStore:
     arm: whose agents; what its entry does not need is refused in one line. settings: section perception, for an arm that needs
     networks. field_of_view_deg: of the tours' camera, vertical. visits: directory of the scene's recorded visits. files: what was
     made of the scene, by the names that the workflow has for it ("maps", "nouns", "maintained", "dualmap",
-    "detections", "segments").
+    "detections", "segments"). elsewhere: directories of recorded visits that do not lie in `visits`, by their names.
     """
 
     def __init__(
-        self, arm: Arm, settings: Settings, field_of_view_deg: float, visits: Path, files: Mapping[str, Path] = {}
+        self,
+        arm: Arm,
+        settings: Settings,
+        field_of_view_deg: float,
+        visits: Path,
+        files: Mapping[str, Path] = {},
+        elsewhere: Mapping[str, Path] = {},
     ) -> None:
         self._arm, self._settings, self._field_of_view_deg = arm, settings, field_of_view_deg
-        self._visits, self._files = visits, files
+        self._visits, self._files, self._elsewhere = visits, files, elsewhere
         self._made: dict[Hashable, object] = {}
         self._phrases: dict[str, np.ndarray] = {}
 
@@ -122,7 +128,7 @@ class ObservationStore:
         if any(self._needs(need) for need in (Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS)):
             from ovman.evaluation.recorded_tour import recorded
 
-            return recorded(self._visits / name, self._field_of_view_deg, reachable)
+            return recorded(self._recording(name), self._field_of_view_deg, reachable)
         return Visit((), reachable)
 
     def cache_key(self, visits: Sequence[str], phrase: str) -> dict[str, Any]:
@@ -160,7 +166,10 @@ class ObservationStore:
     def _content(self, name: str) -> str:
         from ovman.evaluation.recorded_tour import content
 
-        return content(self._visits / name, self._field_of_view_deg)
+        return content(self._recording(name), self._field_of_view_deg)
+
+    def _recording(self, name: str) -> Path:
+        return self._elsewhere.get(name, self._visits / name)
 
     def _needs(self, need: Need) -> bool:
         return need in self._arm.needs

@@ -11,7 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom, binomtest, norm, poisson_binom
+from statsmodels.stats.contingency_tables import mcnemar
 from statsmodels.stats.multitest import multipletests
+from statsmodels.stats.proportion import proportion_confint
 
 from ovman.analysis.statistics import auroc, holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 
@@ -25,6 +27,15 @@ PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 def test_wilson_agrees_with_scipy(counts, confidence):
     theirs = binomtest(*counts).proportion_ci(confidence, method="wilson")
     assert wilson_interval(*counts, confidence) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
+
+
+@PROPERTY
+@given(COUNTS, st.sampled_from([1, 2, 3]), st.sampled_from([0.5, 0.9, 0.95, 0.99]))
+def test_wilson_agrees_with_statsmodels(counts, seeds, confidence):
+    """Of a mean over seeds, too, which is no whole count."""
+    successes, trials = counts[0] / seeds, counts[1]
+    theirs = proportion_confint(successes, trials, alpha=1.0 - confidence, method="wilson")
+    assert wilson_interval(successes, trials, confidence) == pytest.approx(theirs, abs=1e-12)
 
 
 @PROPERTY
@@ -63,6 +74,7 @@ def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
 def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
     p = mcnemar_exact(wins, losses)
     assert p == mcnemar_exact(losses, wins)
+    assert p == pytest.approx(float(mcnemar([[7, wins], [losses, 3]], exact=True).pvalue), rel=1e-9)
     if wins + losses:
         assert p == pytest.approx(binomtest(wins, wins + losses).pvalue, rel=1e-9)
     else:

@@ -1,0 +1,65 @@
+"""What stands beside a score: released arms on the same episodes, chance, and exact tests, so that a score that a control reaches
+is seen to be one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ovman.analysis.outcomes import is_expectation
+from ovman.analysis.rates import Rate, by_arm, by_seed, chances
+from ovman.analysis.significance import Comparison, Outcome, family
+from ovman.entry.release import Release
+from ovman.models.settings import Kind, Pair
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """Released arms beside a score. references: the arms that are the reference agent.
+
+    released: rates by relation, then all, of these and of the controls. chance: the mean of 1/n_i by relation and over all, n_i
+    the instances of an episode's category. tests: each run that was judged against the released arms, by relation, then all.
+    untested: a line for each arm that is not tested, and why.
+    """
+
+    references: frozenset[str]
+    released: Sequence[Rate]
+    chance: Mapping[str, float]
+    tests: Sequence[Comparison]
+    untested: Sequence[str]
+
+
+def set_beside(judged: Sequence[Outcome], kind: Kind, split: str | None, release: Release) -> Beside:
+    """What stands beside these outcomes, of arms of one kind. split: the released split that they cover whole, None for others.
+
+    A static run is tested against the arms that were realised once, an embodied one against runs under its own seed.
+    """
+    rates, outcomes = ([], []) if split is None else release.of_kind(kind, split)
+    tests, untested = _tests(judged, outcomes, kind)
+    chance = chances({outcome.episode: outcome for outcome in judged})
+    return Beside(release.references(kind), rates, {relation: of_n for relation, (of_n, _) in chance.items()}, tests, untested)
+
+
+def _tests(judged: Sequence[Outcome], released: Sequence[Outcome], kind: Kind) -> tuple[list[Comparison], list[str]]:
+    tests, untested = [], []
+    baselines = {}
+    for name, outcomes in by_arm(released).items():
+        runs = by_seed(outcomes)
+        if any(map(is_expectation, outcomes)):
+            untested.append(f"{name}: a stochastic pick")
+        elif kind is Kind.STATIC and len(runs) > 1:
+            untested.append(f"{name}: {len(runs)} runs")
+        else:
+            baselines[name] = runs
+    for arm, outcomes in by_arm(judged).items():
+        if any(map(is_expectation, outcomes)):
+            untested.append(f"{arm}, which is judged: a stochastic pick")
+            continue
+        for seed, run in by_seed(outcomes).items():
+            for name, runs in baselines.items():
+                baseline = runs.get(seed) if kind is Kind.EMBODIED else next(iter(runs.values()))
+                if baseline is None:
+                    untested.append(f"{name}: no run under seed {seed}")
+                else:
+                    tests += family(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
+    return tests, untested

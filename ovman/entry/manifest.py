@@ -1,0 +1,122 @@
+"""What an evaluation was: episodes, agent, seeds, versions, machine. An evaluation goes on only in a folder of its own."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+
+from ovman import __version__
+from ovman.atomic import replace_bytes
+from ovman.entry.release import EntryError
+from ovman.models.episode import SCHEMA as EPISODE
+from ovman.models.record import Count, Record, RecordError, Text
+from ovman.models.settings.arms import ArmJob
+from ovman.workflow.provenance import module_digest
+
+FILE = "manifest.json"
+
+
+class Machine(Record):
+    """What the runs were made on."""
+
+    system: str
+    machine: str
+    processors: int | None
+    python: str
+    numpy: str
+
+
+class Manifest(Record):
+    """One evaluation, "ovman-manifest/1".
+
+    split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
+    ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
+    from ovman. budget: actions of an episode, None for that of its protocol. ovman, engine, protocol: versions.
+    """
+
+    schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
+    split: str | None
+    sha256: Text
+    n: Count
+    asked: tuple[Text, ...]
+    seeds: tuple[int, ...]
+    arm: Text
+    agent: Text
+    needs: tuple[str, ...]
+    code: str | None
+    budget: int | None
+    ovman: str
+    engine: str | None
+    protocol: str
+    machine: Machine
+
+    @property
+    def whole(self) -> bool:
+        """Whether all episodes are asked for: only then a rate is a score."""
+        return len(self.asked) == self.n
+
+
+def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int]) -> Manifest:
+    """The manifest of an evaluation on this machine. episodes: the bytes of their file, n of them."""
+    import numpy as np
+
+    return Manifest(
+        split=split,
+        sha256=hashlib.sha256(episodes).hexdigest(),
+        n=n,
+        asked=tuple(asked),
+        seeds=tuple(seeds),
+        arm=arm.name,
+        agent=arm.agent,
+        needs=tuple(map(str, arm.needs)),
+        code=module_digest(arm.agent.partition(":")[0]),
+        budget=arm.budget,
+        ovman=__version__,
+        engine=_installed("ovman-engine"),
+        protocol=EPISODE,
+        machine=Machine(
+            system=platform.platform(),
+            machine=platform.machine(),
+            processors=os.cpu_count(),
+            python=sys.version.split()[0],
+            numpy=np.__version__,
+        ),
+    )
+
+
+def claim(directory: Path, manifest: Manifest) -> None:
+    """Make `directory`, which is there, that of an evaluation, or go on in it, and write its manifest.
+
+    Seeds and the episodes that are asked for may be others than before. EntryError where it holds an evaluation of another arm or
+    on other episodes, or something else.
+    """
+    path = directory / FILE
+    if path.exists():
+        try:
+            (there,) = Manifest.read(path)
+        except (RecordError, ValueError):
+            raise EntryError(f"--out: {path} is no manifest of an evaluation; name another folder") from None
+        for key in ("arm", "agent", "split", "sha256"):
+            before, now = getattr(there, key), getattr(manifest, key)
+            if before != now:
+                raise EntryError(
+                    f"--out: {directory} holds an evaluation whose {key} is {before}, not {now}; name another folder"
+                )
+    elif any(not path.name.startswith(".") for path in directory.iterdir()):
+        raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
+    replace_bytes(path, manifest.to_line().encode())
+
+
+def _installed(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

@@ -1,0 +1,238 @@
+"""`ovman eval`: runs are those of the release, a killed evaluation goes on, and a part of a split is no score."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from ovman.analysis.frames import csv_text
+from ovman.analysis.rates import Rate
+from ovman.cli import main
+from ovman.entry.command import shard_of
+from ovman.entry.evaluation import asked
+from ovman.entry.manifest import Manifest, manifest_of
+from ovman.entry.release import EntryError, Release
+from ovman.entry.summary import as_json, as_text, summary_of
+from ovman.entry.tour_cache import recording_key
+from ovman.models.relation import Relation
+from ovman.models.run import Score
+from ovman.models.settings import MAIN, Kind
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA, EPISODES, ROOT, of_scene, released
+
+RELEASE = Release(DATA, CONFIG)
+ARM = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
+SCENE = "FloorPlan10"
+"""Two episodes of main, four of everyday."""
+SEEDS = CONFIG.evaluation.seeds
+FILES = {"journal.jsonl", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
+
+
+def evaluated(out, cache, *options):
+    return main(["eval", "--out", str(out), "--cache", str(cache), *options])
+
+
+def lines(path):
+    return path.read_text(encoding="utf-8").splitlines()
+
+
+def released_lines(scene=SCENE):
+    return [line for seed in SEEDS for line in lines(DATA / "runs" / ARM / f"seed{seed}" / f"{scene}.jsonl")]
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory, cache):
+    """The evaluation of the arm on the scene, never disturbed."""
+    out = tmp_path_factory.mktemp("whole") / "out"
+    assert evaluated(out, cache, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
+    return out
+
+
+def test_the_runs_are_the_released_ones(whole):
+    assert lines(whole / "runs.jsonl") == released_lines()
+    assert {path.name for path in whole.iterdir() if not path.name.startswith(".")} == FILES
+
+
+def test_a_part_of_a_split_is_no_score(whole):
+    manifest, summary = Manifest.read(whole / "manifest.json")[0], json.loads((whole / "summary.json").read_text())
+    assert (manifest.n, len(manifest.asked), manifest.whole) == (219, 2, False)
+    assert not summary["whole"] and summary["released"] == [] and summary["tests"] == []
+    assert "PARTIAL, 2 of 219 episodes, no score" in lines(whole / "summary.md")[0]
+
+
+def test_what_is_there_is_not_made_again(whole, cache, capsys):
+    before = {path.name: path.read_bytes() for path in whole.iterdir()}
+    assert evaluated(whole, cache, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[0] == "6 of 6 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
+    assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
+
+
+@pytest.mark.parametrize("moment", ["recording the second", "2/6 "])
+def test_killed_it_goes_on_where_it_was(whole, cache, tmp_path, capsys, moment):
+    """SIGKILL while a tour is recorded into a cache of its own, and after two runs."""
+    here = tmp_path / "cache" if "recording" in moment else cache
+    options = ["--arm", ARM, "--split", MAIN, "--scenes", SCENE]
+    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(here), *options]
+    with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
+        for line in process.stdout:
+            if line.startswith(moment):
+                os.killpg(process.pid, signal.SIGKILL)
+                break
+    assert process.returncode == -signal.SIGKILL and not (tmp_path / "out" / "runs.jsonl").exists()
+    assert evaluated(tmp_path / "out", here, *options) == 0
+    said = capsys.readouterr().out
+    kept = re.match(r"(\d) of 6 runs are there already", said)
+    assert (int(kept[1]) >= 2 and "recording" not in said) if "2/6" in moment else (kept is None and "recording" in said)
+    assert (tmp_path / "out" / "runs.jsonl").read_bytes() == (whole / "runs.jsonl").read_bytes()
+    assert (tmp_path / "out" / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
+
+
+def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, cache):
+    """Of the split with other light and sensors that err, and an episode in which the answer moves."""
+    assert evaluated(tmp_path / "days", cache, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
+    theirs = [run for run in Score.read(DATA / "runs" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
+    ours = Score.read(tmp_path / "days" / "runs.jsonl")
+    assert ours == [run for run in theirs if run.seed == 0] and len(ours) == 4
+    moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
+    (tmp_path / "one.jsonl").write_text(moving.to_line())
+    assert evaluated(tmp_path / "moving", cache, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
+    runs = lines(tmp_path / "moving" / "runs.jsonl")
+    assert runs == [line for line in released_lines("FloorPlan7") if f'"{moving.id}"' in line] and len(runs) == 3
+
+
+def test_the_agent_of_the_page_runs(tmp_path, cache, whole, monkeypatch, capsys):
+    """As the reader writes it, in a directory of the reader's; the tours are those that are there."""
+    page = (ROOT / "docs" / "agents.md").read_text(encoding="utf-8")
+    (tmp_path / "frame_difference.py").write_text(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1])
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "two.jsonl").write_text("".join(episode.to_line() for episode in of_scene(SCENE)))
+    options = ["--agent", "frame_difference:FrameDifference", "--episodes", "two.jsonl", "--seeds", "0"]
+    assert evaluated(tmp_path / "out", cache, *options) == 0
+    said = capsys.readouterr().out
+    assert "recording" not in said and "PARTIAL" not in said
+    runs = Score.read(tmp_path / "out" / "runs.jsonl")
+    assert [(run.episode, run.arm, run.seed) for run in runs] == [(one.id, "frame_difference", 0) for one in of_scene(SCENE)]
+    (manifest,) = Manifest.read(tmp_path / "out" / "manifest.json")
+    assert manifest.whole and manifest.split is None and manifest.needs == ("tours",) and manifest.code
+
+
+BROKEN = """
+class Agent:
+    looks = False
+    def __init__(self, context): pass
+    def familiarise(self, visit): pass
+    def revisit(self, visit): pass
+    def ask(self, query): self.relation = query.relation
+    def act(self, observation):
+        from ovman.agents.interface import Action
+        return Action.ABSTAIN if self.relation == "moved" else 1 / 0
+"""
+
+
+def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, cache, monkeypatch, capsys):
+    (tmp_path / "broken.py").write_text(BROKEN)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    options = ["--agent", "broken:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--seeds", "0"]
+    assert evaluated(tmp_path / "out", cache, *options) == 1
+    last = capsys.readouterr().err.splitlines()[-1]
+    assert last.startswith("ovman eval: arms.broken.agent is 'broken:Agent': FloorPlan10/stable/0000, seed 0: act raised ZeroDiv")
+    assert len(lines(tmp_path / "out" / "journal.jsonl")) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()
+
+
+def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
+    """The released runs of the control, as if they had been made: Table embodied, and the tests against the reference agent."""
+    runs = [run for path in sorted((DATA / "runs" / ARM).glob("seed*/*.jsonl")) for run in Score.read(path)]
+    arm = stage_settings(CONFIG, "rollouts", ARM).arm
+    manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS)
+    summary = summary_of(runs, released(), manifest, RELEASE)
+    wanted = [line for line in lines(DATA / "metrics" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
+    assert csv_text(Rate, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
+    (reference,) = RELEASE.references(Kind.EMBODIED)
+    tests = {(test.baseline, test.seed, test.relation): test for test in summary.beside.tests}
+    assert {(reference, seed, "all") for seed in SEEDS} <= {*tests}
+    assert all(tests[ARM, seed, "all"].p == 1.0 for seed in SEEDS)
+    assert tests[reference, 0, "all"].wins - tests[reference, 0, "all"].losses == (
+        tests[reference, 0, "all"].successes - tests[reference, 0, "all"].baseline_successes
+    )
+    text = as_text(summary, markdown=True)
+    assert f"{reference} (reference)" in text and "PARTIAL" not in text and json.loads(as_json(summary))["whole"]
+    assert re.search(rf"^controls reach the score of {ARM}, 0\.\d+: .*{ARM}", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("parts", [1, 3, 8, 219])
+def test_shards_are_all_of_a_split_once(parts):
+    shards = [asked(RELEASE, MAIN, None, [], (k, parts), [0]).chosen for k in range(1, parts + 1)]
+    assert [episode.id for shard in shards for episode in shard] == [episode.id for episode in released()]
+    assert max(map(len, shards)) - min(map(len, shards)) <= 1
+
+
+def test_a_recording_follows_from_its_tour_and_not_from_the_question():
+    by_relation = {}
+    for episode in released():
+        by_relation.setdefault(episode.relation, []).append(episode)
+    for relation, episodes in by_relation.items():
+        one = episodes[0]
+        key = {which: recording_key(one, which) for which in ("first", "second")}
+        assert key["first"] != key["second"]
+        asked_otherwise = one.model_copy(update={"sentence": "?", "category": "Other", "spawn": one.spawn, "drift_m": {}})
+        assert {which: recording_key(asked_otherwise, which) for which in key} == key
+        dim = one.model_copy(update={"scene": "FloorPlan0"})
+        assert not {recording_key(dim, which) for which in key} & {*key.values()}
+        renamed = one.model_copy(update={"id": f"{one.id}0"})
+        changed = [which for which in key if recording_key(renamed, which) != key[which]]
+        assert changed == (["second"] if relation is Relation.MOVING else [])
+    untouched = {recording_key(one, "first") for one in of_scene(SCENE) if one.visits.first == "untouched"}
+    assert len(untouched) == 1
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--agent", "nowhere:Agent", "--split", MAIN], "there is no module nowhere"),
+        (["--agent", "json:Agent", "--split", MAIN], "module json has no function Agent|json has no function Agent"),
+        (["--agent", "Agent", "--split", MAIN], "--agent: 'Agent' names no function; write"),
+        (["--agent", "json:load", "--split", MAIN, "--name", "Mine!"], "--name: 'Mine!' cannot name an arm"),
+        (["--agent", "json:load", "--split", MAIN, "--name", ARM], f"--name: {ARM} is an arm of config.yaml"),
+        (["--agent", "json:load", "--split", MAIN, "--needs", "maps"], "--needs: maps cannot be made outside the workflow"),
+        (["--arm", "nobody", "--split", MAIN], "--arm: nobody is no arm of config.yaml; write one of"),
+        (["--arm", CONFIG.comparisons.agent, "--split", MAIN], "does not drive from episodes and tours alone; write one of"),
+        (["--arm", ARM, "--split", "mian"], "--split: mian is no split"),
+        (["--arm", ARM, "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory"),
+        (["--arm", ARM, "--split", MAIN, "--scenes", "FloorPlan6"], "--scenes: FloorPlan6 has no episode; write some of"),
+        (["--arm", ARM, "--split", MAIN, "--shard", "0/3"], "--shard: '0/3' is no part"),
+    ],
+)
+def test_a_wrong_command_is_one_line(tmp_path, cache, capsys, options, said):
+    assert evaluated(tmp_path / "out", cache, *options) == 1
+    err = capsys.readouterr().err
+    assert re.search(said, err) and err.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path, cache, whole, capsys):
+    (tmp_path / "letters.txt").write_text("dear")
+    assert evaluated(tmp_path, cache, "--arm", ARM, "--split", MAIN) == 1
+    assert "holds something else than an evaluation" in capsys.readouterr().err
+    assert evaluated(whole, cache, "--arm", ARM, "--split", "everyday") == 1
+    assert "holds an evaluation whose split is main, not everyday; name another folder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["", "1", "0/1", "2/1", "1/0", "-1/2", "1/2/3"])
+def test_what_is_no_shard_is_refused(text):
+    with pytest.raises(EntryError, match="--shard"):
+        shard_of(text)
+    assert shard_of("2/8") == (2, 8)

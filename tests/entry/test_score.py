@@ -1,0 +1,228 @@
+"""`ovman score`: released predictions get what the release says, wrong files one line, and a part of a split is no score."""
+
+from __future__ import annotations
+
+import json
+import resource
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ovman.analysis.frames import csv_text
+from ovman.analysis.rates import Rate
+from ovman.analysis.rows import read_rows
+from ovman.analysis.significance import Comparison
+from ovman.cli import main
+from ovman.entry.release import Release
+from ovman.entry.score import score_file
+from ovman.entry.score_page import as_json, as_text
+from ovman.models.episode import Episode
+from ovman.models.settings import MAIN
+from tests.arms import CONFIG
+from tests.episodes import DATA, EPISODES, released
+
+RELEASE = Release(DATA, CONFIG)
+PREDICTIONS = DATA / "predictions"
+REFERENCE = PREDICTIONS / f"{CONFIG.comparisons.agent}.jsonl"
+FILES = [(MAIN, path) for path in sorted(PREDICTIONS.glob("*.jsonl"))] + [
+    (path.parent.name, path) for path in sorted(PREDICTIONS.glob("*/*.jsonl"))
+]
+
+
+def score(path, **options):
+    return score_file(path, RELEASE, options.pop("split", MAIN), **options)
+
+
+def written(tmp_path, lines):
+    path = tmp_path / "mine.jsonl"
+    path.write_text("".join(line if isinstance(line, str) else json.dumps(line) + "\n" for line in lines))
+    return path
+
+
+def everywhere(**answer):
+    return [{"episode": episode.id, **answer} for episode in released()]
+
+
+@pytest.mark.parametrize("split", sorted({split for split, _ in FILES}))
+def test_released_predictions_get_the_released_rates(split):
+    """To the last byte of every row of Table static and of the other splits."""
+    name = "static" if split == MAIN else split
+    _, *wanted = (DATA / "metrics" / f"{name}_rates.csv").read_text().splitlines()
+    found = [line for of, path in FILES if of == split for line in csv_text(Rate, score(path, split=of).rates).splitlines()[1:]]
+    assert sorted(found) == sorted(wanted) and len(wanted) > 70
+
+
+def test_released_tests_are_found_again():
+    """Where the release tests the reference arm against a control that was realised once, p and counts are those."""
+    of = {
+        (row.baseline, row.relation): row
+        for row in read_rows(DATA / "metrics" / "significance.csv", Comparison, [REFERENCE.stem])
+    }
+    found = score(REFERENCE).beside.tests
+    both = [(test, of[test.baseline, test.relation]) for test in found if (test.baseline, test.relation) in of]
+    assert len(both) >= 14
+    for ours, theirs in both:
+        for key in ("n", "successes", "baseline_successes", "wins", "losses", "test"):
+            assert getattr(ours, key) == getattr(theirs, key)
+        assert ours.p == pytest.approx(theirs.p, rel=1e-5)
+        assert ours.p_holm == (None if theirs.p_holm is None else pytest.approx(theirs.p_holm, rel=1e-5))
+
+
+def test_what_stands_beside_is_the_release():
+    beside = score(REFERENCE).beside.released
+    assert beside[0].arm == CONFIG.comparisons.agent
+    controls = {rate.arm for rate in beside[7:]}
+    assert controls and all(CONFIG.arms[name].control for name in controls)
+    assert {rate.relation for rate in beside} == {rate.relation for rate in score(REFERENCE).rates}
+
+
+def test_the_answers_themselves_score_one_and_the_least_line_is_enough(tmp_path):
+    exact = [{"episode": one.id, "x": one.answer[0], "z": one.answer[1]} for one in released()]
+    found = score(written(tmp_path, exact))
+    assert {rate.rate for rate in found.rates} == {1.0} and {rate.arm for rate in found.rates} == {"mine"}
+    assert not {line for line in as_text(found).splitlines() if line.startswith("controls reach")}
+
+
+@settings(max_examples=25, derandomize=True, deadline=None)
+@given(st.floats(0.0, 2.0), st.sampled_from([(1.0, 0.0), (0.0, -1.0), (0.6, 0.8)]))
+def test_the_radius_is_that_of_each_episode(tmp_path_factory, away_m, towards):
+    """An episode whose protocol has another radius is judged by it, beside one that has the usual."""
+    directory = tmp_path_factory.mktemp("radius")
+    usual, other = released()[:2]
+    record = other.to_json()
+    record["protocol"]["success"]["radius_m"] = 0.25
+    episodes = directory / "episodes.jsonl"
+    episodes.write_text(usual.to_line() + json.dumps(record) + "\n")
+    here = [
+        {"episode": one.id, "x": one.answer[0] + away_m * towards[0], "z": one.answer[1] + away_m * towards[1]}
+        for one in (usual, other)
+    ]
+    found = score(written(directory, here), episodes_file=episodes)
+    assert found.radius_m == (0.25, 1.0) and found.split is None and found.beside.released == []
+    if min(abs(away_m - 0.25), abs(away_m - 1.0)) > 1e-9:
+        assert found.rates[-1].successes == (away_m < 1.0) + (away_m < 0.25)
+
+
+def test_a_control_that_reaches_the_score_is_named(tmp_path):
+    text = as_text(score(written(tmp_path, everywhere(abstain="no_candidate"))))
+    (line,) = (line for line in text.splitlines() if line.startswith("controls reach"))
+    assert line.startswith("controls reach the score of mine, 0.000:") and "chance 1/n" in line
+
+
+def test_runs_are_tested_one_by_one_and_picks_are_not(tmp_path):
+    lines = [{**line, "seed": seed} for seed in (0, 1) for line in everywhere(x=0.0, z=float(seed))]
+    runs = score(written(tmp_path, lines))
+    assert {test.seed for test in runs.beside.tests} == {0, 1} and {rate.seeds for rate in runs.rates} == {2}
+    assert len([line for line in as_text(runs).splitlines() if "mine, seed 1" in line]) == len(
+        {test.baseline for test in runs.beside.tests}
+    )
+    pick = score(written(tmp_path, everywhere(candidates=[{"x": 0.0, "z": 0.0}])))
+    assert pick.beside.tests == [] and "mine, which is judged: a stochastic pick" in pick.beside.untested
+
+
+def test_json_has_what_the_text_has(capsys):
+    assert main(["score", str(REFERENCE), "--json"]) == 0
+    made = json.loads(capsys.readouterr().out)
+    found = score(REFERENCE)
+    assert made == json.loads(as_json(found)) and made["whole"] and made["split"] == MAIN
+    assert [(row["relation"], row["rate"]) for row in made["rates"]] == [(rate.relation, rate.rate) for rate in found.rates]
+
+
+def test_episodes_of_a_file_are_known_by_their_bytes(tmp_path):
+    copy = tmp_path / "copy.jsonl"
+    copy.write_bytes((DATA / "episodes" / "multi.jsonl").read_bytes())
+    same = score(PREDICTIONS / "multi" / REFERENCE.name, episodes_file=copy)
+    assert same.split == "multi" and same.beside.released
+
+
+@pytest.mark.parametrize("partial", [False, True])
+def test_a_part_is_no_score(tmp_path, capsys, partial):
+    path = written(tmp_path, everywhere(x=0.0, z=0.0)[:50])
+    assert main(["score", str(path), *["--partial"] * partial]) == 1
+    said = capsys.readouterr()
+    assert said.err == (
+        f"ovman score: {path}: mine, seed 0: 169 of 219 episodes are missing; a part of the episodes of the split main is no"
+        " score: answer them all, with an abstention where need be\n"
+    )
+    assert ("PARTIAL, 50 of 219 episodes, no score" in said.out) == partial
+    assert partial or said.out == ""
+
+
+def test_runs_that_lack_different_episodes_share_what_both_answer(tmp_path):
+    whole = everywhere(candidates=[{"x": 0.0, "z": 0.0}])
+    lines = [{**line, "seed": 0} for line in whole[:50]] + [{**line, "seed": 1} for line in whole[40:]]
+    found = score(written(tmp_path, lines), partial=True)
+    assert found.rates[-1].n == 10 and found.missing == {("mine", 0): 169, ("mine", 1): 40} and not found.beside.tests
+
+
+FIRST, SECOND = (episode.id for episode in Episode.load(EPISODES)[:2])
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (["{"], r":1: not JSON \(.*\); restore the line"),
+        (["[1]\n"], r":1: expected an object, found \[1\]; write {...}"),
+        ([{"x": 1.0, "z": 1.0}], ":1: episode: the key is missing; add it"),
+        ([{"episode": FIRST, "x": 1.0}], ":1: z: the key is missing; a point has x and z"),
+        ([{"episode": FIRST, "x": "1", "z": 1.0}], ':1: x: expected a number, found "1"; write a finite number'),
+        ([f'{{"episode": "{FIRST}", "x": NaN, "z": 1.0}}\n'], ":1: x: expected a number, found"),
+        ([{"episode": FIRST}], ':1: the record holds no answer; expected "x" and "z" in metres'),
+        ([{"episode": FIRST, "X": 1.0, "Z": 1.0}], ":1: X: the record holds no answer; .*; rename 'X'"),
+        ([{"episode": FIRST, "abstained": True}], ":1: abstained: the record holds no answer; .*; rename 'abstained'"),
+        ([{"episode": FIRST, "abstain": True}], ":1: abstain: true is not one of no_candidate"),
+        ([{"episode": FIRST, "x": 1.0, "z": 1.0, "abstain": "no_motion"}], ":1: give exactly one of"),
+        ([{"episode": FIRST, "x": 1, "z": 1}, {"episode": FIRST + "0", "x": 1, "z": 1}], f":2: episode: .*; write '{FIRST}'"),
+        ([{"episode": "FloorPlan201/moved/multi-0003", "x": 1, "z": 1}], ":1: episode: .* is none of .*, --split multi"),
+        (
+            [{"episode": FIRST, "x": 1, "z": 1}, {"episode": SECOND, "x": 1, "z": 1}, {"episode": FIRST, "x": 2, "z": 1}],
+            f":3: episode: {FIRST} is answered in line 1 already, .*; remove one of the two",
+        ),
+        ([{"schema": "ovman-run/1", "episode": FIRST, "x": 1, "z": 1}], ":1: schema: expected 'ovman-prediction/1'"),
+        ([], ": holds no prediction; write a line an episode"),
+    ],
+)  # fmt: skip
+def test_a_wrong_file_is_one_line(tmp_path, capsys, lines, said):
+    path = written(tmp_path, lines)
+    assert main(["score", str(path)]) == 1
+    err = capsys.readouterr().err
+    assert err.startswith(f"ovman score: {path}") and err.count("\n") == 1
+    with pytest.raises(ValueError, match=said):
+        score(path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["absent.jsonl"], "absent.jsonl: No such file or directory; name a file of JSON lines"),
+        ([str(REFERENCE), "--split", "mian"], "--split: mian is no split; write one of main, multi"),
+        ([str(REFERENCE), "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory; name a file of episodes"),
+        ([str(REFERENCE), "--release", "absent"], "absent/episodes/main.jsonl: the release has no episodes of the split main"),
+        ([str(REFERENCE), "--config", "absent.yaml"], "absent.yaml"),
+    ],
+)
+def test_a_wrong_argument_is_one_line(capsys, arguments, said):
+    assert main(["score", *arguments]) == 1
+    err = capsys.readouterr().err
+    assert said in err and err.count("\n") == 1
+
+
+def test_it_takes_two_seconds_at_most_and_nothing_heavy(tmp_path):
+    """With the interpreter's start, in seconds of the processor: the machine may be busy with other things."""
+    program = (
+        "import sys; from ovman.cli import main; status = main(sys.argv[1:]); heavy = {'pandas', 'scipy', 'torch', 'snakemake',"
+        " 'ai2thor', 'cv2', 'statsmodels'}; print(*heavy & set(sys.modules), file=sys.stderr); sys.exit(status)"
+    )
+
+    def spent() -> float:
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return used.ru_utime + used.ru_stime
+
+    before = spent()
+    done = subprocess.run([sys.executable, "-c", program, "score", str(REFERENCE)], cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stderr.strip()) == (0, "")
+    assert spent() - before <= 2.0
+    assert "219 episodes" in done.stdout
