@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.models.settings import Arm, Kind, Need, in_main_job
+from ovman.models.settings import Arm, Kind, in_main_job
 from ovman.workflow.config import load
 from ovman.workflow.parameter import flat, own_constants
 from ovman.workflow.stages import STAGES, matching, owned
