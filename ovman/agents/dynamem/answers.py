@@ -6,25 +6,28 @@ every relation with the best place for the noun, as DynaMem answers a query, or 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 
 from ovman.agents.dynamem.looks import Look, looks
 from ovman.agents.dynamem.memory import Memory, remembered
-from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query
+from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, Visit
 from ovman.agents.reference.grounding import grounded, similarities
 from ovman.agents.reference.reasoning import two_visits
 from ovman.language import noun
 from ovman.models.settings.baselines import Dynamem
+from ovman.perception.detected import Detected
 from ovman.perception.object_map import ObjectMap
 
 
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arm of one memory of both tours. Reads dynamem.*."""
-    frames = [look for which in VISITS for look in _seen(context, which)]
-    memory = remembered(frames, context.settings.dynamem)
-    return located(memory, frames, context.noun(noun(query.category)), context.settings.dynamem), None
+    constants = context.settings.dynamem
+    both = Tours.of([(context.tour(which), context.detections(which)) for which in VISITS], constants).remembered()
+    return located(*both, context.noun(noun(query.category)), constants), None
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
@@ -40,6 +43,35 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     )
     outcome, _ = two_visits(query.relation, map_1, map_2, range(len(map_1)), range(len(map_2)), settings)
     return outcome, None
+
+
+@dataclass(frozen=True)
+class Tours:
+    """The tours that a memory is of, by what they show, with the constants of the memory."""
+
+    contents: tuple[str | None, ...]
+    values: tuple[tuple[str, float], ...]
+    seen: tuple[tuple[Visit, Detected], ...] = field(compare=False, repr=False)
+    constants: Dynamem = field(compare=False, repr=False)
+
+    @staticmethod
+    def of(seen: Iterable[tuple[Visit, Detected]], constants: Dynamem) -> Tours:
+        """Tours with what was detected in them, in their order."""
+        every = tuple(seen)
+        return Tours(tuple(visit.content for visit, _ in every), tuple(constants), every, constants)
+
+    def remembered(self) -> tuple[Memory, tuple[Look, ...]]:
+        """One memory of the frames of all tours, and the frames. Recorded tours are remembered once, under whatever seeds a run
+        asks again."""
+        return _remember(self) if None in self.contents else _remember_once(self)
+
+
+def _remember(tours: Tours) -> tuple[Memory, tuple[Look, ...]]:
+    frames = tuple(one for visit, detected in tours.seen for one in looks(visit, detected, tours.constants))
+    return remembered(frames, tours.constants), frames
+
+
+_remember_once = lru_cache(maxsize=1)(_remember)  # a memory is large, and the seeds of an episode follow each other
 
 
 def located(memory: Memory, frames: Sequence[Look], phrase: np.ndarray, constants: Dynamem) -> Answer | Abstention:
