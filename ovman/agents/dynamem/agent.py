@@ -16,15 +16,15 @@ class DynamemAgent:
         self._context = context
 
     def familiarise(self, visit: Visit) -> None:
-        """Keeps what the first tour shows."""
+        """Keeps the first tour."""
         self._first = visit
 
     def revisit(self, visit: Visit) -> None:
-        """Keeps what the second tour shows, and the grid on which to navigate."""
+        """Keeps the second tour."""
         self._second = visit
 
     def ask(self, query: Query) -> None:
-        """Decides once."""
+        """Remembers both tours and decides, once."""
         constants, tours = self._context.settings.dynamem, (self._first, self._second)
         both = Tours.of([(tour, self._context.detections(tour)) for tour in tours], constants).remembered()
         self._goal = located(*both, self._context.noun(noun(query.category)), constants)
