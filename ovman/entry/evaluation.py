@@ -17,8 +17,8 @@ from ovman.entry.manifest import Manifest, claim, manifest_of
 from ovman.entry.release import EntryError, Release
 from ovman.entry.summary import Summary, as_json, as_text, summary_of
 from ovman.entry.tour_cache import VISITS, TourCache, recording_key
+from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.rollouts import run_episode, session_for
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
 from ovman.models.record import lines

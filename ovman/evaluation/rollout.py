@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any, Protocol
 
 import numpy as np
 
-from ovman.agents.interface import Action, Agent, CameraPose, Observation, SeenInstance, Visit
+from ovman.agents.interface import Action, Agent, Observation, Visit
+from ovman.evaluation.driving import NO_LIMITS, Limits, cells, drive, observation
 from ovman.models.change import Alteration, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.run import NOWHERE, InstanceTerms, Measured, Outcome, Terms
+from ovman.models.run import NOWHERE, InstanceTerms, Measured, Terms
 from ovman.models.sensors import Light, Sensors
 from ovman.models.settings import Settings
 from ovman.sim import measurement
-from ovman.sim.change import World, dynamic, position
+from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.light import illuminate
 from ovman.sim.measurement import ReachableRegion
@@ -68,20 +68,6 @@ def alias(visit: str, instance: str) -> str:
     return digest(visit, instance)[:8]
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """The terms of an arm's runs that are not the benchmark's for all.
-
-    budget: of actions, primitives.action_budget where it is None. marks: numbers of actions at which the path length is recorded
-    ("path_at_m"), for arms that cut the run there. any_instance: whether every instance of the category is measured at the stop
-    ("instances"), for an agent whose own task is to reach one.
-    """
-
-    budget: int | None = None
-    marks: Sequence[int] = ()
-    any_instance: bool = False
-
-
 def begin(session: Session, episode: Runnable, settings: Settings, rng: np.random.Generator, every_object: bool = False) -> World:
     """The world of visit 2 with its movers where the recorded visit left them; `rng` drives them.
 
@@ -125,6 +111,60 @@ def measure_at_stop(
     return measurement.at_stop(session, past, episode.target, answer, navigable, sweep, instances)
 
 
+@dataclass(frozen=True, slots=True)
+class Start:
+    """A run whose agent stands at its spawn and has not acted.
+
+    reachable: positions (K, 2) in metres that can be reached from there, none for an agent with a body of its own. drive: given
+    whether the agent takes images, the run itself. It yields observations, is sent actions, and returns what was measured.
+    """
+
+    reachable: np.ndarray
+    drive: Callable[[bool], Generator[Observation, Action, Measured]]
+
+
+def start(
+    session: Session,
+    episode: Runnable,
+    name_of: Callable[[str], str] | None,
+    rng: np.random.Generator,
+    settings: Settings,
+    limits: Limits = NO_LIMITS,
+    noise: int | None = None,
+    light: Light | None = None,
+    sensors: Sensors | None = None,
+) -> Start:
+    """The world of visit 2 with the agent at the spawn. Parameters as of `roll_out`. SimulatorError if the simulator refuses."""
+    world = begin(session, episode, settings, rng)
+    if noise is not None:
+        session.step("SetRandomSeed", seed=noise)
+    illuminate(session, light)
+    sensing = None if sensors is None else Sensing(sensors)
+    spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
+    session.teleport(spawn)
+    own_body = session.embodiment.mode != Embodiment.of(settings).mode
+    region = None if own_body else ReachableRegion.around(session, spawn, settings.primitives.step_m)
+
+    def run(looks: bool) -> Generator[Observation, Action, Measured]:
+        sees = looks and name_of is None
+        observe = partial(observation, session, sees, episode.gone, name_of, sensing)
+        driven = yield from drive(session, world, observe, own_body, sees, settings, limits)
+        at_stop, instances = NOWHERE, None
+        if driven.outcome == "stopped":
+            at_stop, found = measure_at_stop(session, episode, world, settings, region, limits.any_instance)
+            instances = found or None
+        return Measured(
+            **dict(at_stop),
+            outcome=driven.outcome,
+            path_length_m=round(driven.path_length_m, 4),
+            actions=driven.actions,
+            instances=instances,
+            path_at_m=driven.path_at_m if limits.marks else None,
+        )
+
+    return Start(np.empty((0, 2)) if region is None else cells(region), run)
+
+
 def roll_out(
     session: Session,
     episode: Runnable,
@@ -134,7 +174,7 @@ def roll_out(
     name_of: Callable[[str], str] | None,
     rng: np.random.Generator,
     settings: Settings,
-    limits: Limits = Limits(),
+    limits: Limits = NO_LIMITS,
     noise: int | None = None,
     light: Light | None = None,
     sensors: Sensors | None = None,
@@ -150,122 +190,22 @@ def roll_out(
     Agents with a body of their own get no reachable grid and are exempt from the stall rule. An agent that is given positions, or
     whose attribute `looks` is False, gets no images. Deterministic for a deterministic simulator. SimulatorError if it refuses.
     """
-    world = begin(session, episode, settings, rng)
-    if noise is not None:
-        session.step("SetRandomSeed", seed=noise)
-    illuminate(session, light)
-    sensing = None if sensors is None else Sensing(sensors)
-    spawn = AgentPose(episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
-    session.teleport(spawn)
-    own_body = session.embodiment.mode != Embodiment.of(settings).mode
-    region = None if own_body else ReachableRegion.around(session, spawn, settings.primitives.step_m)
+    started = start(session, episode, name_of, rng, settings, limits, noise, light, sensors)
+    return play(started, agent, first, second, episode.query)
+
+
+def play(started: Start, agent: Agent, first: Visit | None, second: Callable[[np.ndarray], Visit], query: Query) -> Measured:
+    """The run of an agent from its start: both visits, the query, and actions until it ends. Parameters as of `roll_out`."""
     if first is not None:
         agent.familiarise(first)
-    agent.revisit(second(np.empty((0, 2)) if region is None else cells(region)))
-    agent.ask(episode.query)
-
-    looks = name_of is None and getattr(agent, "looks", True)
-    observe = partial(_observation, session, looks, episode.gone, name_of, sensing)
-    driven = _driven(session, world, agent, observe, own_body, looks, settings, limits)
-    at_stop, instances = NOWHERE, None
-    if driven.outcome == "stopped":
-        at_stop, found = measure_at_stop(session, episode, world, settings, region, limits.any_instance)
-        instances = found or None
-    return Measured(
-        **dict(at_stop),
-        outcome=driven.outcome,
-        path_length_m=round(driven.path_length_m, 4),
-        actions=driven.actions,
-        instances=instances,
-        path_at_m=driven.path_at_m if limits.marks else None,
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class _Driven:
-    """From the spawn to the end of a run; path_at_m: the path length by the number of actions, at each mark that was reached."""
-
-    outcome: Outcome
-    path_length_m: float
-    actions: int
-    path_at_m: Mapping[int, float]
-
-
-def _driven(
-    session: Session,
-    world: World,
-    agent: Agent,
-    observe: Callable[[bool, np.ndarray | None], Observation],
-    own_body: bool,
-    looks: bool,
-    settings: Settings,
-    limits: Limits,
-) -> _Driven:
-    """observe: what the agent sees, given whether its last action succeeded, and what can be reached now (None: as before).
-
-    Where nothing else moves after an action, the image of the action is the agent's next one.
-    """
-    step_m = settings.primitives.step_m
-    budget = settings.primitives.action_budget if limits.budget is None else limits.budget
-    travelled, actions, since_moved, succeeded = 0.0, 0, 0, True
-    movers_in: list[tuple[int, int]] = []
-    path_at_m: dict[int, float] = {}
-    outcome: Outcome = "budget"
-    while actions < budget:
-        reachable = None
-        if world.movers and not own_body:
-            movers_in, before_in = [_cell(mover.position, step_m) for mover in world.movers.values()], movers_in
-            if movers_in != before_in:
-                reachable = cells(ReachableRegion.around(session, session.pose, step_m))
-        action = agent.act(observe(succeeded, reachable))
-        if action in (Action.STOP, Action.ABSTAIN):
-            outcome = "stopped" if action is Action.STOP else "abstained"
-            break
-        before = session.pose
-        done = session.step(action.value, image=looks and not world.movers, allowed=True)
-        succeeded = bool(done.metadata["lastActionSuccess"])
-        after = session.pose
-        moved = math.hypot(after.x - before.x, after.z - before.z)
-        travelled, actions = travelled + moved, actions + 1
-        if actions in limits.marks:
-            path_at_m[actions] = round(travelled, 4)
-        since_moved = 0 if moved > 0 else since_moved + 1
-        world.after_action()
-        if since_moved >= settings.primitives.stall_after and not own_body:
-            outcome = "stalled"
-            break
-    return _Driven(outcome, travelled, actions, path_at_m)
-
-
-def _cell(point: tuple[float, float], step_m: float) -> tuple[int, int]:
-    return round(point[0] / step_m), round(point[1] / step_m)
-
-
-def cells(region: ReachableRegion) -> np.ndarray:
-    """The positions (K, 2) in metres that can be reached, sorted."""
-    return np.array([region.grid.centre(c) for c in sorted(region.grid.cells)])
-
-
-def _observation(
-    session: Session,
-    looks: bool,
-    gone: Collection[str],
-    name_of: Callable[[str], str] | None,
-    sensing: Sensing | None,
-    succeeded: bool,
-    reachable: np.ndarray | None,
-) -> Observation:
-    pose = session.pose if sensing is None else sensing.pose(session.pose)
-    camera = CameraPose(pose.x, session.camera["y"], pose.z, pose.yaw_deg, pose.horizon_deg)
-    field_of_view_deg = session.embodiment.field_of_view_deg
-    if looks:
-        if session.rgb is None:
-            session.step("Pass", image=True)
-        depth = session.depth if sensing is None or session.depth is None else sensing.depth(session.depth)
-        return Observation(session.rgb, depth, camera, field_of_view_deg, succeeded, None, reachable)
-    if name_of is None:
-        return Observation(None, None, camera, field_of_view_deg, succeeded, None, reachable)
-    present = {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
-    at = {k: position(o) for k, o in present.items()}
-    positions = tuple(SeenInstance(name_of(k), present[k]["objectType"], at[k].x, at[k].z) for k in sorted(at))
-    return Observation(None, None, camera, field_of_view_deg, succeeded, positions, reachable)
+    agent.revisit(second(started.reachable))
+    agent.ask(query)
+    driving = started.drive(getattr(agent, "looks", True))
+    proceed = partial(next, driving)
+    while True:
+        try:
+            seen = proceed()
+        except StopIteration as ended:
+            measured: Measured = ended.value
+            return measured
+        proceed = partial(driving.send, agent.act(seen))

@@ -11,109 +11,20 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ovman.agents.interface import VISITS, CameraPose, Observation, PrivilegedAnswer, SeenInstance, Visit
-from ovman.agents.pilot import Pilot
-from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
+from ovman.agents.interface import VISITS
+from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import VISITS as RECORDED
 from ovman.evaluation.predictions import predict, sightings_of, store_of
-from ovman.evaluation.rollout import Limits, alias, roll_out
-from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.record import lines
-from ovman.models.relation import Relation
 from ovman.models.run import Rollout
-from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
-from ovman.models.sighting import Sighting, Sightings
-from ovman.sim.embodiment import Embodiment
+from ovman.models.sighting import Sightings
 from ovman.sim.session import Session
-from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
-
-
-def session_for(episode: Episode, arm: ArmJob, settings: StageSettings) -> Session:
-    """A session on the scene of an episode, with the body that an arm names. A context manager."""
-    measured_by = run_settings(episode, settings)
-    return Session(episode.scene, measured_by, Embodiment.named(arm.embodiment, measured_by))
-
-
-def run_episode(
-    session: Session,
-    episode: Episode,
-    arm: ArmJob,
-    seed: int,
-    settings: StageSettings,
-    store: ObservationStore | None = None,
-    sightings: Sightings | None = None,
-) -> Rollout:
-    """One run of an embodied arm on an episode.
-
-    session: as `session_for` makes it. settings: of the stage `rollouts` for a job of the arm. store: of the episode's scene, for
-    an arm that needs tours, maps or networks. sightings: of the episode, for an arm that is given positions. Nothing else is
-    read: the run follows from the episode. AgentError, in one line, where the agent fails; ValueError where sightings are
-    missing.
-    """
-    lens = episode.protocol.camera.field_of_view_deg
-    store = ObservationStore(arm, settings, lens, RECORDED / episode.scene) if store is None else store
-
-    def draws(of: str) -> np.random.Generator:
-        return seeds.generator(episode.provenance.seed, of, arm.name, episode.id, seed)
-
-    def name_of(instance: str) -> str:
-        return alias(episode.visits.second, instance)
-
-    def tour(which: str, reachable: np.ndarray) -> Visit:
-        if arm.positions is not Source.HANDED:
-            return store.visit(episode.visits[which], reachable)
-        if arm.answer is Source.HANDED:
-            return Visit((), reachable)
-        if sightings is None:
-            raise ValueError(f"arms.{arm.name} is given positions: it needs the sightings of {episode.id}")
-        seen = sightings.sightings[which]
-        return _true_tour(episode.visits[which], seen, episode.category, settings.admissibility.min_mask_px, reachable)
-
-    privileged = None
-    if arm.answer is Source.HANDED:
-        follow = name_of(episode.target) if episode.relation is Relation.MOVING else None
-        privileged = PrivilegedAnswer(episode.answer, follow)
-    pilot = Pilot(episode.protocol.primitives, draws("paths"))
-    context = RolloutContext(draws("picks"), agent_settings(episode, settings), pilot, store, privileged)
-    made = function(arm.name, arm.agent)
-    with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
-        agent = made(context)
-    second = episode.tours.second  # a run meets its light, and its own sensors err as those of the tour do
-    sensed = seeds.integer(episode.provenance.seed, "sensors", arm.name, episode.id, seed)
-    measured = roll_out(
-        session,
-        episode,
-        Supervised(agent, arm, f"{episode.id}, seed {seed}"),
-        tour("first", np.empty((0, 2))),
-        lambda cells: tour("second", cells),
-        name_of if arm.positions is Source.HANDED else None,
-        draws("mover"),
-        run_settings(episode, settings),
-        Limits(arm.budget, arm.marks, arm.any_instance),
-        seeds.integer(episode.provenance.seed, "actuation", arm.name, episode.id, seed) if session.embodiment.noisy else None,
-        second.light,
-        None if second.sensors is None else second.sensors.model_copy(update={"seed": sensed}),
-    )
-    return Rollout(episode=episode.id, arm=arm.name, seed=seed, **dict(measured))
-
-
-def _true_tour(visit: str, sightings: Sequence[Sighting], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:
-    """A recorded visit for an agent that is given positions: which instances each view recorded, and where."""
-    views: dict[int, list[SeenInstance]] = {}
-    for seen in sightings:
-        if seen.px >= min_mask_px:
-            views.setdefault(seen.view, []).append(SeenInstance(alias(visit, seen.instance), category, seen.x, seen.z))
-    nowhere = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
-    return Visit(tuple(Observation(None, None, nowhere, 0.0, True, tuple(views[v])) for v in sorted(views)), reachable)
-
 
 DECIDING = ("admissibility.",)
 """Constants that say what an agent is given; what becomes of its answer does not depend on them."""

@@ -28,7 +28,7 @@ def score(rollout: Rollout, episode: Episode, own_task: bool = False) -> Score:
     )
 
 
-_SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields)
+_SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields, "trace")
 """Fields of a rollout that its score repeats."""
 
 
@@ -45,9 +45,9 @@ def cut(rollout: Rollout, arm: Arm) -> Rollout:
     travelled = (rollout.path_at_m or {}).get(arm.budget)
     if travelled is None:
         raise ValueError(f"{rollout.episode}: {arm.cut_from} was not run for {arm.name}; make its rollouts again")
-    return rollout.model_copy(
-        update=dict(NOWHERE) | {"arm": arm.name, "outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
-    )
+    spent = {"arm": arm.name, "outcome": "budget", "path_length_m": travelled, "actions": arm.budget}
+    trace = None if rollout.trace is None else rollout.trace[: arm.budget]
+    return rollout.model_copy(update=dict(NOWHERE) | spent | {"trace": trace})
 
 
 def run(rollout_files: Sequence[Path], episodes_file: Path, outputs: Sequence[Path], arm: Arm | None = None) -> None:

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.interface import Action, Agent, Observation, Query, Visit
+from ovman.agents.interface import LETTERS, Action, Agent, Observation, Query, Visit
 from ovman.models.settings import Arm
 from ovman.workflow import at_work
 
@@ -71,6 +71,12 @@ class Supervised:
         if absent:
             raise AgentError(f"{self._where}{type(agent).__name__} has no method {absent[0]}; an agent has it (docs/agents.md)")
         self._agent: Agent = agent
+        self._actions: list[Action] = []
+
+    @property
+    def trace(self) -> str:
+        """What the agent has done until now, a letter an action (`LETTERS`)."""
+        return "".join(LETTERS[action] for action in self._actions)
 
     @property
     def looks(self) -> bool:
@@ -98,4 +104,5 @@ class Supervised:
             action = self._agent.act(observation)
         if not isinstance(action, Action):
             raise AgentError(f"{self._where}act returned {action!r}; return an ovman.agents.interface.Action")
+        self._actions.append(action)
         return action

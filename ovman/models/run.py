@@ -70,7 +70,7 @@ class Measured(Travelled, _Ended):
         return {name: value for name, value in handler(self).items() if value is not None or name not in _LEFT_OUT}
 
 
-_LEFT_OUT = frozenset({"instances", "path_at_m", "own_success"})
+_LEFT_OUT = frozenset({"instances", "path_at_m", "own_success", "trace"})
 
 
 class _OfEpisode(Record):
@@ -81,7 +81,12 @@ class _OfEpisode(Record):
 
 
 class Rollout(Measured, _OfEpisode):
-    """One run of an arm on an episode under one seed, "ovman-run/1", measured and not judged."""
+    """One run of an arm on an episode under one seed, "ovman-run/1", measured and not judged.
+
+    trace: all that the agent did, a letter an action: F forward, L and R turns, S stop, A abstain. None where it was not kept.
+    """
+
+    trace: str | None = Field(None, pattern="^[FLR]*[SA]?$")
 
 
 class Score(Rollout):

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.evaluation.rollouts import session_for
+from ovman.evaluation.attempt import session_for
 from ovman.evaluation.tours import record_tour
 from ovman.generation.candidates import candidates
 from ovman.generation.certification import oracle_run

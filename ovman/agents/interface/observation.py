@@ -5,7 +5,7 @@ Yaw 0 looks along +z and 90 along +x; a positive horizon looks down.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
@@ -29,6 +29,16 @@ class Action(StrEnum):
     ROTATE_RIGHT = "RotateRight"
     STOP = "Stop"
     ABSTAIN = "Abstain"
+
+
+LETTERS: Mapping[Action, str] = {
+    Action.MOVE_AHEAD: "F",
+    Action.ROTATE_LEFT: "L",
+    Action.ROTATE_RIGHT: "R",
+    Action.STOP: "S",
+    Action.ABSTAIN: "A",
+}
+"""Actions as letters of a trace: forward, left, right, stop, abstain."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Action, Visit
+from ovman.evaluation.attempt import session_for
 from ovman.evaluation.context import run_settings
-from ovman.evaluation.rollout import Limits, roll_out
-from ovman.evaluation.rollouts import session_for
+from ovman.evaluation.driving import Limits
+from ovman.evaluation.rollout import roll_out
 from ovman.evaluation.scores import cut, score
 from ovman.evaluation.scoring import any_instance
 from ovman.models.run import InstanceTerms, Measured, Rollout
