@@ -42,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
     _add_score(commands)
     _add_eval(commands)
+    _add_verify(commands)
     options = parser.parse_args(arguments)
     if options.command == "doctor":
         return _doctor(options.thor)
@@ -49,6 +50,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _score(options)
     if options.command == "eval":
         return _eval(options)
+    if options.command == "verify":
+        return _verify(options)
     if options.command == "check":
         return _check(options)
     return _show(options) if options.command == "show" else _session(options)
@@ -103,9 +106,18 @@ def _add_eval(commands: Any) -> None:
     found.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
     found.add_argument("--seeds", nargs="+", type=int, metavar="N", help="default: evaluation.seeds of config.yaml")
     found.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
+    _add_workers(found)
     found.add_argument("--cache", metavar="DIR", help="where recorded tours are kept; default: the user's cache")
-    found.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
-    found.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+    _add_release(found)
+
+
+def _add_release(command: Any) -> None:
+    command.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    command.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _add_workers(command: Any) -> None:
+    command.add_argument("--workers", type=int, default=1, metavar="N", help="processes, a floor plan at a time each; default: 1")
 
 
 def _eval(options: argparse.Namespace) -> int:
@@ -125,6 +137,32 @@ def _eval(options: argparse.Namespace) -> int:
         print(f"ovman eval: interrupted; the same command goes on in {options.out}", file=sys.stderr)
         return 130
     return 0
+
+
+def _add_verify(commands: Any) -> None:
+    found = commands.add_parser("verify", help="the recorded actions of an evaluation driven again here, and judged anew")
+    found.add_argument("directory", metavar="DIR", help="what `ovman eval` wrote: manifest.json and runs.jsonl")
+    found.add_argument("--episodes", metavar="FILE", help="the file of episodes, where they are no released split")
+    _add_workers(found)
+    _add_release(found)
+
+
+def _verify(options: argparse.Namespace) -> int:
+    try:
+        from ovman.entry import command
+        from ovman.sim.session import SimulatorDied, SimulatorError
+    except ModuleNotFoundError as missing:
+        print(f"ovman verify: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        return 1
+    try:
+        found = command.verified(options, lambda line: print(line, flush=True))
+    except (ValueError, OSError, SimulatorDied, SimulatorError) as error:
+        print(f"ovman verify: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("ovman verify: interrupted", file=sys.stderr)
+        return 130
+    return 0 if found.agrees else 1
 
 
 def _doctor(thor: bool) -> int:

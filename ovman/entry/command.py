@@ -1,4 +1,4 @@
-"""The command `ovman eval`: from its options to an evaluation."""
+"""The commands `ovman eval` and `ovman verify`: from their options to what is made of them."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pydantic import ValidationError
 from ovman.entry.evaluation import asked, evaluate
 from ovman.entry.release import CONFIG, DATA, EntryError, Release
 from ovman.entry.summary import as_text
+from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import function
 from ovman.models.settings import Arm, Kind, Need, Settings
 from ovman.perception.libraries import cache as user_cache
@@ -37,8 +38,20 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     cache = user_cache() if options.cache is None else Path(options.cache)
     of_arm = stage_settings(settings, "rollouts", name)
     function(name, of_arm.arm.agent)
-    manifest, summary = evaluate(of_arm, what, release, Path(options.out), cache.absolute(), say)
+    manifest, summary = evaluate(
+        of_arm, what, release, Path(options.out), cache.absolute(), say, checked_workers(options.workers)
+    )
     return f"\n{as_text(summary, markdown=False)}"
+
+
+def verified(options: argparse.Namespace, say: Callable[[str], None]) -> Verification:
+    """Verify as the options say, and say what comes of it. EntryError, ConfigError, RecordError, SimulatorError, in one line."""
+    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    episodes_file = None if options.episodes is None else Path(options.episodes)
+    found = verify(Path(options.directory), release, episodes_file, say, checked_workers(options.workers))
+    for line in as_lines(found):
+        say(line)
+    return found
 
 
 def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:
@@ -75,6 +88,13 @@ def checked(settings: Settings, name: str, called: str | None, needs: Sequence[s
         why = "does not drive from episodes and tours alone" if name in settings.arms else "is no arm of config.yaml"
         raise EntryError(f"--arm: {name} {why}; write one of {', '.join(able)}")
     return name
+
+
+def checked_workers(number: int) -> int:
+    """The number of workers. EntryError for fewer than one."""
+    if number < 1:
+        raise EntryError(f"--workers: {number} make nothing; write 1 or more")
+    return number
 
 
 def shard_of(text: str) -> tuple[int, int]:

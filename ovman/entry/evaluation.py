@@ -5,23 +5,23 @@ Every finished run is kept in a journal at once. Whoever kills an evaluation and
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
 
-from ovman.atomic import replace_bytes
 from ovman.entry.manifest import Manifest, claim, manifest_of
+from ovman.entry.progress import Progress
 from ovman.entry.release import EntryError, Release
-from ovman.entry.summary import Summary, as_json, as_text, summary_of
+from ovman.entry.results import write_results
+from ovman.entry.spread import spread
+from ovman.entry.summary import Summary
 from ovman.entry.tour_cache import VISITS, TourCache, recording_key
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
-from ovman.models.record import lines
 from ovman.models.run import Rollout, Score
 from ovman.models.settings import Need
 from ovman.sim.session import Session
@@ -29,7 +29,7 @@ from ovman.workflow.journal import Journal, digest
 from ovman.workflow.locks import held
 from ovman.workflow.parameter import StageSettings
 
-JOURNAL, RUNS = "journal.jsonl", "runs.jsonl"
+JOURNAL = "journal.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,12 +81,13 @@ def asked(
 
 
 def evaluate(
-    settings: StageSettings, what: Asked, release: Release, out: Path, cache: Path, say: Callable[[str], None]
+    settings: StageSettings, what: Asked, release: Release, out: Path, cache: Path, say: Callable[[str], None], workers: int = 1
 ) -> tuple[Manifest, Summary]:
     """Run the arm of the settings, judge it, and write manifest, runs and summary into `out`.
 
     settings: of the stage `rollouts` for the arm, which needs tours at most. cache: folder of the recorded tours. say: told of
-    progress, a line a time. EntryError, AgentError or SimulatorError, in one line; finished runs are kept.
+    progress, a line a time. workers: how many processes make the runs. EntryError, AgentError or SimulatorError, in one line;
+    finished runs are kept.
     """
     out.mkdir(parents=True, exist_ok=True)
     ids = [episode.id for episode in what.chosen]
@@ -94,17 +95,14 @@ def evaluate(
     claim(out, manifest)
     with held(out / ".lock"):
         journal = Journal(out / JOURNAL)
-        _drive(settings, what, journal, TourCache(cache, say), say)
+        drive = _drive if workers == 1 else partial(spread, _drive, run_key, workers)
+        drive(settings, what, journal, TourCache(cache, say), say)
         runs = [
             _judged(settings, episode, journal[run_key(settings, episode, seed)])
             for seed in what.seeds
             for episode in what.chosen
         ]
-    summary = summary_of(runs, what.chosen, manifest, release)
-    replace_bytes(out / RUNS, lines(runs).encode())
-    replace_bytes(out / "summary.json", as_json(summary).encode())
-    replace_bytes(out / "summary.md", as_text(summary, markdown=True).encode())
-    return manifest, summary
+    return manifest, write_results(out, runs, what.chosen, manifest, release)
 
 
 def run_key(settings: StageSettings, episode: Episode, seed: int) -> str:
@@ -145,35 +143,3 @@ def _store(settings: StageSettings, episode: Episode, tours: TourCache, touring:
 
 def _judged(settings: StageSettings, episode: Episode, record: object) -> Score:
     return score(Rollout.from_json(record, f"{JOURNAL}: {episode.id}"), episode, settings.arm.any_instance)
-
-
-class Progress:
-    """Lines on how far an evaluation of `total` runs is: runs done, success so far, time left as runs have taken until now."""
-
-    def __init__(self, total: int, say: Callable[[str], None]) -> None:
-        self.done, self._total, self._say = 0, total, say
-        self._successes, self._made, self._begun = 0, 0, time.monotonic()
-
-    def had(self, run: Score) -> None:
-        """A run that was there."""
-        self.done, self._successes = self.done + 1, self._successes + run.success
-
-    def resumed(self) -> None:
-        """All runs that were there are counted."""
-        if self.done:
-            self._say(f"{self.done} of {self._total} runs are there already")
-
-    def made(self, run: Score) -> None:
-        """A run that was made now."""
-        self.had(run)
-        self._made += 1
-        left_s = (time.monotonic() - self._begun) / self._made * (self._total - self.done)
-        ended = f"{run.outcome} after {run.actions} actions, {'success' if run.success else 'failure'}"
-        so_far = f"success so far {self._successes / self.done:.3f}, {_clock(left_s)} left"
-        self._say(f"{self.done}/{self._total} {run.episode} seed {run.seed}: {ended}; {so_far}")
-
-
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}"

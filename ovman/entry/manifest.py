@@ -18,10 +18,13 @@ from ovman.atomic import replace_bytes
 from ovman.entry.release import EntryError
 from ovman.models.episode import SCHEMA as EPISODE
 from ovman.models.record import Count, Record, RecordError, Text
+from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
 from ovman.workflow.provenance import module_digest
 
 FILE = "manifest.json"
+HANDED = ("grounding", "positions", "answer")
+"""What of the truth an arm may be given."""
 
 
 class Machine(Record):
@@ -39,7 +42,10 @@ class Manifest(Record):
 
     split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
     ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. budget: actions of an episode, None for that of its protocol. ovman, engine, protocol: versions.
+    from ovman. handed: what of the truth the agent is given; with any it is a diagnostic and no system. embodiment: body and
+    camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of an episode, None for
+    that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine, protocol: versions.
+    machines: those that the runs were made on, one but for a merged evaluation.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -52,11 +58,15 @@ class Manifest(Record):
     agent: Text
     needs: tuple[str, ...]
     code: str | None
+    handed: tuple[str, ...]
+    embodiment: Literal["default", "locobot"]
+    any_instance: bool
     budget: int | None
+    marks: tuple[int, ...]
     ovman: str
     engine: str | None
     protocol: str
-    machine: Machine
+    machines: tuple[Machine, ...]
 
     @property
     def whole(self) -> bool:
@@ -66,8 +76,6 @@ class Manifest(Record):
 
 def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int]) -> Manifest:
     """The manifest of an evaluation on this machine. episodes: the bytes of their file, n of them."""
-    import numpy as np
-
     return Manifest(
         split=split,
         sha256=hashlib.sha256(episodes).hexdigest(),
@@ -78,17 +86,28 @@ def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: 
         agent=arm.agent,
         needs=tuple(map(str, arm.needs)),
         code=module_digest(arm.agent.partition(":")[0]),
+        handed=tuple(what for what in HANDED if getattr(arm, what) is Source.HANDED),
+        embodiment=arm.embodiment,
+        any_instance=arm.any_instance,
         budget=arm.budget,
+        marks=arm.marks,
         ovman=__version__,
-        engine=_installed("ovman-engine"),
+        engine=installed("ovman-engine"),
         protocol=EPISODE,
-        machine=Machine(
-            system=platform.platform(),
-            machine=platform.machine(),
-            processors=os.cpu_count(),
-            python=sys.version.split()[0],
-            numpy=np.__version__,
-        ),
+        machines=(this_machine(),),
+    )
+
+
+def this_machine() -> Machine:
+    """The machine that this process runs on."""
+    import numpy as np
+
+    return Machine(
+        system=platform.platform(),
+        machine=platform.machine(),
+        processors=os.cpu_count(),
+        python=sys.version.split()[0],
+        numpy=np.__version__,
     )
 
 
@@ -115,7 +134,20 @@ def claim(directory: Path, manifest: Manifest) -> None:
     replace_bytes(path, manifest.to_line().encode())
 
 
-def _installed(name: str) -> str | None:
+def read_manifest(directory: Path) -> Manifest:
+    """The manifest of an evaluation. EntryError, in one line, where there is none or it is none."""
+    path = directory / FILE
+    try:
+        found = Manifest.read(path)
+    except OSError as error:
+        raise EntryError(f"{path}: {error.strerror}; name a folder that `ovman eval` wrote") from None
+    if len(found) != 1:
+        raise EntryError(f"{path}: holds {len(found)} manifests; name a folder that `ovman eval` wrote")
+    return found[0]
+
+
+def installed(name: str) -> str | None:
+    """Version of an installed distribution, None for one that is not there."""
     try:
         return version(name)
     except PackageNotFoundError:

@@ -48,6 +48,7 @@ def as_json(summary: Summary) -> str:
         "agent": manifest.agent,
         "split": manifest.split,
         "whole": manifest.whole,
+        "handed": manifest.handed,
         "n": manifest.n,
         "asked": len(manifest.asked),
         "seeds": manifest.seeds,
@@ -68,6 +69,8 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     seeds = f"{len(manifest.seeds)} seeds" if len(manifest.seeds) > 1 else f"seed {manifest.seeds[0]}"
     part = f"{manifest.n} episodes" if manifest.whole else f"PARTIAL, {len(manifest.asked)} of {manifest.n} episodes, no score"
     yield f"{'# ' if markdown else ''}{manifest.arm} ({manifest.agent}) on {of}, {seeds}: {part}"
+    if manifest.handed:
+        yield from ("", f"DIAGNOSTIC: the agent is handed the truth ({', '.join(manifest.handed)}); this is no system's score")
     yield from ("", *tables.table(tables.of_arm(summary.rates, summary.beside.chance), markdown))
     if summary.beside.released:
         yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")

@@ -42,7 +42,7 @@ class TourCache:
     """
 
     def __init__(self, directory: Path, say: Callable[[str], None]) -> None:
-        self._tours, self._say = directory / "tours", say
+        self.directory, self._tours, self._say = directory, directory / "tours", say
 
     def places(self, session: Session, episode: Episode) -> Mapping[str, Path]:
         """The directories of the tours of an episode by the names of its visits; those that are missing or damaged are recorded.

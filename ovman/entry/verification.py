@@ -1,0 +1,155 @@
+"""`ovman verify`: the recorded actions of an evaluation driven again on this machine's engine, and judged anew.
+
+The agent is not needed and nothing of it is run. What agrees shows that these actions in these episodes come to this score. It
+does not show how the agent came by its actions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+
+from ovman.entry.differences import Compared, compared
+from ovman.entry.manifest import FILE, Manifest, read_manifest
+from ovman.entry.progress import Progress
+from ovman.entry.recorded import Recorded, read_recorded, remarks, stated
+from ovman.entry.release import Release
+from ovman.entry.replay import Replay, replay_settings
+from ovman.entry.workers import Send, shared_out
+from ovman.evaluation.attempt import run_episode, session_for
+from ovman.evaluation.scores import score
+from ovman.models.episode import Episode
+from ovman.models.run import Rollout, Score
+from ovman.workflow.journal import Journal, digest
+from ovman.workflow.parameter import StageSettings
+from ovman.workflow.provenance import module_digest
+
+ENGINE = "ovman_engine.__main__"
+
+
+@dataclass(frozen=True, slots=True)
+class Verification:
+    """What became of a verification.
+
+    differences: a line each, and none where all agrees. remarks: lines on what is other here and is no difference. driven: runs
+    that were driven again; differing: those that differ. deviations: greatest deviation within tolerance by unit, above 0.
+    """
+
+    manifest: Manifest
+    differences: Sequence[str]
+    remarks: Sequence[str]
+    runs: Sequence[Score]
+    driven: int
+    differing: int
+    deviations: dict[str, float]
+
+    @property
+    def agrees(self) -> bool:
+        """Whether every run was driven again and nothing differs."""
+        return not self.differences and self.driven == len(self.runs)
+
+
+def verify(
+    directory: Path,
+    release: Release,
+    episodes_file: Path | None,
+    say: Callable[[str], None],
+    workers: int = 1,
+    journal: Journal | None = None,
+) -> Verification:
+    """Verify the evaluation in `directory`.
+
+    episodes_file: that the runs are of, where they are of no released split. say: told of progress. journal: keeps what was
+    driven, so that the same is not driven again. EntryError or RecordError, in one line, for what is no evaluation;
+    SimulatorError.
+    """
+    manifest = read_manifest(directory)
+    recorded = read_recorded(directory, manifest, release, episodes_file)
+    differences = [*recorded.faults, *stated(directory, recorded, release)]
+    settings = replay_settings(release.settings, manifest)
+    progress = Progress(len(recorded.drivable), say)
+    deviations: dict[str, float] = {}
+    differing = 0
+
+    def drove(message: tuple[tuple[str, int], Score]) -> None:
+        nonlocal differing
+        at, driven = message
+        place, run = recorded.drivable[at]
+        found: Compared = compared(run, driven)
+        differences.extend(
+            f"{place}: {at[0]}, seed {at[1]}: {key}: {there} recorded, {here} here" for key, there, here in found.differences
+        )
+        differing += bool(found.differences)
+        for unit, apart in found.deviations.items():
+            deviations[unit] = max(deviations.get(unit, 0.0), apart)
+        progress.made(driven)
+
+    _drive(settings, recorded, journal, workers, drove)
+    return Verification(
+        manifest=manifest,
+        differences=differences,
+        remarks=list(remarks(manifest)),
+        runs=[run for _, run in recorded.runs],
+        driven=progress.done,
+        differing=differing,
+        deviations=deviations,
+    )
+
+
+def _drive(settings: StageSettings, recorded: Recorded, journal: Journal | None, workers: int, drove: Send) -> None:
+    """Drive the recorded runs that the journal does not have, by floor plans; `drove` is told of each run."""
+    engine = module_digest(ENGINE)
+    waiting: list[tuple[Episode, Score]] = []
+    keys: dict[tuple[str, int], str] = {}
+    for at, (_, run) in recorded.drivable.items():
+        episode = recorded.episodes[run.episode]
+        keys[at] = digest(settings.canonical, engine, episode.to_json(), run.seed, run.trace)
+        if journal is not None and keys[at] in journal:
+            drove((at, Score.from_json(journal[keys[at]], f"{journal.path}")))
+        else:
+            waiting.append((episode, run))
+
+    def receive(driven: Score) -> None:
+        at = driven.episode, driven.seed
+        if journal is not None:
+            journal.write(keys[at], driven.to_json())
+        drove((at, driven))
+
+    order = {name: number for number, name in enumerate(recorded.episodes)}
+    waiting.sort(key=lambda pair: order[pair[0].id])
+    pieces = [list(alike) for _, alike in groupby(waiting, key=lambda pair: _place(pair[0]))]
+    shared_out(partial(_again, settings), pieces, workers, receive)
+
+
+def _place(episode: Episode) -> tuple[object, ...]:
+    return episode.scene, episode.backend, episode.protocol
+
+
+def _again(settings: StageSettings, runs: Sequence[tuple[Episode, Score]], send: Send) -> None:
+    """Drive runs of one floor plan again, and send each with its verdict."""
+    with session_for(runs[0][0], settings.arm, settings) as session:
+        for episode, run in runs:
+            replay = partial(_replay, run.trace or "")
+            work = partial(run_episode, session, episode, settings.arm, run.seed, settings, made=replay)
+            made: Rollout = session.with_restarts(work)
+            # Records are rounded when they are written down.
+            send(score(Rollout.from_json(made.to_json()), episode, settings.arm.any_instance))
+
+
+def _replay(trace: str, context: object) -> Replay:
+    return Replay(trace)
+
+
+def as_lines(found: Verification) -> list[str]:
+    """What a verification says, a line each: differences, remarks, and what it comes to."""
+    total = len(found.runs)
+    said = [*found.differences, *(f"note: {remark}" for remark in found.remarks)]
+    apart = ", ".join(f"{value:g} {unit}" for unit, value in sorted(found.deviations.items()))
+    within = f"; greatest deviation within tolerance: {apart}" if apart else ""
+    came_to = f"all {total} runs agree with what this machine's engine drives"
+    if not found.agrees:
+        came_to = f"{len(found.differences)} differences; {found.driven} of {total} runs driven again, {found.differing} differ"
+    return [*said, f"{FILE}: {found.manifest.arm}: {came_to}{within}"]

@@ -1,0 +1,110 @@
+"""Work shared out among processes: each takes the next piece when it is done with one. One process alone receives what they make.
+
+A worker ends with the process that started it, however that ends, and where a worker ends the others are ended: what was received
+is kept, and the same command goes on.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from multiprocessing.connection import Connection, wait
+from typing import Any, TypeVar
+
+from ovman.entry.release import EntryError
+
+Piece = TypeVar("Piece")
+Send = Callable[[Any], None]
+SENT, DONE, FAILED = "sent", "done", "failed"
+
+
+def shared_out(work: Callable[[Piece, Send], None], pieces: Sequence[Piece], workers: int, receive: Send) -> None:
+    """Call `work` with each piece and a function for what it sends; `receive` is called in this process with that, as it comes.
+
+    workers: processes, at most as many as pieces; one is this process. work, pieces and what is sent must be picklable where
+    there are more. What `work` raises is raised here. EntryError where a worker is killed.
+    """
+    number = min(workers, len(pieces))
+    if number < 2:
+        for piece in pieces:
+            work(piece, receive)
+        return
+    context = multiprocessing.get_context("spawn")
+    processes: dict[Connection, Any] = {}
+    left = iter(pieces)
+    try:
+        for _ in range(number):
+            ours, theirs = context.Pipe()
+            process = context.Process(target=_serve, args=(work, theirs))
+            process.start()
+            theirs.close()
+            processes[ours] = process
+            ours.send(next(left))
+        busy = set(processes)
+        while busy:
+            for connection in wait(busy):
+                assert isinstance(connection, Connection)
+                if not _received(connection, processes[connection], receive, left):
+                    busy.remove(connection)
+    finally:
+        for connection, process in processes.items():
+            connection.close()
+            process.terminate()
+        for process in processes.values():
+            process.join()
+
+
+def _received(connection: Connection, process: Any, receive: Send, left: Iterator[Any]) -> bool:
+    """Take a message of a worker. False where it was done and there is no piece left."""
+    try:
+        kind, message = connection.recv()
+    except (EOFError, OSError):
+        process.join()
+        how = f"by signal {-process.exitcode}" if (process.exitcode or 0) < 0 else f"with status {process.exitcode}"
+        raise EntryError(f"a worker was ended {how}; finished runs are kept, and the same command goes on") from None
+    if kind == FAILED:
+        raise message
+    if kind == SENT:
+        receive(message)
+        return True
+    try:
+        connection.send(next(left))
+    except StopIteration:
+        return False
+    return True
+
+
+def _serve(work: Callable[[Any, Send], None], connection: Connection) -> None:
+    """The life of a worker: pieces come by the connection until it is closed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the process that started it
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    while True:
+        try:
+            piece = connection.recv()
+        except EOFError:
+            return
+        try:
+            work(piece, lambda message: connection.send((SENT, message)))
+        except Exception as error:
+            connection.send((FAILED, _sendable(error)))
+            return
+        connection.send((DONE, None))
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
+
+
+def _sendable(error: Exception) -> Exception:
+    try:
+        pickle.loads(pickle.dumps(error))
+    except Exception:
+        return EntryError(f"{type(error).__name__}: {' '.join(str(error).split())}")
+    return error
