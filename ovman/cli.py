@@ -43,6 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _add_score(commands)
     _add_eval(commands)
     _add_verify(commands)
+    _add_merge(commands)
     options = parser.parse_args(arguments)
     if options.command == "doctor":
         return _doctor(options.thor)
@@ -52,6 +53,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _eval(options)
     if options.command == "verify":
         return _verify(options)
+    if options.command == "merge":
+        return _merge(options)
     if options.command == "check":
         return _check(options)
     return _show(options) if options.command == "show" else _session(options)
@@ -163,6 +166,28 @@ def _verify(options: argparse.Namespace) -> int:
         print("ovman verify: interrupted", file=sys.stderr)
         return 130
     return 0 if found.agrees else 1
+
+
+def _add_merge(commands: Any) -> None:
+    found = commands.add_parser("merge", help="shards of one evaluation as one run of all their episodes would have left them")
+    found.add_argument("out", metavar="OUT", help="the folder that is made")
+    found.add_argument("directories", nargs="+", metavar="DIR", help="what `ovman eval` wrote, such as with --shard")
+    found.add_argument("--episodes", metavar="FILE", help="the file of episodes, where they are no released split")
+    _add_release(found)
+
+
+def _merge(options: argparse.Namespace) -> int:
+    try:
+        from ovman.entry import command
+    except ModuleNotFoundError as missing:
+        print(f"ovman merge: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        return 1
+    try:
+        print(command.merged(options), end="", flush=True)
+    except (ValueError, OSError) as error:
+        print(f"ovman merge: {error}", file=sys.stderr)
+        return 1
+    return 0
 
 
 def _doctor(thor: bool) -> int:

@@ -1,4 +1,4 @@
-"""The commands `ovman eval` and `ovman verify`: from their options to what is made of them."""
+"""The commands `ovman eval`, `ovman verify` and `ovman merge`: from their options to what is made of them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from ovman.entry.evaluation import asked, evaluate
+from ovman.entry.merging import merge
 from ovman.entry.release import CONFIG, DATA, EntryError, Release
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
@@ -52,6 +53,14 @@ def verified(options: argparse.Namespace, say: Callable[[str], None]) -> Verific
     for line in as_lines(found):
         say(line)
     return found
+
+
+def merged(options: argparse.Namespace) -> str:
+    """Merge as the options say, and return the summary as text. EntryError, ConfigError or RecordError, in one line."""
+    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    episodes_file = None if options.episodes is None else Path(options.episodes)
+    _, summary = merge(Path(options.out), [Path(one) for one in options.directories], release, episodes_file)
+    return as_text(summary, markdown=False)
 
 
 def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:

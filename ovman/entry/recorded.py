@@ -30,11 +30,12 @@ CLOSE = 1e-9
 class Recorded:
     """The runs of an evaluation, each with its place "file:line", in the order of the file.
 
-    episodes: those that are asked for, by id, in the order of their file. drivable: the runs of these under the manifest's seeds
-    that have a trace, by episode and seed. faults: a line for each thing that is wrong.
+    known: ids of all episodes of their file. episodes: those that are asked for, by id, in the order of the file. drivable: the
+    runs of these under the manifest's seeds that have a trace, by episode and seed. faults: a line for each thing that is wrong.
     """
 
     manifest: Manifest
+    known: Sequence[str]
     episodes: Mapping[str, Episode]
     runs: Sequence[tuple[str, Score]]
     drivable: Mapping[At, tuple[str, Score]]
@@ -75,7 +76,7 @@ def read_recorded(directory: Path, manifest: Manifest, release: Release, episode
     faults += [f"{file}: {name}, seed {seed}: {MISSING} recorded, a run is asked for by {FILE}" for name, seed in absent]
     if any(line.startswith(f"{place}: sha256: ") for line in faults):
         drivable = {}
-    return Recorded(manifest, episodes, runs, drivable, faults)
+    return Recorded(manifest, [episode.id for episode in found], episodes, runs, drivable, faults)
 
 
 def stated(directory: Path, recorded: Recorded, release: Release) -> Iterator[str]:

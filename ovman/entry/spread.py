@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from ovman.entry.progress import Progress
 from ovman.entry.tour_cache import TourCache
-from ovman.entry.workers import Send, shared_out
+from ovman.entry.workers import Send, as_texts, of_texts, shared_out
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
 from ovman.models.run import Rollout, Score
@@ -67,16 +67,16 @@ def spread(
             progress.made(judged(journal.write(message.key, message.record)))
 
     waiting = [episode for episode in what.chosen if episode.id in absent]
-    pieces = [
-        replace(what, source=b"", episodes=(), chosen=tuple(alike))
-        for _, alike in groupby(waiting, key=lambda episode: episode.scene)
-    ]
-    shared_out(partial(_of_scene, drive, settings, journal.path, tours.directory), pieces, workers, receive)
+    pieces = [as_texts(alike) for _, alike in groupby(waiting, key=lambda episode: episode.scene)]
+    for_workers = replace(what, source=b"", episodes=(), chosen=())
+    shared_out(partial(_of_scene, drive, settings, journal.path, tours.directory, for_workers), pieces, workers, receive)
 
 
-def _of_scene(drive: Drive, settings: StageSettings, journal: Path, cache: Path, what: Asked, send: Send) -> None:
+def _of_scene(
+    drive: Drive, settings: StageSettings, journal: Path, cache: Path, what: Asked, texts: Sequence[str], send: Send
+) -> None:
     """In a worker: the runs of a floor plan that the journal lacks."""
-    drive(settings, what, _Sent(journal, send), TourCache(cache, send), lambda line: None)
+    drive(settings, replace(what, chosen=of_texts(texts)), _Sent(journal, send), TourCache(cache, send), lambda line: None)
 
 
 class _Sent:

@@ -18,16 +18,18 @@ from ovman.entry.progress import Progress
 from ovman.entry.recorded import Recorded, read_recorded, remarks, stated
 from ovman.entry.release import Release
 from ovman.entry.replay import Replay, replay_settings
-from ovman.entry.workers import Send, shared_out
+from ovman.entry.workers import Send, as_texts, of_texts, shared_out
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
 from ovman.models.run import Rollout, Score
+from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 from ovman.workflow.provenance import module_digest
 
 ENGINE = "ovman_engine.__main__"
+Piece = tuple[Sequence[str], Sequence[Sequence[tuple[int, str]]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +122,7 @@ def _drive(settings: StageSettings, recorded: Recorded, journal: Journal | None,
 
     order = {name: number for number, name in enumerate(recorded.episodes)}
     waiting.sort(key=lambda pair: order[pair[0].id])
-    pieces = [list(alike) for _, alike in groupby(waiting, key=lambda pair: _place(pair[0]))]
+    pieces = [_piece(list(alike)) for _, alike in groupby(waiting, key=lambda pair: _place(pair[0]))]
     shared_out(partial(_again, settings), pieces, workers, receive)
 
 
@@ -128,19 +130,29 @@ def _place(episode: Episode) -> tuple[object, ...]:
     return episode.scene, episode.backend, episode.protocol
 
 
-def _again(settings: StageSettings, runs: Sequence[tuple[Episode, Score]], send: Send) -> None:
+def _piece(runs: Sequence[tuple[Episode, Score]]) -> Piece:
+    """Runs of one floor plan, the episodes as text: each beside the seeds and traces of its own runs."""
+    by_episode: dict[str, list[tuple[int, str]]] = {}
+    for episode, run in runs:
+        by_episode.setdefault(episode.id, []).append((run.seed, run.trace or ""))
+    episodes = {episode.id: episode for episode, _ in runs}
+    return as_texts(episodes.values()), [*by_episode.values()]
+
+
+def _again(settings: StageSettings, piece: Piece, send: Send) -> None:
     """Drive runs of one floor plan again, and send each with its verdict."""
-    with session_for(runs[0][0], settings.arm, settings) as session:
-        for episode, run in runs:
-            replay = partial(_replay, run.trace or "")
-            work = partial(run_episode, session, episode, settings.arm, run.seed, settings, made=replay)
-            made: Rollout = session.with_restarts(work)
-            # Records are rounded when they are written down.
-            send(score(Rollout.from_json(made.to_json()), episode, settings.arm.any_instance))
+    texts, traces = piece
+    episodes = of_texts(texts)
+    with session_for(episodes[0], settings.arm, settings) as session:
+        for episode, runs in zip(episodes, traces, strict=True):
+            for seed, trace in runs:
+                made = session.with_restarts(partial(_driven, session, episode, seed, trace, settings))
+                # Records are rounded when they are written down.
+                send(score(Rollout.from_json(made.to_json()), episode, settings.arm.any_instance))
 
 
-def _replay(trace: str, context: object) -> Replay:
-    return Replay(trace)
+def _driven(session: Session, episode: Episode, seed: int, trace: str, settings: StageSettings) -> Rollout:
+    return run_episode(session, episode, settings.arm, seed, settings, made=lambda context: Replay(trace))
 
 
 def as_lines(found: Verification) -> list[str]:

@@ -11,11 +11,12 @@ import os
 import pickle
 import signal
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
 from ovman.entry.release import EntryError
+from ovman.models.episode import Episode
 
 Piece = TypeVar("Piece")
 Send = Callable[[Any], None]
@@ -56,6 +57,16 @@ def shared_out(work: Callable[[Piece, Send], None], pieces: Sequence[Piece], wor
             process.terminate()
         for process in processes.values():
             process.join()
+
+
+def as_texts(episodes: Iterable[Episode]) -> tuple[str, ...]:
+    """Episodes as a worker can be sent them: their records hold what cannot be pickled. Nothing is rounded."""
+    return tuple(episode.model_dump_json(by_alias=True) for episode in episodes)
+
+
+def of_texts(texts: Iterable[str]) -> tuple[Episode, ...]:
+    """The episodes of `as_texts`."""
+    return tuple(Episode.parse(text) for text in texts)
 
 
 def _received(connection: Connection, process: Any, receive: Send, left: Iterator[Any]) -> bool:
