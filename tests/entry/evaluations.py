@@ -1,0 +1,45 @@
+"""Evaluations for tests: a folder each, made by the command."""
+
+from __future__ import annotations
+
+from ovman.cli import main
+from ovman.models.relation import Relation
+from tests.arms import CONFIG
+from tests.episodes import of_scene
+
+SCENE = "FloorPlan10"
+"""Two episodes of main, none of which moves."""
+ORACLE = next(name for name, arm in CONFIG.arms.items() if arm.answer == "handed")
+DEPTH = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
+
+WANDERER = """
+from ovman.agents.interface import Action
+WAYS = [Action.MOVE_AHEAD] * 4 + [Action.ROTATE_LEFT, Action.ROTATE_RIGHT]
+
+class Wanderer:
+    def __init__(self, context): self.rng, self.left = context.rng, 24
+    def familiarise(self, visit): pass
+    def revisit(self, visit): pass
+    def ask(self, query): self.stops = query.relation != "former"
+    def act(self, observation):
+        assert observation.rgb is not None
+        self.left -= 1
+        last = Action.STOP if self.stops else Action.ABSTAIN
+        return WAYS[self.rng.integers(len(WAYS))] if self.left else last
+"""
+"""An agent that draws, takes pictures, and ends in each way."""
+
+
+def command(*options):
+    """The exit status of `ovman` with these options."""
+    return main([str(option) for option in options])
+
+
+def moving(scene="FloorPlan7"):
+    """A released episode in which the answer moves."""
+    return next(episode for episode in of_scene(scene) if episode.relation is Relation.MOVING)
+
+
+def lines(path):
+    """The lines of a file."""
+    return path.read_text(encoding="utf-8").splitlines()

@@ -1,0 +1,109 @@
+"""Two runs beside each other: what must be equal, what may differ by rounding, and what `ovman verify` says of either."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.entry.differences import METRES, MISSING, PIXELS, SPL, compared, flat, unit_of
+from ovman.models.run import Score
+
+STOPPED = Score.from_json(
+    {
+        "schema": "ovman-run/1",
+        "episode": "FloorPlan1/moved/0001",
+        "arm": "mine",
+        "seed": 0,
+        "outcome": "stopped",
+        "stop": {"x": -1.5, "z": 4.25, "yaw_deg": 359.98},
+        "box_distance_m": 0.6717,
+        "answer_distance_m": 1.1122,
+        "navigable_distance_m": 0.559,
+        "visible_px": {"0": 3446, "30": 3675, "60": 99},
+        "path_length_m": 6.25,
+        "actions": 4,
+        "instances": {"Chair|-00.19|+00.01": {"box_distance_m": 0.2, "visible_px": {"0": 10}}},
+        "path_at_m": {"2": 0.5},
+        "trace": "LLFS",
+        "success": True,
+        "spl": 0.9,
+    }
+)
+MEASURED = {
+    "stop.x": METRES,
+    "stop.z": METRES,
+    "box_distance_m": METRES,
+    "answer_distance_m": METRES,
+    "navigable_distance_m": METRES,
+    "visible_px.0": PIXELS,
+    "visible_px.60": PIXELS,
+    "path_length_m": METRES,
+    "instances.Chair|-00.19|+00.01.box_distance_m": METRES,
+    "instances.Chair|-00.19|+00.01.visible_px.0": PIXELS,
+    "path_at_m.2": METRES,
+    "spl": SPL,
+}
+DECIDED = {"outcome": "budget", "actions": 5, "trace": "LLFFS", "success": False, "own_success": True}
+
+
+def changed(key, by):
+    """The run with a number more or less."""
+    value = STOPPED.to_json()
+    *above, last = (
+        ["instances", "Chair|-00.19|+00.01", *key.removeprefix("instances.Chair|-00.19|+00.01.").split(".")]
+        if key.startswith("instances")
+        else key.split(".")
+    )
+    here = value
+    for name in above:
+        here = here[name]
+    here[last] += by
+    return Score.from_json(value)
+
+
+def test_every_number_of_a_run_is_decided_or_has_a_unit():
+    keys = {key for key, value in flat(STOPPED.to_json()) if isinstance(value, int | float) and not isinstance(value, bool)}
+    assert {key for key in keys if unit_of(key) is None} == {"seed", "actions"}
+    assert {key for key in keys if unit_of(key)} == {*MEASURED, "stop.yaw_deg", "visible_px.30"}
+
+
+def test_a_run_agrees_with_itself():
+    found = compared(STOPPED, STOPPED)
+    assert (found.differences, found.deviations) == ([], {})
+
+
+@pytest.mark.parametrize("key", MEASURED)
+@pytest.mark.parametrize("sign", [1, -1])
+def test_what_is_measured_may_differ_by_its_tolerance_and_no_more(key, sign):
+    within = compared(STOPPED, changed(key, sign * MEASURED[key]))
+    assert within.differences == [] and [*within.deviations.values()] == [pytest.approx(MEASURED[key])]
+    beyond = compared(STOPPED, changed(key, sign * (MEASURED[key] + (1 if "visible_px" in key else 0.0002))))
+    assert [name for name, _, _ in beyond.differences] == [key] and not beyond.deviations
+
+
+@pytest.mark.parametrize("key", DECIDED)
+def test_what_is_decided_must_be_equal(key):
+    other = STOPPED.model_copy(update={key: DECIDED[key]})
+    assert [name for name, _, _ in compared(STOPPED, other).differences] == [key]
+    assert [name for name, _, _ in compared(other, STOPPED).differences] == [key]
+
+
+def test_yaw_goes_round():
+    stop = STOPPED.stop.model_copy(update={"yaw_deg": 0.02})
+    found = compared(STOPPED, STOPPED.model_copy(update={"stop": stop}))
+    assert not found.differences and found.deviations == {"degrees": pytest.approx(0.04)}
+
+
+def test_nothing_is_no_number():
+    gone = STOPPED.model_copy(update={"box_distance_m": None, "path_at_m": None})
+    assert compared(STOPPED, gone).differences == [("box_distance_m", 0.6717, None), ("path_at_m.2", 0.5, MISSING)]
+
+
+@given(st.sampled_from(sorted(MEASURED)), st.sampled_from(sorted(MEASURED)), st.floats(-1, 1, allow_nan=False))
+def test_which_run_is_which_decides_nothing(one, other, share):
+    """Differences and deviations are the same either way, with both values in the place of each other."""
+    first = changed(one, round(share * 2 * MEASURED[one]) if "visible_px" in one else share * MEASURED[one] if share < 0 else 0.0)
+    second = changed(other, 0)
+    there, back = compared(first, second), compared(second, first)
+    assert there.differences == [(key, a, b) for key, b, a in back.differences] and there.deviations == back.deviations
