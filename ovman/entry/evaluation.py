@@ -5,31 +5,37 @@ Every finished run is kept in a journal at once. Whoever kills an evaluation and
 
 from __future__ import annotations
 
+import json
 import time
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
+from ovman.agents.interface import Action, Observation, Query, Visit
 from ovman.atomic import replace_bytes
-from ovman.entry.manifest import Manifest, claim, manifest_of
+from ovman.entry.manifest import Manifest, Where, claim, manifest_of
 from ovman.entry.release import EntryError, Release
 from ovman.entry.summary import Summary, as_json, as_text, summary_of
 from ovman.entry.tour_cache import VISITS, TourCache, recording_key
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.scores import score
+from ovman.evaluation.supervision import AgentError
 from ovman.models.episode import Episode
 from ovman.models.record import lines
 from ovman.models.run import Rollout, Score
 from ovman.models.settings import Need
+from ovman.remote.agent import Remotes
+from ovman.remote.line import LineLost
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.locks import held
 from ovman.workflow.parameter import StageSettings
 
-JOURNAL, RUNS = "journal.jsonl", "runs.jsonl"
+JOURNAL, RUNS, LOG, FAILURES = "journal.jsonl", "runs.jsonl", "agent.log", "failures.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,21 +86,36 @@ def asked(
     )
 
 
-def evaluate(
-    settings: StageSettings, what: Asked, release: Release, out: Path, cache: Path, say: Callable[[str], None]
-) -> tuple[Manifest, Summary]:
-    """Run the arm of the settings, judge it, and write manifest, runs and summary into `out`.
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """An arm on episodes.
 
-    settings: of the stage `rollouts` for the arm, which needs tours at most. cache: folder of the recorded tours. say: told of
-    progress, a line a time. EntryError, AgentError or SimulatorError, in one line; finished runs are kept.
+    settings: of the stage `rollouts` for the arm. where: the agent runs; remotes: makes it where that is another process, None
+    where it is the evaluator's, whose arms need tours at most. abstains: whether a run in which the agent fails counts as an
+    abstention; it ends the evaluation otherwise.
     """
+
+    settings: StageSettings
+    what: Asked
+    where: Where = Where.EVALUATOR
+    remotes: Remotes | None = None
+    abstains: bool = False
+
+
+def evaluate(doing: Evaluation, release: Release, out: Path, cache: Path, say: Callable[[str], None]) -> tuple[Manifest, Summary]:
+    """Run the arm, judge it, and write manifest, runs and summary into `out`.
+
+    cache: folder of the recorded tours. say: told of progress, a line a time. EntryError, AgentError or SimulatorError, in one
+    line; finished runs are kept.
+    """
+    settings, what = doing.settings, doing.what
     out.mkdir(parents=True, exist_ok=True)
     ids = [episode.id for episode in what.chosen]
-    manifest = manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds)
+    manifest = manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds, doing.where)
     claim(out, manifest)
     with held(out / ".lock"):
         journal = Journal(out / JOURNAL)
-        _drive(settings, what, journal, TourCache(cache, say), say)
+        _drive(doing, journal, TourCache(cache, say), out / FAILURES, say)
         runs = [
             _judged(settings, episode, journal[run_key(settings, episode, seed)])
             for seed in what.seeds
@@ -109,12 +130,13 @@ def evaluate(
 
 def run_key(settings: StageSettings, episode: Episode, seed: int) -> str:
     """Key of a run in the journal: digest of the arm with its code and constants, the episode, its tours, and the seed."""
-    tours = [recording_key(episode, which) for which in VISITS] if Need.TOURS in settings.arm.needs else []
+    tours = [recording_key(episode, which) for which in VISITS] if _toured(settings) else []
     return digest(settings.canonical, episode.to_json(), tours, seed)
 
 
-def _drive(settings: StageSettings, what: Asked, journal: Journal, tours: TourCache, say: Callable[[str], None]) -> None:
-    """Make the runs that the journal does not have."""
+def _drive(doing: Evaluation, journal: Journal, tours: TourCache, failures: Path, say: Callable[[str], None]) -> None:
+    """Make the runs that the journal does not have. failures: file that takes a line for each run in which the agent failed."""
+    settings, what = doing.settings, doing.what
     progress = Progress(len(what.chosen) * len(what.seeds), say)
     absent: dict[str, dict[int, str]] = {}
     for episode in what.chosen:
@@ -133,12 +155,65 @@ def _drive(settings: StageSettings, what: Asked, journal: Journal, tours: TourCa
                 store = _store(settings, episode, tours, touring)
                 for seed, key in absent[episode.id].items():
                     work = partial(run_episode, session, episode, settings.arm, seed, settings, store)
-                    kept = journal.write(key, session.with_restarts(work).to_json())
+                    try:
+                        run = session.with_restarts(partial(_attempted, work, doing.remotes))
+                    except AgentError as error:
+                        where = f"{episode.id}, seed {seed}"
+                        if not doing.abstains:
+                            raise type(error)(str(error) if where in str(error) else f"{where}: {error}") from None
+                        say(f"{where}: {error}; counted as an abstention")
+                        _note(failures, {"episode": episode.id, "seed": seed, "error": str(error)})
+                        run = session.with_restarts(partial(work, made=lambda _: Abstaining()))
+                    kept = journal.write(key, run.to_json())
                     progress.made(_judged(settings, episode, kept))
 
 
+def _attempted(work: Callable[..., Rollout], remotes: Remotes | None) -> Rollout:
+    """A run, begun again once where the line to the agent was lost. AgentError, LineLost among them, where the agent fails."""
+    if remotes is None:
+        return work()
+    try:
+        return work(made=remotes)
+    except LineLost:
+        remotes.lost()
+    try:
+        return work(made=remotes)
+    except LineLost:
+        remotes.lost()
+        raise
+
+
+class Abstaining:
+    """What drives in the place of an agent that failed: it abstains at once."""
+
+    looks = False
+
+    def familiarise(self, visit: Visit) -> None:
+        """See `Agent.familiarise`."""
+
+    def revisit(self, visit: Visit) -> None:
+        """See `Agent.revisit`."""
+
+    def ask(self, query: Query) -> None:
+        """See `Agent.ask`."""
+
+    def act(self, observation: Observation) -> Action:
+        """See `Agent.act`."""
+        return Action.ABSTAIN
+
+
+def _note(file: Path, record: Mapping[str, Any]) -> None:
+    with file.open("a", encoding="utf-8") as out:
+        out.write(json.dumps(record) + "\n")
+
+
+def _toured(settings: StageSettings) -> bool:
+    """Whether the arm is given recorded tours, or what is made of them."""
+    return bool(set(settings.arm.needs) - {Need.NETWORKS})
+
+
 def _store(settings: StageSettings, episode: Episode, tours: TourCache, touring: Session) -> ObservationStore:
-    places = tours.places(touring, episode) if Need.TOURS in settings.arm.needs else {}
+    places = tours.places(touring, episode) if _toured(settings) else {}
     lens = episode.protocol.camera.field_of_view_deg
     return ObservationStore(settings.arm, settings, lens, Path(episode.scene), elsewhere=places)
 

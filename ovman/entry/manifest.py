@@ -7,6 +7,7 @@ import os
 import platform
 import sys
 from collections.abc import Sequence
+from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
@@ -24,6 +25,15 @@ from ovman.workflow.provenance import module_digest
 FILE = "manifest.json"
 
 
+class Where(StrEnum):
+    """Where the agent ran. EVALUATOR: in the evaluator's process, where the truth is; PROCESS: in one of its own, started by the
+    evaluator; SERVER: in one that the evaluator dialled."""
+
+    EVALUATOR = "evaluator"
+    PROCESS = "process"
+    SERVER = "server"
+
+
 class Machine(Record):
     """What the runs were made on."""
 
@@ -39,7 +49,8 @@ class Manifest(Record):
 
     split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
     ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. budget: actions of an episode, None for that of its protocol. ovman, engine, protocol: versions.
+    from ovman. where: the agent ran. budget: actions of an episode, None for that of its protocol. ovman, engine, protocol:
+    versions.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -51,6 +62,7 @@ class Manifest(Record):
     arm: Text
     agent: Text
     needs: tuple[str, ...]
+    where: Where
     code: str | None
     budget: int | None
     ovman: str
@@ -64,7 +76,9 @@ class Manifest(Record):
         return len(self.asked) == self.n
 
 
-def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int]) -> Manifest:
+def manifest_of(
+    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+) -> Manifest:
     """The manifest of an evaluation on this machine. episodes: the bytes of their file, n of them."""
     import numpy as np
 
@@ -77,6 +91,7 @@ def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: 
         arm=arm.name,
         agent=arm.agent,
         needs=tuple(map(str, arm.needs)),
+        where=where,
         code=module_digest(arm.agent.partition(":")[0]),
         budget=arm.budget,
         ovman=__version__,
@@ -104,7 +119,7 @@ def claim(directory: Path, manifest: Manifest) -> None:
             (there,) = Manifest.read(path)
         except (RecordError, ValueError):
             raise EntryError(f"--out: {path} is no manifest of an evaluation; name another folder") from None
-        for key in ("arm", "agent", "split", "sha256"):
+        for key in ("arm", "agent", "where", "split", "sha256"):
             before, now = getattr(there, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(
