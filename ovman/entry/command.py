@@ -14,7 +14,7 @@ from ovman.entry.evaluation import LOG, Evaluation, asked, evaluate
 from ovman.entry.manifest import Where
 from ovman.entry.release import CONFIG, DATA, EntryError, Release
 from ovman.entry.summary import as_text
-from ovman.evaluation.supervision import function
+from ovman.evaluation.supervision import AgentError, function
 from ovman.models.settings import Settings
 from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
@@ -22,6 +22,7 @@ from ovman.remote.agent import Remotes
 from ovman.remote.process import AgentProcess
 from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
+from ovman.workflow.provenance import lacking
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
@@ -39,9 +40,9 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     where = place(options, of_arm.arm)
     out = Path(options.out)
     with ExitStack() as open_until_done:
+        if where is not Where.SERVER:
+            _refuse_absent(name, of_arm.arm, where)
         remotes = None if where is Where.EVALUATOR else _remotes(options, where, settings, out, open_until_done)
-        if remotes is None:
-            _importable(name, of_arm.arm)
         doing = Evaluation(of_arm, what, where, remotes, options.failures == "abstain")
         manifest, summary = evaluate(doing, release, out, cache.absolute(), say)
     return f"\n{as_text(summary, markdown=False)}"
@@ -61,7 +62,6 @@ def place(options: argparse.Namespace, arm: ArmJob) -> Where:
 def _remotes(options: argparse.Namespace, where: Where, settings: Settings, out: Path, until: ExitStack) -> Remotes:
     if where is Where.SERVER:
         return until.enter_context(Remotes(lambda: str(options.server), settings.remote))
-    out.mkdir(parents=True, exist_ok=True)
     arguments = ["--arm", options.arm] if options.arm is not None else ["--agent", options.agent, "--path", str(Path.cwd())]
     if options.name is not None:
         arguments += ["--name", options.name]
@@ -73,11 +73,17 @@ def _remotes(options: argparse.Namespace, where: Where, settings: Settings, out:
     return until.enter_context(Remotes(until.enter_context(process).address, settings.remote))
 
 
-def _importable(name: str, arm: ArmJob) -> None:
-    """The agent's module can be imported, from the working directory, too. AgentError where it cannot."""
+def _refuse_absent(name: str, arm: ArmJob, where: Where) -> None:
+    """AgentError where the agent is not there, in the working directory or elsewhere on Python's path.
+
+    What is to run in a process of its own is looked for and not imported.
+    """
     if (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
-    function(name, arm.agent)
+    if where is Where.EVALUATOR:
+        function(name, arm.agent)
+    elif (wrong := lacking(*arm.agent.split(":", 1))) is not None:
+        raise AgentError(f"arms.{name}.agent is {arm.agent!r}, and {wrong}")
 
 
 def shard_of(text: str) -> tuple[int, int]:

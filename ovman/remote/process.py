@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import resource
 import select
@@ -23,6 +24,8 @@ PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "HOME", "LANG", "TMPDIR", "V
 """Variables of the evaluator's that the process has, and those that begin with `PASSED_BEGINNINGS`."""
 PASSED_BEGINNINGS = ("LC_", "OMP_", "OPENBLAS_", "MKL_", "NUMBA_", "CUDA_", "NVIDIA_", "ORT_")
 GB = 10**9
+PR_SET_PDEATHSIG = 1
+"""Linux's number for: end this process when the one that started it ends."""
 TAIL = 2000
 """Bytes of the log in which the last line is looked for."""
 
@@ -93,6 +96,7 @@ class AgentProcess:
         resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
         resource.setrlimit(resource.RLIMIT_FSIZE, (file, file))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # an evaluator that is killed cannot end it
 
     def _last_line(self) -> str:
         said = self._log.read_bytes()[-TAIL:].decode("utf-8", "replace").strip().splitlines()
