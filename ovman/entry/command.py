@@ -28,8 +28,11 @@ from ovman.workflow.provenance import lacking
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     """Evaluate as the options say, and return the summary as text. say: told of progress, a line a time.
 
-    EntryError, ConfigError, RecordError, AgentError or SimulatorError, in one line.
+    The working directory is on Python's path from then on where an --agent is named. EntryError, ConfigError, RecordError,
+    AgentError or SimulatorError, in one line.
     """
+    if options.agent is not None and (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
     settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
     release = Release(Path(options.release or DATA), settings)
     episodes_file = None if options.episodes is None else Path(options.episodes)
@@ -78,8 +81,6 @@ def _refuse_absent(name: str, arm: ArmJob, where: Where) -> None:
 
     What is to run in a process of its own is looked for and not imported.
     """
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)
     if where is Where.EVALUATOR:
         function(name, arm.agent)
     elif (wrong := lacking(*arm.agent.split(":", 1))) is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import socket
 import threading
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from typing import Any
 
 from websockets.exceptions import ConnectionClosed, InvalidURI, WebSocketException
@@ -36,8 +36,17 @@ class Line:
     def __init__(self, url: str, connect_s: float) -> None:
         self._url, self._number = url, 0
         try:
-            self._socket = connect(
-                url, open_timeout=connect_s, close_timeout=1, max_size=MAX_REPLY, compression=None, ping_interval=None, proxy=None
+            self._open = ExitStack()
+            self._socket = self._open.enter_context(
+                connect(
+                    url,
+                    open_timeout=connect_s,
+                    close_timeout=1,
+                    max_size=MAX_REPLY,
+                    compression=None,
+                    ping_interval=None,
+                    proxy=None,
+                )
             )
         except InvalidURI:
             raise AgentError(f"--server: {url!r} is no address; write ws://host:port") from None
@@ -73,7 +82,7 @@ class Line:
     def close(self) -> None:
         """Hang up."""
         with suppress(OSError, WebSocketException):
-            self._socket.close()
+            self._open.close()
 
     def __enter__(self) -> Line:
         return self
@@ -90,9 +99,7 @@ class Line:
         except ConnectionClosed as error:
             sent = error.sent
             large = sent is not None and sent.code == 1009
-            reason = (
-                f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else "the agent's process is gone"
-            )
+            reason = f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else "the agent is gone"
         except (MessageError, WebSocketException, OSError) as error:
             reason = f"{_words(error):.{SAID}}; answer as the protocol says"
         else:
