@@ -95,7 +95,7 @@ $(READY): requirements.lock pyproject.toml
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
-	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-engine --editable . --editable packages/ovman-released
+	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-client --editable packages/ovman-engine --editable . --editable packages/ovman-released
 	@touch $@
 
 clean:

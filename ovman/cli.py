@@ -44,7 +44,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     _add_eval(commands)
     _add_verify(commands)
     _add_merge(commands)
-    options = parser.parse_args(arguments)
+    commands.add_parser("serve", add_help=False, help="the server of an agent, for ovman eval --server")
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if given[:1] == ["serve"]:  # its own parser says what is served: the module that has it loads the networks' side
+        from ovman.entry.serve import main as serve
+
+        return serve(given[1:])
+    options = parser.parse_args(given)
     if options.command == "doctor":
         return _doctor(options.thor)
     if options.command == "score":
@@ -95,9 +101,18 @@ def _score(options: argparse.Namespace) -> int:
 
 def _add_eval(commands: Any) -> None:
     found = commands.add_parser("eval", help="an embodied agent on released episodes, outside the workflow")
-    who = found.add_mutually_exclusive_group(required=True)
-    who.add_argument("--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md); it runs in this process")
-    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml that needs tours at most")
+    who = found.add_mutually_exclusive_group()
+    who.add_argument(
+        "--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md); it has a process of its own"
+    )
+    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
+    found.add_argument("--server", metavar="URL", help="ws://host:port of a server that has the agent, or the arm")
+    found.add_argument(
+        "--in-process", action="store_true", help="the agent is trusted: it runs in this process, beside the truth"
+    )
+    found.add_argument(
+        "--failures", choices=("stop", "abstain"), default="stop", help="what a run in which the agent fails does; default: stop"
+    )
     asked = found.add_mutually_exclusive_group(required=True)
     asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
     asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
@@ -105,7 +120,7 @@ def _add_eval(commands: Any) -> None:
         "--out", required=True, metavar="DIR", help="runs.jsonl, summary.md, summary.json and manifest.json go there"
     )
     found.add_argument("--name", metavar="NAME", help="what the agent is called in its records; default: its module's last name")
-    found.add_argument("--needs", nargs="*", metavar="NEED", help="what the agent is given: tours (the default), or nothing")
+    found.add_argument("--needs", nargs="*", metavar="NEED", help="of an agent: tours (the default), more, or nothing")
     found.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
     found.add_argument("--seeds", nargs="+", type=int, metavar="N", help="default: evaluation.seeds of config.yaml")
     found.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
@@ -124,6 +139,9 @@ def _add_workers(command: Any) -> None:
 
 
 def _eval(options: argparse.Namespace) -> int:
+    if options.agent is None and options.arm is None and options.server is None:
+        print("ovman eval: name who is evaluated: --agent MODULE:FUNCTION, --arm NAME or --server URL", file=sys.stderr)
+        return 2
     try:
         from ovman.entry import command
         from ovman.evaluation.supervision import AgentError

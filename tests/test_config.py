@@ -98,8 +98,10 @@ def message(source: Any, **kwargs: Any) -> str:
     return text
 
 
-def test_every_constant_has_an_owner_but_for_the_seeds_which_only_say_which_files_there_are():
-    assert {name for name in VALUES if not owners(name)} == {"evaluation.seeds"}
+def test_every_constant_has_an_owner_but_for_those_that_no_result_follows_from():
+    """Seeds only say which files there are, and limits of an agent's process only when it is given up."""
+    of_no_stage = {name for name in VALUES if not owners(name)}
+    assert of_no_stage == {"evaluation.seeds"} | {name for name in VALUES if name.startswith("remote.")}
 
 
 def test_what_stages_says_exists():

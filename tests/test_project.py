@@ -21,7 +21,7 @@ import ovman
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
-PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-engine", "ovman-released")}
+PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-engine", "ovman-released")}
 """Distributions of this repository beside the benchmark itself."""
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
@@ -81,7 +81,9 @@ def third_party(path: Path) -> set[str]:
             names.add(node.module.partition(".")[0])
     beside = {p.stem for p in path.parent.iterdir()} | {path.parent.name}
     shared = {"conformance", "boxes", "measure", "episodes", "test_house"}  # of tests and benches, on their path
-    return names - sys.stdlib_module_names - beside - shared - {"ovman", "ovman_engine", "ovman_released", "tests"}
+    return (
+        names - sys.stdlib_module_names - beside - shared - {"ovman", "ovman_client", "ovman_engine", "ovman_released", "tests"}
+    )
 
 
 @pytest.mark.parametrize(
@@ -91,6 +93,7 @@ def third_party(path: Path) -> set[str]:
         ("workflow", ["ovman"]),
         ("bench", ["ovman", "ovman-engine"]),
         ("tests", ["ovman", "ovman-engine"]),
+        ("packages/ovman-client", ["ovman-client", "ovman"]),
         ("packages/ovman-engine", ["ovman-engine"]),
         ("packages/ovman-released/ovman_released", ["ovman-released", "ovman"]),
         ("packages/ovman-released/tests", ["ovman-released", "ovman"]),

@@ -5,43 +5,47 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from ovman.entry.evaluation import asked, evaluate
+from ovman.entry.entrant import entrant, stays
+from ovman.entry.evaluation import LOG, Evaluation, asked, evaluate
+from ovman.entry.manifest import Where
 from ovman.entry.merging import merge
 from ovman.entry.release import CONFIG, DATA, EntryError, Release
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
-from ovman.evaluation.supervision import function
-from ovman.models.settings import Arm, Kind, Need, Settings
+from ovman.evaluation.supervision import AgentError, function
+from ovman.models.settings import Settings
+from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
+from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
+from ovman.workflow.provenance import lacking
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     """Evaluate as the options say, and return the summary as text. say: told of progress, a line a time.
 
-    EntryError, ConfigError, RecordError, AgentError or SimulatorError, in one line.
+    The working directory is on Python's path from then on where an --agent is named. EntryError, ConfigError, RecordError,
+    AgentError or SimulatorError, in one line.
     """
-    settings = load(Path(options.config or CONFIG))
-    shard = shard_of(options.shard)
-    if options.agent is not None:
-        settings, name = with_agent(settings, options.agent, options.name, options.needs)
-    else:
-        name = checked(settings, options.arm, options.name, options.needs)
+    if options.agent is not None and (here := str(Path.cwd())) not in sys.path:
+        sys.path.insert(0, here)
+    settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
     release = Release(Path(options.release or DATA), settings)
     episodes_file = None if options.episodes is None else Path(options.episodes)
+    shard = shard_of(options.shard)
     what = asked(release, options.split, episodes_file, options.scenes, shard, options.seeds or settings.evaluation.seeds)
     cache = user_cache() if options.cache is None else Path(options.cache)
     of_arm = stage_settings(settings, "rollouts", name)
-    function(name, of_arm.arm.agent)
-    manifest, summary = evaluate(
-        of_arm, what, release, Path(options.out), cache.absolute(), say, checked_workers(options.workers)
-    )
+    where = place(options, of_arm.arm)
+    if where is not Where.SERVER:
+        _refuse_absent(name, of_arm.arm, where)
+    out = Path(options.out)
+    doing = Evaluation(of_arm, what, _elsewhere(options, where, settings, out), options.failures == "abstain")
+    _, summary = evaluate(doing, release, out, cache.absolute(), say, checked_workers(options.workers))
     return f"\n{as_text(summary, markdown=False)}"
 
 
@@ -63,40 +67,42 @@ def merged(options: argparse.Namespace) -> str:
     return as_text(summary, markdown=False)
 
 
-def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:
-    """The settings with an arm for an agent of the user's, and the arm's name.
+def place(options: argparse.Namespace, arm: ArmJob) -> Where:
+    """Where it runs. An agent of the user's has a process of its own unless it is trusted; an arm of ours where it must."""
+    if options.server is not None:
+        if options.in_process or options.agent is not None:
+            raise EntryError("--server: its agent is where it is; leave out --agent and --in-process")
+        return Where.SERVER
+    if options.in_process and not stays(arm):
+        raise EntryError(f"--in-process: {arm.name} needs more than tours; leave it out")
+    return Where.EVALUATOR if options.in_process or (options.arm is not None and stays(arm)) else Where.PROCESS
 
-    The working directory is on Python's path from now on. EntryError for a name that is taken or is none, and for what cannot be
-    needed here.
+
+def _elsewhere(options: argparse.Namespace, where: Where, settings: Settings, out: Path) -> Elsewhere | None:
+    """Where the agent is in another process."""
+    if where is Where.EVALUATOR:
+        return None
+    if where is Where.SERVER:
+        return Server(options.server, settings.remote)
+    arguments = ["--arm", options.arm] if options.arm is not None else ["--agent", options.agent, "--path", str(Path.cwd())]
+    if options.name is not None:
+        arguments += ["--name", options.name]
+    if options.needs is not None:
+        arguments += ["--needs", *options.needs]
+    if options.config is not None:
+        arguments += ["--config", str(Path(options.config).absolute())]
+    return OwnProcess(("-m", "ovman.entry.serve", *arguments), settings.remote, out / LOG)
+
+
+def _refuse_absent(name: str, arm: ArmJob, where: Where) -> None:
+    """AgentError where the agent is not there, in the working directory or elsewhere on Python's path.
+
+    What is to run in a process of its own is looked for and not imported.
     """
-    if (here := str(Path.cwd())) not in sys.path:
-        sys.path.insert(0, here)
-    wanted = [str(Need.TOURS)] if needs is None else list(needs)
-    if others := [need for need in wanted if need != Need.TOURS]:
-        raise EntryError(f"--needs: {others[0]} cannot be made outside the workflow; write tours, or an arm in an overlay")
-    name = re.sub(r"\W", "_", agent.partition(":")[0].rpartition(".")[2].lower()) if name is None else name
-    if name in settings.arms:
-        raise EntryError(f"--name: {name} is an arm of config.yaml; write another name")
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-        raise EntryError(f"--name: {name!r} cannot name an arm; write small letters, digits and _")
-    try:
-        entry = {"name": name, "kind": "embodied", "agent": agent, "system": name, "memory": "its own", "needs": wanted}
-        arm = Arm.model_validate(entry)
-    except ValidationError as error:
-        said = error.errors()[0]["msg"].removeprefix("Value error, ")
-        raise EntryError(f"--agent: {said}") from None
-    return settings.model_copy(update={"arms": {**settings.arms, name: arm}}), name
-
-
-def checked(settings: Settings, name: str, called: str | None, needs: Sequence[str] | None) -> str:
-    """The name of an arm of config.yaml that can be run from episodes and tours alone. EntryError for another."""
-    if called is not None or needs is not None:
-        raise EntryError("--name and --needs are of an --agent; an arm of config.yaml has its own")
-    able = [arm.name for arm in settings.arms.values() if _able(arm)]
-    if name not in able:
-        why = "does not drive from episodes and tours alone" if name in settings.arms else "is no arm of config.yaml"
-        raise EntryError(f"--arm: {name} {why}; write one of {', '.join(able)}")
-    return name
+    if where is Where.EVALUATOR:
+        function(name, arm.agent)
+    elif (wrong := lacking(*arm.agent.split(":", 1))) is not None:
+        raise AgentError(f"arms.{name}.agent is {arm.agent!r}, and {wrong}")
 
 
 def checked_workers(number: int) -> int:
@@ -112,9 +118,3 @@ def shard_of(text: str) -> tuple[int, int]:
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise EntryError(f"--shard: {text!r} is no part; write k/m, k from 1 to m, such as 2/8")
     return int(found[1]), int(found[2])
-
-
-def _able(arm: Arm) -> bool:
-    """Whether an arm drives by itself and is given nothing that is neither in the episode nor in its tours."""
-    alone = arm.made_by is None and arm.cut_from is None and not arm.reads_sightings
-    return arm.kind is Kind.EMBODIED and alone and set(arm.needs) <= {Need.TOURS}

@@ -5,31 +5,39 @@ Every finished run is kept in a journal at once. Whoever kills an evaluation and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
-from ovman.entry.manifest import Manifest, claim, manifest_of
+from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.entry.manifest import Manifest, Where, claim, manifest_of
 from ovman.entry.progress import Progress
 from ovman.entry.release import EntryError, Release
 from ovman.entry.results import write_results
-from ovman.entry.spread import spread
+from ovman.entry.spread import Keeping, spread
 from ovman.entry.summary import Summary
 from ovman.entry.tour_cache import VISITS, TourCache, recording_key
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.scores import score
+from ovman.evaluation.supervision import AgentError
 from ovman.models.episode import Episode
 from ovman.models.run import Rollout, Score
 from ovman.models.settings import Need
+from ovman.remote.agent import Remotes
+from ovman.remote.elsewhere import Elsewhere, Server
+from ovman.remote.line import LineLost
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.locks import held
 from ovman.workflow.parameter import StageSettings
 
-JOURNAL = "journal.jsonl"
+JOURNAL, LOG, FAILURES = "journal.jsonl", "agent.log", "failures.jsonl"
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,23 +88,56 @@ def asked(
     )
 
 
-def evaluate(
-    settings: StageSettings, what: Asked, release: Release, out: Path, cache: Path, say: Callable[[str], None], workers: int = 1
-) -> tuple[Manifest, Summary]:
-    """Run the arm of the settings, judge it, and write manifest, runs and summary into `out`.
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """An arm on episodes.
 
-    settings: of the stage `rollouts` for the arm, which needs tours at most. cache: folder of the recorded tours. say: told of
-    progress, a line a time. workers: how many processes make the runs. EntryError, AgentError or SimulatorError, in one line;
-    finished runs are kept.
+    settings: of the stage `rollouts` for the arm. elsewhere: the agent, None where it runs in the evaluator's process, whose arms
+    need tours at most. abstains: whether a run in which the agent fails counts as an abstention; it else ends the evaluation.
     """
+
+    settings: StageSettings
+    what: Asked
+    elsewhere: Elsewhere | None = None
+    abstains: bool = False
+
+    @property
+    def where(self) -> Where:
+        """Where the agent runs."""
+        if self.elsewhere is None:
+            return Where.EVALUATOR
+        return Where.SERVER if isinstance(self.elsewhere, Server) else Where.PROCESS
+
+    @contextmanager
+    def opened(self) -> Iterator[Remotes | None]:
+        """What makes the agents of runs, None where the settings say it."""
+        if self.elsewhere is None:
+            yield None
+        else:
+            with self.elsewhere.opened() as remotes:
+                yield remotes
+
+
+def evaluate(
+    doing: Evaluation, release: Release, out: Path, cache: Path, say: Callable[[str], None], workers: int = 1
+) -> tuple[Manifest, Summary]:
+    """Run the arm, judge it, and write manifest, runs and summary into `out`.
+
+    cache: folder of the recorded tours. say: told of progress, a line a time. workers: how many processes make the runs.
+    EntryError, AgentError or SimulatorError, in one line; finished runs are kept.
+    """
+    settings, what = doing.settings, doing.what
     out.mkdir(parents=True, exist_ok=True)
     ids = [episode.id for episode in what.chosen]
-    manifest = manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds)
+    manifest = manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds, doing.where)
     claim(out, manifest)
     with held(out / ".lock"):
-        journal = Journal(out / JOURNAL)
-        drive = _drive if workers == 1 else partial(spread, _drive, run_key, workers)
-        drive(settings, what, journal, TourCache(cache, say), say)
+        journal, tours, note = Journal(out / JOURNAL), TourCache(cache, say), partial(_note, out / FAILURES, say)
+        if workers == 1:
+            with doing.opened() as remotes:
+                _drive(doing, remotes, journal, tours, note, say)
+        else:
+            spread(_drive, run_key, workers, doing, journal, tours, note, say)
         runs = [
             _judged(settings, episode, journal[run_key(settings, episode, seed)])
             for seed in what.seeds
@@ -107,12 +148,20 @@ def evaluate(
 
 def run_key(settings: StageSettings, episode: Episode, seed: int) -> str:
     """Key of a run in the journal: digest of the arm with its code and constants, the episode, its tours, and the seed."""
-    tours = [recording_key(episode, which) for which in VISITS] if Need.TOURS in settings.arm.needs else []
+    tours = [recording_key(episode, which) for which in VISITS] if _toured(settings) else []
     return digest(settings.canonical, episode.to_json(), tours, seed)
 
 
-def _drive(settings: StageSettings, what: Asked, journal: Journal, tours: TourCache, say: Callable[[str], None]) -> None:
-    """Make the runs that the journal does not have."""
+def _drive(
+    doing: Evaluation,
+    remotes: Remotes | None,
+    journal: Keeping,
+    tours: TourCache,
+    note: Callable[[Mapping[str, Any]], None],
+    say: Callable[[str], None],
+) -> None:
+    """Make the runs that the journal does not have. note: told of each run that is an abstention because the agent failed."""
+    settings, what = doing.settings, doing.what
     progress = Progress(len(what.chosen) * len(what.seeds), say)
     absent: dict[str, dict[int, str]] = {}
     for episode in what.chosen:
@@ -131,12 +180,66 @@ def _drive(settings: StageSettings, what: Asked, journal: Journal, tours: TourCa
                 store = _store(settings, episode, tours, touring)
                 for seed, key in absent[episode.id].items():
                     work = partial(run_episode, session, episode, settings.arm, seed, settings, store)
-                    kept = journal.write(key, session.with_restarts(work).to_json())
+                    try:
+                        run = session.with_restarts(partial(_attempted, work, remotes))
+                    except AgentError as error:
+                        where = f"{episode.id}, seed {seed}"
+                        if not doing.abstains:
+                            raise type(error)(str(error) if where in str(error) else f"{where}: {error}") from None
+                        note({"episode": episode.id, "seed": seed, "error": str(error)})
+                        run = session.with_restarts(partial(work, made=lambda _: Abstaining()))
+                    kept = journal.write(key, run.to_json())
                     progress.made(_judged(settings, episode, kept))
 
 
+def _attempted(work: Callable[..., Rollout], remotes: Remotes | None) -> Rollout:
+    """A run, begun again once where the line to the agent was lost. AgentError, LineLost among them, where the agent fails."""
+    if remotes is None:
+        return work()
+    try:
+        return work(made=remotes)
+    except LineLost:
+        remotes.lost()
+    try:
+        return work(made=remotes)
+    except LineLost:
+        remotes.lost()
+        raise
+
+
+class Abstaining:
+    """What drives in the place of an agent that failed: it abstains at once."""
+
+    looks = False
+
+    def familiarise(self, visit: Visit) -> None:
+        """See `Agent.familiarise`."""
+
+    def revisit(self, visit: Visit) -> None:
+        """See `Agent.revisit`."""
+
+    def ask(self, query: Query) -> None:
+        """See `Agent.ask`."""
+
+    def act(self, observation: Observation) -> Action:
+        """See `Agent.act`."""
+        return Action.ABSTAIN
+
+
+def _note(file: Path, say: Callable[[str], None], record: Mapping[str, Any]) -> None:
+    """Write a line for a run in which the agent failed, and say it."""
+    say(f"{record['episode']}, seed {record['seed']}: {record['error']}; counted as an abstention")
+    with file.open("a", encoding="utf-8") as out:
+        out.write(json.dumps(record) + "\n")
+
+
+def _toured(settings: StageSettings) -> bool:
+    """Whether the arm is given recorded tours, or what is made of them."""
+    return bool(set(settings.arm.needs) - {Need.NETWORKS})
+
+
 def _store(settings: StageSettings, episode: Episode, tours: TourCache, touring: Session) -> ObservationStore:
-    places = tours.places(touring, episode) if Need.TOURS in settings.arm.needs else {}
+    places = tours.places(touring, episode) if _toured(settings) else {}
     lens = episode.protocol.camera.field_of_view_deg
     return ObservationStore(settings.arm, settings, lens, Path(episode.scene), elsewhere=places)
 

@@ -7,6 +7,7 @@ import os
 import platform
 import sys
 from collections.abc import Sequence
+from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Literal
@@ -27,6 +28,15 @@ HANDED = ("grounding", "positions", "answer")
 """What of the truth an arm may be given."""
 
 
+class Where(StrEnum):
+    """Where the agent ran. EVALUATOR: in the evaluator's process, where the truth is; PROCESS: in one of its own, started by the
+    evaluator; SERVER: in one that the evaluator dialled."""
+
+    EVALUATOR = "evaluator"
+    PROCESS = "process"
+    SERVER = "server"
+
+
 class Machine(Record):
     """What the runs were made on."""
 
@@ -42,10 +52,10 @@ class Manifest(Record):
 
     split: the released split that the episodes are, None for others. sha256: of the file of episodes. n: how many it has; asked:
     ids of those that are run, in their order. code: digest of the agent's module and of what it imports from its own package and
-    from ovman. handed: what of the truth the agent is given; with any it is a diagnostic and no system. embodiment: body and
-    camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of an episode, None for
-    that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine, protocol: versions.
-    machines: those that the runs were made on, one but for a merged evaluation.
+    from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
+    embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
+    an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
+    protocol: versions. machines: those that the runs were made on, one but for a merged evaluation.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
@@ -57,6 +67,7 @@ class Manifest(Record):
     arm: Text
     agent: Text
     needs: tuple[str, ...]
+    where: Where
     code: str | None
     handed: tuple[str, ...]
     embodiment: Literal["default", "locobot"]
@@ -74,7 +85,9 @@ class Manifest(Record):
         return len(self.asked) == self.n
 
 
-def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int]) -> Manifest:
+def manifest_of(
+    arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: Sequence[str], seeds: Sequence[int], where: Where
+) -> Manifest:
     """The manifest of an evaluation on this machine. episodes: the bytes of their file, n of them."""
     return Manifest(
         split=split,
@@ -85,6 +98,7 @@ def manifest_of(arm: ArmJob, episodes: bytes, split: str | None, n: int, asked: 
         arm=arm.name,
         agent=arm.agent,
         needs=tuple(map(str, arm.needs)),
+        where=where,
         code=module_digest(arm.agent.partition(":")[0]),
         handed=tuple(what for what in HANDED if getattr(arm, what) is Source.HANDED),
         embodiment=arm.embodiment,
@@ -123,7 +137,7 @@ def claim(directory: Path, manifest: Manifest) -> None:
             (there,) = Manifest.read(path)
         except (RecordError, ValueError):
             raise EntryError(f"--out: {path} is no manifest of an evaluation; name another folder") from None
-        for key in ("arm", "agent", "split", "sha256"):
+        for key in ("arm", "agent", "where", "split", "sha256"):
             before, now = getattr(there, key), getattr(manifest, key)
             if before != now:
                 raise EntryError(

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ovman.entry.progress import Progress
 from ovman.entry.tour_cache import TourCache
-from ovman.entry.workers import Send, as_texts, of_texts, shared_out
+from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
 from ovman.models.run import Rollout, Score
@@ -19,10 +20,22 @@ from ovman.workflow.journal import Journal, contents
 from ovman.workflow.parameter import StageSettings
 
 if TYPE_CHECKING:
-    from ovman.entry.evaluation import Asked
+    from ovman.entry.evaluation import Evaluation
 
+Note = Callable[[Mapping[str, Any]], None]
 Drive = Callable[..., None]
-"""Makes the runs that a journal lacks: settings, asked, journal, tours, say."""
+"""Makes the runs that a journal lacks: of an evaluation, by what makes its agents, journal, tours, note, say."""
+
+
+class Keeping(Protocol):
+    """What a journal is to whoever makes runs."""
+
+    def __contains__(self, key: str) -> bool: ...
+
+    def __getitem__(self, key: str) -> Any: ...
+
+    def write(self, key: str, record: Any) -> Any:
+        """Keep a record, and return it as it reads back."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,17 +46,25 @@ class Made:
     record: Any
 
 
+@dataclass(frozen=True, slots=True)
+class Noted:
+    """A run in which the agent failed."""
+
+    record: Mapping[str, Any]
+
+
 def spread(
     drive: Drive,
     run_key: Callable[[StageSettings, Episode, int], str],
     workers: int,
-    settings: StageSettings,
-    what: Asked,
+    doing: Evaluation,
     journal: Journal,
     tours: TourCache,
+    note: Note,
     say: Callable[[str], None],
 ) -> None:
     """Make the runs that the journal does not have as `drive` does, in so many processes. run_key: of a run in the journal."""
+    settings, what = doing.settings, doing.what
     progress = Progress(len(what.chosen) * len(what.seeds), say)
     episodes = {episode.id: episode for episode in what.chosen}
 
@@ -60,23 +81,37 @@ def spread(
                 absent.add(episode.id)
     progress.resumed()
 
-    def receive(message: Made | str) -> None:
+    def receive(message: Made | Noted | str) -> None:
         if isinstance(message, str):
             say(message)
+        elif isinstance(message, Noted):
+            note(message.record)
         else:
             progress.made(judged(journal.write(message.key, message.record)))
 
     waiting = [episode for episode in what.chosen if episode.id in absent]
     pieces = [as_texts(alike) for _, alike in groupby(waiting, key=lambda episode: episode.scene)]
-    for_workers = replace(what, source=b"", episodes=(), chosen=())
-    shared_out(partial(_of_scene, drive, settings, journal.path, tours.directory, for_workers), pieces, workers, receive)
+    without_episodes = replace(doing, what=replace(what, source=b"", episodes=(), chosen=()))
+    shared_out(partial(_opened, drive, without_episodes, journal.path, tours.directory), pieces, workers, receive)
 
 
-def _of_scene(
-    drive: Drive, settings: StageSettings, journal: Path, cache: Path, what: Asked, texts: Sequence[str], send: Send
-) -> None:
-    """In a worker: the runs of a floor plan that the journal lacks."""
-    drive(settings, replace(what, chosen=of_texts(texts)), _Sent(journal, send), TourCache(cache, send), lambda line: None)
+@contextmanager
+def _opened(drive: Drive, doing: Evaluation, journal: Path, cache: Path) -> Iterator[Work[Sequence[str]]]:
+    """In a worker: what makes the runs of a floor plan that the journal lacks, by an agent of the worker's own."""
+    with doing.opened() as remotes:
+
+        def work(texts: Sequence[str], send: Send) -> None:
+            here = replace(doing, what=replace(doing.what, chosen=of_texts(texts)))
+            drive(
+                here,
+                remotes,
+                _Sent(journal, send),
+                TourCache(cache, send),
+                lambda record: send(Noted(record)),
+                lambda line: None,
+            )
+
+        yield work
 
 
 class _Sent:

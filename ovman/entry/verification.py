@@ -6,7 +6,8 @@ does not show how the agent came by its actions.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -18,7 +19,7 @@ from ovman.entry.progress import Progress
 from ovman.entry.recorded import Recorded, read_recorded, remarks, stated
 from ovman.entry.release import Release
 from ovman.entry.replay import Replay, replay_settings
-from ovman.entry.workers import Send, as_texts, of_texts, shared_out
+from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
@@ -139,8 +140,13 @@ def _piece(runs: Sequence[tuple[Episode, Score]]) -> Piece:
     return as_texts(episodes.values()), [*by_episode.values()]
 
 
-def _again(settings: StageSettings, piece: Piece, send: Send) -> None:
-    """Drive runs of one floor plan again, and send each with its verdict."""
+@contextmanager
+def _again(settings: StageSettings) -> Iterator[Work[Piece]]:
+    """What drives runs of one floor plan again, and sends each with its verdict."""
+    yield partial(_drive_again, settings)
+
+
+def _drive_again(settings: StageSettings, piece: Piece, send: Send) -> None:
     texts, traces = piece
     episodes = of_texts(texts)
     with session_for(episodes[0], settings.arm, settings) as session:

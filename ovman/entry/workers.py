@@ -12,6 +12,7 @@ import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
@@ -20,19 +21,25 @@ from ovman.models.episode import Episode
 
 Piece = TypeVar("Piece")
 Send = Callable[[Any], None]
+Work = Callable[[Piece, Send], None]
+"""Is called with a piece and a function for what it sends."""
 SENT, DONE, FAILED = "sent", "done", "failed"
 
 
-def shared_out(work: Callable[[Piece, Send], None], pieces: Sequence[Piece], workers: int, receive: Send) -> None:
-    """Call `work` with each piece and a function for what it sends; `receive` is called in this process with that, as it comes.
+def shared_out(
+    opened: Callable[[], AbstractContextManager[Work[Piece]]], pieces: Sequence[Piece], workers: int, receive: Send
+) -> None:
+    """Have each piece worked on; `receive` is called in this process with what is sent, as it comes.
 
-    workers: processes, at most as many as pieces; one is this process. work, pieces and what is sent must be picklable where
-    there are more. What `work` raises is raised here. EntryError where a worker is killed.
+    opened: a context for the work, which each process enters once. workers: processes, at most as many as pieces; one is this
+    process. opened, pieces and what is sent must be picklable where there are more. What the work raises is raised here.
+    EntryError where a worker is killed.
     """
     number = min(workers, len(pieces))
     if number < 2:
-        for piece in pieces:
-            work(piece, receive)
+        with opened() as work:
+            for piece in pieces:
+                work(piece, receive)
         return
     context = multiprocessing.get_context("spawn")
     processes: dict[Connection, Any] = {}
@@ -40,7 +47,7 @@ def shared_out(work: Callable[[Piece, Send], None], pieces: Sequence[Piece], wor
     try:
         for _ in range(number):
             ours, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(work, theirs))
+            process = context.Process(target=_serve, args=(opened, theirs))
             process.start()
             theirs.close()
             processes[ours] = process
@@ -89,21 +96,21 @@ def _received(connection: Connection, process: Any, receive: Send, left: Iterato
     return True
 
 
-def _serve(work: Callable[[Any, Send], None], connection: Connection) -> None:
+def _serve(opened: Callable[[], AbstractContextManager[Work[Any]]], connection: Connection) -> None:
     """The life of a worker: pieces come by the connection until it is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is meant for the process that started it
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    while True:
-        try:
-            piece = connection.recv()
-        except EOFError:
-            return
-        try:
-            work(piece, lambda message: connection.send((SENT, message)))
-        except Exception as error:
-            connection.send((FAILED, _sendable(error)))
-            return
-        connection.send((DONE, None))
+    try:
+        with opened() as work:
+            while True:
+                try:
+                    piece = connection.recv()
+                except EOFError:
+                    return
+                work(piece, lambda message: connection.send((SENT, message)))
+                connection.send((DONE, None))
+    except Exception as error:
+        connection.send((FAILED, _sendable(error)))
 
 
 def _end_with_parent() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.agents.interface import AgentContext, CameraPose, Observation, PrivilegedAnswer, SeenInstance, Visit
+from ovman.agents.interface import CameraPose, Observation, PrivilegedAnswer, SeenInstance, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
 from ovman.evaluation.driving import Limits
@@ -30,6 +30,9 @@ from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.workflow import seeds
 from ovman.workflow.parameter import StageSettings
+
+DRAWS = ("picks", "paths")
+"""What an agent draws: its own picks, and the order of paths of equal length."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,8 +91,15 @@ class Attempt:
             None if second.sensors is None else second.sensors.model_copy(update={"seed": sensed}),
         )
 
+    def words(self, of: str) -> list[int]:
+        """Four 64-bit words that the generator of what is drawn starts from. of: one of `DRAWS`."""
+        return [int(word) for word in self._sequence(of).generate_state(4, np.uint64)]
+
     def _draws(self, of: str) -> np.random.Generator:
-        return seeds.generator(self.episode.provenance.seed, of, self.arm.name, self.episode.id, self.seed)
+        return np.random.default_rng(self._sequence(of))
+
+    def _sequence(self, of: str) -> np.random.SeedSequence:
+        return seeds.sequence(self.episode.provenance.seed, of, self.arm.name, self.episode.id, self.seed)
 
     def _name_of(self, instance: str) -> str:
         return alias(self.episode.visits.second, instance)
@@ -109,25 +119,29 @@ def run_episode(
     settings: StageSettings,
     store: ObservationStore | None = None,
     sightings: Sightings | None = None,
-    made: Callable[[AgentContext], Any] | None = None,
+    made: Callable[[Attempt], Any] | None = None,
 ) -> Rollout:
     """One run of an embodied arm on an episode; parameters as of `Attempt`.
 
-    made: what makes the agent, the arm's function where it is None. AgentError, in one line, where the agent fails; ValueError
+    made: what makes the agent, the arm's function with its context where it is None.
+    AgentError, in one line, where the agent fails; ValueError
     where sightings are missing.
     """
     lens = episode.protocol.camera.field_of_view_deg
     store = ObservationStore(arm, settings, lens, VISITS / episode.scene) if store is None else store
     attempt = Attempt(session, episode, arm, seed, settings, store, sightings)
-    if made is None:
-        made = function(arm.name, arm.agent)
+    make = partial(_of_arm, function(arm.name, arm.agent)) if made is None else made
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
-        agent = made(attempt.context())
+        agent = make(attempt)
     supervised = Supervised(agent, arm, f"{episode.id}, seed {seed}")
     started = attempt.start()
     first = attempt.tour("first", np.empty((0, 2)))
     measured = play(started, supervised, first, partial(attempt.tour, "second"), episode.query)
     return Rollout(episode=episode.id, arm=arm.name, seed=seed, trace=supervised.trace, **dict(measured))
+
+
+def _of_arm(make: Callable[[RolloutContext], Any], attempt: Attempt) -> Any:
+    return make(attempt.context())
 
 
 def _true_tour(visit: str, sightings: Sequence[Sighting], category: str, min_mask_px: int, reachable: np.ndarray) -> Visit:

@@ -170,16 +170,17 @@ def nothing_detected() -> Detected:
 
 def agent_settings(episode: Episode, stage: StageSettings) -> Settings:
     """What an agent may read: what its arm's entry names, the settings of its stage, and the episode's camera and primitives."""
-    return _merged(stage, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
+    return with_sections(stage, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
 
 
 def run_settings(episode: Episode, stage: StageSettings) -> Settings:
     """What a run is measured by: the settings of its stage, for the body that an arm names, and the episode's protocol."""
     sections = {name: dict(getattr(episode.protocol, name)) for name in type(episode.protocol).model_fields}
-    return _merged(stage, sections | {"benchmark": {"backend": episode.backend}})
+    return with_sections(stage, sections | {"benchmark": {"backend": episode.backend}})
 
 
-def _merged(stage: StageSettings, sections: Mapping[str, dict[str, Any]]) -> Settings:
+def with_sections(stage: StageSettings, sections: Mapping[str, dict[str, Any]]) -> Settings:
+    """The settings of a stage with these sections in the place of its own."""
     tree: dict[str, Any] = {}
     for name, value in constants_of(stage).items():
         *path, last = name.split(".")

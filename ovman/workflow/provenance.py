@@ -88,6 +88,20 @@ def defined(source: bytes) -> set[str] | None:
     return None if "*" in names else names
 
 
+def lacking(module: str, function: str) -> str | None:
+    """What is wrong with an agent, and the remedy; None where it is there."""
+    path = module_file(module)
+    if path is None:
+        return f"there is no module {module}; install it, or put it beside the overlay"
+    try:
+        names = defined(path.read_bytes())
+    except SyntaxError as error:
+        return f"{path.name}, line {error.lineno}, is no Python: {error.msg}; mend it"
+    if names is not None and function not in names:
+        return f"{module} has no function {function}; name one that it has"
+    return None
+
+
 def digest(entry: Path, root: Path = ROOT) -> str:
     """Hexadecimal digest of the file `entry` and of its transitive imports from the package under `root`."""
     return _Sources(root).digest(entry)

@@ -64,21 +64,7 @@ def check_agents(config: Settings, files: Sequence[str | Path]) -> None:
     files: that the settings were merged from, later ones winning. ConfigError in one line.
     """
     for name, entry in config.arms.items():
-        wrong = _lacking(*entry.agent.split(":", 1))
+        wrong = provenance.lacking(*entry.agent.split(":", 1))
         if wrong is not None:
             file = file_with(files, ("arms", name, "agent"))
             raise ConfigError(f"{file}: arms.{name}.agent is {entry.agent!r}, and {wrong}")
-
-
-def _lacking(module: str, function: str) -> str | None:
-    """What is wrong with an agent, and the remedy; None where it is there."""
-    path = provenance.module_file(module)
-    if path is None:
-        return f"there is no module {module}; install it, or put it beside the overlay"
-    try:
-        names = provenance.defined(path.read_bytes())
-    except SyntaxError as error:
-        return f"{path.name}, line {error.lineno}, is no Python: {error.msg}; mend it"
-    if names is not None and function not in names:
-        return f"{module} has no function {function}; name one that it has"
-    return None

@@ -16,7 +16,7 @@ from ovman.analysis.rates import Rate
 from ovman.cli import main
 from ovman.entry.command import shard_of
 from ovman.entry.evaluation import asked
-from ovman.entry.manifest import Manifest, manifest_of
+from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import EntryError, Release
 from ovman.entry.summary import as_json, as_text, summary_of
 from ovman.entry.tour_cache import recording_key
@@ -155,7 +155,10 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, ca
     options = ["--agent", "broken:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--seeds", "0"]
     assert evaluated(tmp_path / "out", cache, *options) == 1
     last = capsys.readouterr().err.splitlines()[-1]
-    assert last.startswith("ovman eval: arms.broken.agent is 'broken:Agent': FloorPlan10/stable/0000, seed 0: act raised ZeroDiv")
+    assert last == (
+        "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 10: division by zero; "
+        "mend the agent"
+    )
     assert len(lines(tmp_path / "out" / "journal.jsonl")) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()
 
 
@@ -163,7 +166,7 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
     """The released runs of the control, as if they had been made: Table embodied, and the tests against the reference agent."""
     runs = [run for path in sorted((DATA / "runs" / ARM).glob("seed*/*.jsonl")) for run in Score.read(path)]
     arm = stage_settings(CONFIG, "rollouts", ARM).arm
-    manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS)
+    manifest = manifest_of(arm, EPISODES.read_bytes(), MAIN, 219, [episode.id for episode in released()], SEEDS, Where.EVALUATOR)
     summary = summary_of(runs, released(), manifest, RELEASE)
     wanted = [line for line in lines(DATA / "metrics" / "embodied_rates.csv") if line.startswith(f"{ARM},")]
     assert csv_text(Rate, summary.rates).splitlines()[1:] == wanted and len(wanted) == 7
@@ -213,7 +216,13 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
         (["--agent", "Agent", "--split", MAIN], "--agent: 'Agent' names no function; write"),
         (["--agent", "json:load", "--split", MAIN, "--name", "Mine!"], "--name: 'Mine!' cannot name an arm"),
         (["--agent", "json:load", "--split", MAIN, "--name", ARM], f"--name: {ARM} is an arm of config.yaml"),
-        (["--agent", "json:load", "--split", MAIN, "--needs", "maps"], "--needs: maps cannot be made outside the workflow"),
+        (["--agent", "json:load", "--split", MAIN, "--needs", "dualmap"], "--needs: dualmap is not made outside the workflow"),
+        (
+            ["--agent", "json:load", "--split", MAIN, "--in-process", "--needs", "maps"],
+            "--in-process: json needs more than tours",
+        ),
+        (["--agent", "json:load", "--split", MAIN, "--server", "ws://x:1"], "--server: its agent is where it is"),
+        (["--split", MAIN, "--server", "ws://x:1"], "--server: say what its agent is called"),
         (["--arm", "nobody", "--split", MAIN], "--arm: nobody is no arm of config.yaml; write one of"),
         (["--arm", CONFIG.comparisons.agent, "--split", MAIN], "does not drive from episodes and tours alone; write one of"),
         (["--arm", ARM, "--split", "mian"], "--split: mian is no split"),

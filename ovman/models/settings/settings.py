@@ -27,6 +27,7 @@ from ovman.models.settings.benchmark import (
 from ovman.models.settings.comparisons import Comparisons, PaperRows
 from ovman.models.settings.joint import Joint
 from ovman.models.settings.networks import Perception, Training
+from ovman.models.settings.remote import Remote
 from ovman.models.settings.sensitivity import GateSweep, Sensitivity
 from ovman.models.settings.sensors import Levels
 from ovman.models.settings.splits import Splits
@@ -64,6 +65,7 @@ class Settings(Section):
     locobot: Locobot
     cow: Cow
     controls: Controls
+    remote: Remote
     plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")
     arms: Arms
     comparisons: Comparisons

@@ -1,0 +1,72 @@
+"""Who is evaluated: an agent of the user's, an arm of config.yaml, or whatever a server has, as an arm of the settings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+
+from ovman.entry.release import EntryError
+from ovman.models.settings import Arm, Kind, Need, Settings
+
+MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})
+"""What an agent in a process of its own can be given: frames come over the line, and the rest is made of them there."""
+SERVED = "ovman.remote.agent:RemoteAgent"
+"""What stands in the place of the agent's own function where a server has it."""
+
+
+def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence[str] | None) -> tuple[Settings, str]:
+    """The settings with an arm for an agent of the user's, and the arm's name.
+
+    EntryError for a name that is taken or is none, and for what cannot be needed outside the workflow.
+    """
+    wanted = [str(Need.TOURS)] if needs is None else list(needs)
+    if others := [need for need in wanted if need not in set(map(str, MADE_APART))]:
+        able = ", ".join(sorted(MADE_APART))
+        raise EntryError(f"--needs: {others[0]} is not made outside the workflow; write some of {able}, or an arm in an overlay")
+    name = re.sub(r"\W", "_", agent.partition(":")[0].rpartition(".")[2].lower()) if name is None else name
+    if name in settings.arms:
+        raise EntryError(f"--name: {name} is an arm of config.yaml; write another name")
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise EntryError(f"--name: {name!r} cannot name an arm; write small letters, digits and _")
+    try:
+        entry = {"name": name, "kind": "embodied", "agent": agent, "system": name, "memory": "its own", "needs": wanted}
+        arm = Arm.model_validate(entry)
+    except ValidationError as error:
+        said = error.errors()[0]["msg"].removeprefix("Value error, ")
+        raise EntryError(f"--agent: {said}") from None
+    return settings.model_copy(update={"arms": {**settings.arms, name: arm}}), name
+
+
+def checked(settings: Settings, name: str, called: str | None, needs: Sequence[str] | None) -> str:
+    """The name of an arm of config.yaml that can be run from episodes and tours alone. EntryError for another."""
+    if called is not None or needs is not None:
+        raise EntryError("--name and --needs are of an --agent or a --server; an arm of config.yaml has its own")
+    able = [arm.name for arm in settings.arms.values() if _able(arm)]
+    if name not in able:
+        why = "does not drive from episodes and tours alone" if name in settings.arms else "is no arm of config.yaml"
+        raise EntryError(f"--arm: {name} {why}; write one of {', '.join(able)}")
+    return name
+
+
+def entrant(
+    settings: Settings, agent: str | None, arm: str | None, name: str | None, needs: Sequence[str] | None
+) -> tuple[Settings, str]:
+    """The settings with the arm that is evaluated, and its name; a server's where neither an agent nor an arm is named."""
+    if arm is not None:
+        return settings, checked(settings, arm, name, needs)
+    if agent is None and name is None:
+        raise EntryError("--server: say what its agent is called in the records, with --name; or which --arm it serves")
+    return with_agent(settings, agent or SERVED, name, needs)
+
+
+def stays(arm: Arm) -> bool:
+    """Whether an arm can run in the evaluator's process: it is given tours at most."""
+    return set(arm.needs) <= {Need.TOURS}
+
+
+def _able(arm: Arm) -> bool:
+    """Whether an arm drives by itself and is given nothing that is neither in the episode nor made of its tours."""
+    alone = arm.made_by is None and arm.cut_from is None and not arm.reads_sightings
+    return arm.kind is Kind.EMBODIED and alone and set(arm.needs) <= MADE_APART

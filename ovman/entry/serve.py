@@ -1,0 +1,63 @@
+"""`ovman serve`: the server of an agent that is written against `ovman.agents.interface`."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from ovman.entry.entrant import entrant
+from ovman.entry.release import CONFIG
+from ovman.evaluation.supervision import AgentError
+from ovman.remote.host import hosted
+from ovman.workflow.config import load
+from ovman.workflow.parameter import stage_settings
+from ovman_client import Server
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What is served, and where."""
+    who = parser.add_mutually_exclusive_group(required=True)
+    who.add_argument("--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md)")
+    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
+    parser.add_argument("--needs", nargs="*", metavar="NEED", help="of an --agent: tours (the default), maps, detections ...")
+    parser.add_argument("--name", metavar="NAME", help="what the agent is called; default: its module's last name, or the arm's")
+    parser.add_argument("--host", default="127.0.0.1", help="where to listen; 0.0.0.0 for other machines. Default: 127.0.0.1")
+    parser.add_argument("--port", type=int, default=8765, help="0 takes a free one. Default: 8765")
+    parser.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+    parser.add_argument("--path", metavar="DIR", default=".", help="where the agent's module lies; default: this directory")
+    parser.add_argument("--ready", type=int, metavar="FD", help=argparse.SUPPRESS)
+
+
+def serve(options: argparse.Namespace) -> None:
+    """Serve until the process is told to end. ConfigError, EntryError, AgentError, in one line."""
+    sys.path.insert(0, str(Path(options.path).absolute()))
+    settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
+    make = hosted(stage_settings(settings, "rollouts", name), settings)
+    server = Server(make, name, options.host, options.port, decoded=False)
+    if options.ready is None:
+        print(f"{name} listens on ws://{options.host}:{server.port}", file=sys.stderr, flush=True)
+    else:
+        os.write(options.ready, f"{server.port}\n".encode())
+        os.close(options.ready)
+    server.forever()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Returns the exit status."""
+    parser = argparse.ArgumentParser(prog="ovman serve")
+    add_arguments(parser)
+    try:
+        serve(parser.parse_args(arguments))
+    except (ValueError, OSError, AgentError) as error:
+        print(f"ovman serve: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

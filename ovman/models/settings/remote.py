@@ -1,0 +1,21 @@
+"""Limits of an agent in a process of its own."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from ovman.models.settings.values import Section
+
+Seconds = Annotated[float, Field(gt=0)]
+
+
+class Remote(Section):
+    """How long an agent in a process of its own may take, and how much memory."""
+
+    connect_s: Seconds = Field(description="seconds until an agent's server answers, its start included")
+    tour_s: Seconds = Field(description="seconds for each of begin, familiarise, revisit and ask")
+    act_s: Seconds = Field(description="seconds for an action")
+    memory_gb: Annotated[float, Field(gt=0)] = Field(description="GB of private memory of an agent's process on this machine")
+    file_gb: Annotated[float, Field(gt=0)] = Field(description="GB of the largest file that it may write, its log included")

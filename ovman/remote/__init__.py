@@ -1,0 +1,1 @@
+"""An agent in a process of its own, here or elsewhere: the evaluator's side of the protocol, and a host for arms of ours."""

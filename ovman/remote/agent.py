@@ -1,0 +1,109 @@
+"""An agent in a process of its own, as the evaluator sees it: the four methods, each a message and its reply."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.evaluation.attempt import Attempt
+from ovman.models.settings.remote import Remote
+from ovman.remote import wire
+from ovman.remote.line import Line, LineLost
+
+VISITS_KEPT = 2
+"""Visits that are kept as messages, of some 15 MB each: all seeds of an episode have them in common."""
+
+
+class RemoteAgent:
+    """An `Agent` at the other end of a line, for one run. attempt: the run."""
+
+    looks = True
+
+    def __init__(self, line: Line, attempt: Attempt, limits: Remote, tours: Tours) -> None:
+        self._line, self._limits, self._tours = line, limits, tours
+        self._done(wire.begin(attempt), limits.tour_s)
+
+    def familiarise(self, visit: Visit) -> None:
+        """See `Agent.familiarise`. LineLost, AgentError: as for `Line.ask`."""
+        self._done({"type": "familiarise", "visit": self._tours(visit)}, self._limits.tour_s)
+
+    def revisit(self, visit: Visit) -> None:
+        """See `Agent.revisit`. LineLost, AgentError: as for `Line.ask`."""
+        self._done({"type": "revisit", "visit": self._tours(visit)}, self._limits.tour_s)
+
+    def ask(self, query: Query) -> None:
+        """See `Agent.ask`. LineLost, AgentError: as for `Line.ask`."""
+        reply = self._done({"type": "ask", "query": wire.query(query)}, self._limits.tour_s)
+        self.looks = reply.get("looks") is not False
+
+    def act(self, observation: Observation) -> Action:
+        """See `Agent.act`. LineLost for what is no action, and as for `Line.ask`."""
+        reply = self._line.ask({"type": "act", "observation": wire.observation(observation)}, self._limits.act_s)
+        if reply["type"] == "action":
+            try:
+                return Action(str(reply.get("action")))
+            except ValueError:
+                pass
+        self._line.close()
+        names = ", ".join(Action)
+        raise LineLost(f"act: the reply {str(reply.get('action', reply['type'])):.40} is no action; answer one of {names}")
+
+    def _done(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
+        reply = self._line.ask(message, limit_s)
+        if reply["type"] != "done":
+            self._line.close()
+            raise LineLost(f"{message['type']}: the reply is {reply['type']:.40}, not done; answer as the protocol says")
+        return reply
+
+
+class Tours:
+    """Visits as parts of messages; the last few are kept by what they show."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, Sequence[dict[str, Any]]] = OrderedDict()
+
+    def __call__(self, visit: Visit) -> dict[str, Any]:
+        """The visit as a part of a message."""
+        if visit.content is None:
+            return wire.visit(visit, [wire.observation(seen) for seen in visit.observations])
+        if visit.content not in self._kept:
+            self._kept[visit.content] = [wire.observation(seen) for seen in visit.observations]
+        self._kept.move_to_end(visit.content)
+        while len(self._kept) > VISITS_KEPT:
+            self._kept.popitem(last=False)
+        return wire.visit(visit, self._kept[visit.content])
+
+
+class Remotes:
+    """Makes the agents of an evaluation, over one line that is dialled again where it was lost. A context manager.
+
+    address: says where to dial, and starts what is to be dialled where that is the evaluator's part.
+    """
+
+    def __init__(self, address: Callable[[], str], limits: Remote) -> None:
+        self._address, self._limits, self._tours = address, limits, Tours()
+        self._line: Line | None = None
+
+    def __call__(self, attempt: Attempt) -> RemoteAgent:
+        """An agent for a run. LineLost, AgentError: as for `Line`."""
+        return RemoteAgent(self.line(), attempt, self._limits, self._tours)
+
+    def line(self) -> Line:
+        """The line, dialled where there is none. AgentError as for `Line`."""
+        if self._line is None:
+            self._line = Line(self._address(), self._limits.connect_s)
+        return self._line
+
+    def lost(self) -> None:
+        """The line is of no use any more."""
+        if self._line is not None:
+            self._line.close()
+        self._line = None
+
+    def __enter__(self) -> Remotes:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.lost()

@@ -1,0 +1,127 @@
+"""The line to an agent's server: one question, one answer, each within its time."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
+from typing import Any
+
+from websockets.exceptions import ConnectionClosed, InvalidURI, WebSocketException
+from websockets.sync.client import connect
+
+from ovman.evaluation.supervision import AgentError
+from ovman_client.messages import PROTOCOL, MessageError, packed, unpacked
+
+MAX_REPLY = 1 << 16
+"""Bytes. The longest reply that the protocol has is the line of an error."""
+TOO_BIG = 1009
+"""The WebSocket code for a message that is larger than allowed."""
+SAID = 300
+"""Characters that are shown of what an agent says of its error."""
+
+
+class LineLost(AgentError):
+    """The agent's server cannot be reached any more: it died, or it broke the protocol and was hung up on."""
+
+
+class Line:
+    """A connection that says hello at once. A context manager.
+
+    url: "ws://host:port". connect_s: seconds until it stands. AgentError, in one line, where it does not, or where the other side
+    speaks another protocol.
+    """
+
+    def __init__(self, url: str, connect_s: float) -> None:
+        self._url, self._number = url, 0
+        try:
+            self._open = ExitStack()
+            self._socket = self._open.enter_context(
+                connect(
+                    url,
+                    open_timeout=connect_s,
+                    close_timeout=1,
+                    max_size=MAX_REPLY,
+                    compression=None,
+                    ping_interval=None,
+                    proxy=None,
+                )
+            )
+        except InvalidURI:
+            raise AgentError(f"--server: {url!r} is no address; write ws://host:port") from None
+        except (OSError, WebSocketException, TimeoutError) as error:
+            raise LineLost(f"{url}: no agent answers ({_words(error)}); start its server, ovman serve or ovman-client") from None
+        welcome = self.ask({"type": "hello", "protocol": PROTOCOL}, connect_s)
+        if welcome["type"] != "welcome" or not isinstance(welcome.get("agent"), str):
+            self.close()
+            raise AgentError(f"{url}: hello was answered by {welcome['type']:.40}; the agent's side speaks another protocol")
+        self.agent = str(welcome["agent"])[:80]
+
+    def ask(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
+        """The reply to a message. limit_s: seconds for both ways.
+
+        LineLost where nothing comes in time, what comes is no message, or the other side is gone; the line is closed then.
+        AgentError for a reply that tells of the agent's own error.
+        """
+        self._number += 1
+        what = str(message["type"])
+        with self._hung_up(what, limit_s):
+            with self._watched(limit_s):
+                self._socket.send(packed({**message, "number": self._number}))
+            reply = unpacked(self._socket.recv(timeout=limit_s))
+        if reply.get("number") != self._number:
+            self.close()
+            raise LineLost(
+                f"{what}: the agent answered message {str(reply.get('number')):.20}, not {self._number}; answer in turn"
+            )
+        if reply["type"] == "error":
+            raise AgentError(f"{what} raised {' '.join(str(reply.get('message')).split()):.{SAID}}; mend the agent")
+        return reply
+
+    def close(self) -> None:
+        """Hang up."""
+        with suppress(OSError, WebSocketException):
+            self._open.close()
+
+    def __enter__(self) -> Line:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    @contextmanager
+    def _hung_up(self, what: str, limit_s: float) -> Iterator[None]:
+        try:
+            yield
+        except TimeoutError:
+            reason = f"no answer within {limit_s:g} s; answer sooner, or raise the limit in section remote of the settings"
+        except ConnectionClosed as error:
+            sent = error.sent
+            large = sent is not None and sent.code == 1009
+            reason = f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else "the agent is gone"
+        except (MessageError, WebSocketException, OSError) as error:
+            reason = f"{_words(error):.{SAID}}; answer as the protocol says"
+        else:
+            return
+        self.close()
+        raise LineLost(f"{what}: {reason}") from None
+
+    @contextmanager
+    def _watched(self, limit_s: float) -> Iterator[None]:
+        """Ends a send to an agent that does not read."""
+        late = threading.Timer(limit_s, self._shut)
+        late.daemon = True
+        late.start()
+        try:
+            yield
+        finally:
+            late.cancel()
+
+    def _shut(self) -> None:
+        with suppress(OSError):
+            self._socket.socket.shutdown(socket.SHUT_RDWR)
+
+
+def _words(error: BaseException) -> str:
+    return " ".join(str(error).split()) or type(error).__name__

@@ -1,0 +1,137 @@
+"""`ovman merge` and `--workers`: however an evaluation was shared out, the same bytes are left; what is not one is refused."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ovman.models.settings import MAIN
+from tests.entry.evaluations import DEPTH, SCENE, command, lines
+from tests.episodes import ROOT
+
+
+@pytest.fixture(scope="module")
+def shards(tmp_path_factory, tours, depth_driving):
+    """The same evaluation by seeds: each seed in a folder of its own."""
+    folders = [tmp_path_factory.mktemp("shard") / f"seed{seed}" for seed in (0, 1)]
+    for seed, out in enumerate(folders):
+        options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", seed]
+        assert command("eval", "--out", out, "--cache", tours, *options) == 0
+    return folders
+
+
+def files(directory):
+    return {path.name: path.read_bytes() for path in directory.iterdir() if path.name != ".lock"}
+
+
+def test_shards_come_to_what_one_run_leaves(shards, depth_driving, tmp_path, capsys):
+    assert command("merge", tmp_path / "out", *shards) == 0
+    made, wanted = files(tmp_path / "out"), files(depth_driving)
+    assert {name: made[name] for name in wanted if name != "journal.jsonl"} == {
+        name: content for name, content in wanted.items() if name != "journal.jsonl"
+    }
+    assert sorted(made["journal.jsonl"].splitlines()) == sorted(wanted["journal.jsonl"].splitlines())
+    assert command("merge", tmp_path / "again", tmp_path / "out", shards[0]) == 0
+    assert files(tmp_path / "again") == made
+
+
+def test_an_evaluation_goes_on_in_what_was_merged(shards, tours, depth_driving, tmp_path, capsys):
+    assert command("merge", tmp_path / "out", *shards) == 0
+    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "1"]
+    capsys.readouterr()
+    assert command("eval", "--out", tmp_path / "out", "--cache", tours, *options) == 0
+    assert "4 of 4 runs are there already" in capsys.readouterr().out
+    assert (tmp_path / "out" / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "said"),
+    [
+        ("manifest.json", lambda text: text.replace(f'"arm":"{DEPTH}"', '"arm":"other"'), "arm: "),
+        ("manifest.json", lambda text: text.replace('"code":"', '"code":"0'), "code: "),
+        ("runs.jsonl", lambda text: text.split("\n", 1)[1], "nothing recorded"),
+        ("runs.jsonl", lambda text: text.replace('"seed":1', '"seed":0'), "seed: recorded, not among [1]"),
+    ],
+)
+def test_what_is_not_one_evaluation_is_one_line(shards, tmp_path, capsys, name, change, said):
+    other = shutil.copytree(shards[1], tmp_path / "other")
+    text = (other / name).read_text()
+    assert change(text) != text
+    (other / name).write_text(change(text))
+    assert command("merge", tmp_path / "out", shards[0], other) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"ovman merge: {other}") and said in line
+    assert not (tmp_path / "out").exists()
+
+
+def test_runs_that_differ_are_refused(shards, tmp_path, capsys):
+    other = shutil.copytree(shards[1], tmp_path / "other")
+    runs = [json.loads(line) for line in lines(other / "runs.jsonl")]
+    runs[0]["spl"] -= 0.25
+    (other / "runs.jsonl").write_text("".join(json.dumps(run, separators=(",", ":")) + "\n" for run in runs))
+    assert command("merge", tmp_path / "out", *shards, other) == 1
+    assert f"{other}: {runs[0]['episode']}, seed 1: spl: {runs[0]['spl']}, another folder has" in capsys.readouterr().err
+
+
+def test_a_gap_is_refused(tours, shards, tmp_path, capsys):
+    """A scene under one seed and another under both are no evaluation of both scenes under both seeds."""
+    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", "FloorPlan7", "--seeds", "0"]
+    assert command("eval", "--out", tmp_path / "one", "--cache", tours, *options) == 0
+    assert command("merge", tmp_path / "out", *shards, tmp_path / "one") == 1
+    assert "seed 1 in none with it; run it under seed 1, too" in capsys.readouterr().err
+
+
+def test_a_folder_that_holds_something_is_left_alone(shards, tmp_path, capsys):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine").write_text("mine")
+    assert command("merge", tmp_path / "out", *shards) == 1
+    assert "is there already" in capsys.readouterr().err and (tmp_path / "out" / "mine").read_text() == "mine"
+
+
+def evaluation(out, tours, workers):
+    command = [sys.executable, "-m", "ovman.cli", "eval", "--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "FloorPlan7"]
+    return [*command, "--seeds", "0", "--out", str(out), "--cache", str(tours), "--workers", workers]
+
+
+def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(tours, tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    subprocess.run(evaluation(one, tours, "1"), cwd=ROOT, check=True, capture_output=True)
+    with subprocess.Popen(
+        evaluation(two, tours, "2"), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout.readline().startswith("1/")
+        children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=True).stdout.split()
+        workers = [child for child in map(int, children) if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
+        os.kill(workers[-1], signal.SIGKILL)
+        _, said = process.communicate(timeout=60)
+    if process.returncode:  # else the worker had nothing left to do
+        assert said == "ovman eval: a worker was ended by signal 9; finished runs are kept, and the same command goes on\n"
+    subprocess.run(evaluation(two, tours, "2"), cwd=ROOT, check=True, capture_output=True)
+    for name in ("runs.jsonl", "summary.json", "manifest.json"):
+        assert (one / name).read_bytes() == (two / name).read_bytes()
+
+
+def test_a_worker_has_an_agent_process_of_its_own(tours, tmp_path, monkeypatch, capsys):
+    """An ill agent in a worker ends the evaluation in one line, and costs its own runs where failures abstain."""
+    (tmp_path / "ill.py").write_text(
+        "class Agent:\n"
+        "    def __init__(self, context): pass\n"
+        "    familiarise = revisit = ask = lambda self, given: None\n"
+        "    def act(self, observation): raise RuntimeError('lost')\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    options = ["--agent", "ill:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "FloorPlan7", "--seeds", "0"]
+    options += ["--cache", tours, "--workers", "2"]
+    assert command("eval", "--out", tmp_path / "stops", *options) == 1
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1 and "act raised RuntimeError" in said
+    assert command("eval", "--out", tmp_path / "goes_on", *options, "--failures", "abstain") == 0
+    failures = lines(tmp_path / "goes_on" / "failures.jsonl")
+    assert len(failures) == len(lines(tmp_path / "goes_on" / "runs.jsonl")) > 2
