@@ -11,7 +11,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables static quick models show release test soak mutants bench lint lock setup clean
+.PHONY: help tables static quick models show release leaderboard test soak mutants bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
@@ -20,6 +20,7 @@ help:
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
 	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture"
+	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
 	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
@@ -49,6 +50,9 @@ release: tables
 	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2
+
+leaderboard: $(READY)
+	@.venv/bin/ovman leaderboard --workers $(CORES)
 
 test: $(READY)
 	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder

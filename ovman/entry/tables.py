@@ -59,16 +59,18 @@ def said(rates: Sequence[Rate], found: Beside) -> Iterator[str]:
     """Lines on which controls reach an arm that is judged, and on what is not tested."""
     for arm, of in by_arm(rates):
         own = of[-1].rate
-        controls = [(name, there[-1].rate) for name, there in by_arm(found.released) if name not in found.references]
-        reach = [
-            f"{name} ({share(rate)})"
-            for name, rate in [*controls, ("chance 1/n", found.chance[ALL])]
-            if round(rate, DECIMALS) >= round(own, DECIMALS)
-        ]
-        if reach:
-            yield f"controls reach the score of {arm}, {share(own)}: {', '.join(reach)}"
+        if reach := reaching(own, found):
+            there = ", ".join(f"{name} ({share(rate)})" for name, rate in reach)
+            yield f"controls reach the score of {arm}, {share(own)}: {there}"
     if found.untested:
         yield f"without a paired test: {', '.join(found.untested)}"
+
+
+def reaching(own: float, found: Beside) -> list[tuple[str, float]]:
+    """The controls, and chance, whose success over all is no lower than `own`, each with it."""
+    controls = [(name, of[-1].rate) for name, of in by_arm(found.released) if name not in found.references]
+    there = [*controls, ("chance 1/n", found.chance[ALL])]
+    return [(name, rate) for name, rate in there if round(rate, DECIMALS) >= round(own, DECIMALS)]
 
 
 def by_arm(rates: Sequence[Rate]) -> list[tuple[str, list[Rate]]]:

@@ -19,7 +19,8 @@ def coverage_table(rows: pd.DataFrame, settings: Settings) -> Table:
         system=[settings.arms[arm].system for arm in shown["arm"]],
         range=[span(low, high) for low, high in zip(shown["low"], shown["high"], strict=True)],
     )
-    frame[SECTION] = frame["split"] + ", " + frame["system"]
+    # Not by +: the columns of a frame without rows have no common type.
+    frame[SECTION] = [f"{split}, {system}" for split, system in zip(frame["split"], frame["system"], strict=True)]
     columns = (
         words("split", formats=CSV_AND_MARKDOWN),
         words("system", formats=CSV_AND_MARKDOWN),

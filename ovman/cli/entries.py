@@ -1,0 +1,192 @@
+"""Commands for agents of anybody's: score, eval, serve, verify, merge, enter, leaderboard."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from ovman.cli.failures import said
+
+
+def add(commands: Any) -> None:
+    """Add the commands to those of `ovman`."""
+    _add_score(commands)
+    _add_eval(commands)
+    commands.add_parser("serve", add_help=False, help="the server of an agent, for ovman eval --server")
+    _add_verify(commands)
+    _add_merge(commands)
+    _add_enter(commands)
+    _add_leaderboard(commands)
+
+
+def _say(line: str) -> None:
+    print(line, flush=True)
+
+
+def _add_score(commands: Any) -> None:
+    score = commands.add_parser("score", help="the static gate of a file of predicted points, beside the released arms")
+    score.add_argument("predictions", metavar="FILE", help="JSON lines with `episode`, and `x` and `z` in metres, or `abstain`")
+    asked = score.add_mutually_exclusive_group()
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    score.add_argument("--partial", action="store_true", help="rates where episodes are missing, too; they are no score")
+    score.add_argument("--json", action="store_true", help="the same as JSON")
+    score.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    score.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+    score.set_defaults(run=_score)
+
+
+def _score(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.entry import release, score, score_page
+        from ovman.models.settings import MAIN
+        from ovman.workflow.config import load
+
+        settings = load(Path(options.config or release.CONFIG))
+        released = release.Release(Path(options.release or release.DATA), settings)
+        own = None if options.episodes is None else Path(options.episodes)
+        found = score.score_file(Path(options.predictions), released, options.split or MAIN, own, options.partial)
+        if found.whole or options.partial:
+            print(score_page.as_json(found) if options.json else score_page.as_text(found), end="", flush=True)
+        if found.whole:
+            return 0
+        print(f"ovman score: {score_page.complaint(found)}", file=sys.stderr)
+        return 1
+
+    return said("score", work)
+
+
+def _add_eval(commands: Any) -> None:
+    found = commands.add_parser("eval", help="an embodied agent on released episodes, outside the workflow")
+    who = found.add_mutually_exclusive_group()
+    who.add_argument(
+        "--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md); it has a process of its own"
+    )
+    who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
+    found.add_argument("--server", metavar="URL", help="ws://host:port of a server that has the agent, or the arm")
+    found.add_argument(
+        "--in-process", action="store_true", help="the agent is trusted: it runs in this process, beside the truth"
+    )
+    found.add_argument(
+        "--failures", choices=("stop", "abstain"), default="stop", help="what a run in which the agent fails does; default: stop"
+    )
+    asked = found.add_mutually_exclusive_group(required=True)
+    asked.add_argument("--split", metavar="NAME", help="a split of config.yaml")
+    asked.add_argument("--episodes", metavar="FILE", help="a file of episodes instead")
+    found.add_argument(
+        "--out", required=True, metavar="DIR", help="runs.jsonl, summary.md, summary.json and manifest.json go there"
+    )
+    found.add_argument("--name", metavar="NAME", help="what the agent is called in its records; default: its module's last name")
+    found.add_argument("--needs", nargs="*", metavar="NEED", help="of an agent: tours (the default), more, or nothing")
+    found.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
+    found.add_argument("--seeds", nargs="+", type=int, metavar="N", help="default: evaluation.seeds of config.yaml")
+    found.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
+    _add_workers(found)
+    found.add_argument("--cache", metavar="DIR", help="where recorded tours are kept; default: the user's cache")
+    _add_release(found)
+    found.set_defaults(run=_eval)
+
+
+def _add_release(command: Any) -> None:
+    command.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    command.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _add_workers(command: Any) -> None:
+    command.add_argument("--workers", type=int, default=1, metavar="N", help="processes, a floor plan at a time each; default: 1")
+
+
+def _eval(options: argparse.Namespace) -> int:
+    if options.agent is None and options.arm is None and options.server is None:
+        print("ovman eval: name who is evaluated: --agent MODULE:FUNCTION, --arm NAME or --server URL", file=sys.stderr)
+        return 2
+
+    def work() -> int:
+        from ovman.entry import command
+
+        print(command.run(options, _say), end="", flush=True)
+        return 0
+
+    return said("eval", work, f"interrupted; the same command goes on in {options.out}")
+
+
+def _add_verify(commands: Any) -> None:
+    found = commands.add_parser("verify", help="the recorded actions of an evaluation driven again here, and judged anew")
+    found.add_argument("directory", metavar="DIR", help="what `ovman eval` wrote: manifest.json and runs.jsonl")
+    found.add_argument("--episodes", metavar="FILE", help="the file of episodes, where they are no released split")
+    _add_workers(found)
+    _add_release(found)
+    found.set_defaults(run=_verify)
+
+
+def _verify(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.entry import command
+
+        return 0 if command.verified(options, _say).agrees else 1
+
+    return said("verify", work)
+
+
+def _add_merge(commands: Any) -> None:
+    found = commands.add_parser("merge", help="shards of one evaluation as one run of all their episodes would have left them")
+    found.add_argument("out", metavar="OUT", help="the folder that is made")
+    found.add_argument("directories", nargs="+", metavar="DIR", help="what `ovman eval` wrote, such as with --shard")
+    found.add_argument("--episodes", metavar="FILE", help="the file of episodes, where they are no released split")
+    _add_release(found)
+    found.set_defaults(run=_merge)
+
+
+def _merge(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.entry import command
+
+        print(command.merged(options), end="", flush=True)
+        return 0
+
+    return said("merge", work)
+
+
+def _add_enter(commands: Any) -> None:
+    found = commands.add_parser("enter", help="an entry of the leaderboard, made of an evaluation or of a file of points")
+    found.add_argument("source", metavar="SOURCE", help="what `ovman eval` wrote, or the file that `ovman score` judges")
+    found.add_argument("name", metavar="NAME", help="of the entry's folder: small letters, digits, - and _")
+    found.add_argument("--split", metavar="SPLIT", help="which the points of a file are of")
+    found.add_argument("--system", help="what the table calls it; with --author and --about for a new entry")
+    found.add_argument("--author", action="append", default=[], help="one of its authors; again for each")
+    found.add_argument("--about", help="what it is, in one line")
+    found.add_argument("--code", metavar="URL", help="where its code is")
+    found.add_argument("--role", choices=("system", "control", "diagnostic"), help="default: system")
+    found.add_argument("--leaderboard", default="leaderboard", metavar="DIR", help="default: leaderboard")
+    _add_release(found)
+    found.set_defaults(run=_enter)
+
+
+def _enter(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.leaderboard import command
+
+        print(command.enter(options), flush=True)
+        return 0
+
+    return said("enter", work)
+
+
+def _add_leaderboard(commands: Any) -> None:
+    found = commands.add_parser("leaderboard", help="all entries driven or judged again here, and the tables of what agrees")
+    found.add_argument("directory", nargs="?", default="leaderboard", metavar="DIR", help="default: leaderboard")
+    found.add_argument("--cache", metavar="DIR", help="remembers what was driven again; default: the user's cache")
+    _add_workers(found)
+    _add_release(found)
+    found.set_defaults(run=_leaderboard)
+
+
+def _leaderboard(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.leaderboard import command
+
+        return 0 if command.render(options, _say) else 1
+
+    return said("leaderboard", work)

@@ -1,0 +1,36 @@
+"""What a command says where it fails: one line, and no trace of calls."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+
+
+def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
+    """The exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
+    try:
+        return work()
+    except ModuleNotFoundError as missing:
+        if (missing.name or "").split(".")[0] == "ovman":
+            raise
+        print(f"ovman {command}: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        return 1
+    except (ValueError, OSError) as error:
+        print(f"ovman {command}: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"ovman {command}: {interrupted}", file=sys.stderr)
+        return 130
+    except Exception as error:
+        if not isinstance(error, _known()):
+            raise
+        print(f"ovman {command}: {error}", file=sys.stderr)
+        return 1
+
+
+def _known() -> tuple[type[Exception], ...]:
+    """Failures with a message of one line. Imported late: most commands start no simulator."""
+    from ovman.evaluation.supervision import AgentError
+    from ovman.sim.session import SimulatorDied, SimulatorError
+
+    return AgentError, SimulatorDied, SimulatorError

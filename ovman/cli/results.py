@@ -1,0 +1,106 @@
+"""Commands about this machine and about results that are there: doctor, check, show, record, replay."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from ovman.cli.failures import said
+
+
+def add(commands: Any) -> None:
+    """Add the commands to those of `ovman`."""
+    doctor = commands.add_parser("doctor", help="what works on this machine, and what to do about what does not")
+    doctor.add_argument("--thor", action="store_true", help="look at Vulkan and AI2-THOR's Unity build, too")
+    doctor.set_defaults(run=_doctor)
+    check = commands.add_parser("check", help="what in results/ is missing, torn or stale, and the command that makes it again")
+    check.add_argument("results", nargs="?", default="results", metavar="DIR", help="default: results")
+    check.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    check.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the results were made with")
+    check.set_defaults(run=_check)
+    show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
+    show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
+    show.add_argument("--all", action="store_true", help="every released episode")
+    show.add_argument("--results", default="results", metavar="DIR", help="default: results")
+    show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
+    show.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    show.set_defaults(run=_show)
+    record = commands.add_parser(
+        "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"
+    )
+    record.add_argument("scene", metavar="SCENE", help="a floor plan, such as FloorPlan201")
+    record.add_argument("--thor", action="store_true", help="on AI2-THOR's Unity build; default: on the embedded engine")
+    record.add_argument("--output", default="session.jsonl.gz", metavar="FILE", help="default: session.jsonl.gz")
+    record.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    record.set_defaults(run=_record)
+    replay = commands.add_parser(
+        "replay", help="a recording done again without a simulator, and asked again of the embedded engine"
+    )
+    replay.add_argument("recording", metavar="FILE", help="what `ovman record` wrote")
+    replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
+    replay.set_defaults(run=_replay)
+
+
+def _doctor(options: argparse.Namespace) -> int:
+    from ovman.doctor.checks import State, findings, report
+
+    well = True
+    for found in findings(options.thor):
+        print(report([found]), flush=True)
+        well &= found.state is not State.ILL
+    return 0 if well else 1
+
+
+def _check(options: argparse.Namespace) -> int:
+    from ovman.doctor.results import Results, check
+    from ovman.workflow.config import ConfigError, load_files
+
+    try:
+        settings = load_files([options.config, *options.configfile])
+    except ConfigError as error:
+        print(f"ovman check: {error}", file=sys.stderr)
+        return 1
+    results = Path(options.results).absolute()
+    if results.name != "results":
+        print(f"ovman check: {options.results} is not called results; give the folder that the workflow wrote", file=sys.stderr)
+        return 1
+    faults = 0
+    for line in check(Results(results.parent, settings)):
+        print(line, flush=True)
+        faults += 1
+    print(f"{options.results}: {faults} faults" if faults else f"{options.results}: whole", flush=True)
+    return 1 if faults else 0
+
+
+def _show(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.report.show.command import show
+
+        for path in show(options.episodes, options.all, options.results, options.output, options.config):
+            print(path, flush=True)
+        return 0
+
+    return said("show", work)
+
+
+def _record(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.doctor import recording
+
+        print(recording.record(options.scene, Path(options.output), options.thor, Path(options.config)))
+        return 0
+
+    return said("record", work)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.doctor import recording
+
+        well, lines = recording.replay(Path(options.recording), options.thor)
+        print("\n".join(lines))
+        return 0 if well else 1
+
+    return said("replay", work)

@@ -1,0 +1,105 @@
+"""The commands `ovman enter` and `ovman leaderboard`: from their options to an entry, and to the tables."""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from ovman.atomic import replace_bytes, replacing
+from ovman.entry.command import checked_workers
+from ovman.entry.manifest import FILE as MANIFEST
+from ovman.entry.manifest import read_manifest
+from ovman.entry.release import CONFIG, DATA, EntryError, Release
+from ovman.entry.run_files import COMPRESSED, compressed, runs_path
+from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
+from ovman.leaderboard.page import as_html, as_markdown
+from ovman.leaderboard.standing import Refusal, barred, standings
+from ovman.models.settings import splits_of
+from ovman.perception.libraries import cache as user_cache
+from ovman.workflow.config import load
+from ovman.workflow.journal import Journal
+
+PAGES = ("README.md", "index.html")
+JOURNAL = "driven_again.jsonl"
+
+
+def enter(options: argparse.Namespace) -> Path:
+    """Make an entry of an evaluation, or of a file of points, or add it to one; the folder that it lies in.
+
+    EntryError, ConfigError or RecordError, in one line, for what is refused whatever its runs are. Nothing is driven.
+    """
+    if not NAME.fullmatch(options.name):
+        raise EntryError(f"{options.name!r} is no name of an entry; write small letters, digits, - and _")
+    source = Path(options.source)
+    folder = Path(options.leaderboard) / str(options.name)
+    entry = _entry(options, folder)
+    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    if source.is_dir():
+        manifest = read_manifest(source)
+        if manifest.split is None:
+            raise EntryError(f"{source / MANIFEST}: split: the episodes are no released split; run it on one")
+        drives, split = True, manifest.split
+        one = Submission(options.name, entry, split, source, drives)
+        if reasons := list(barred(one, manifest, release)):
+            raise EntryError(reasons[0])
+        files = {MANIFEST: (source / MANIFEST).read_bytes(), COMPRESSED: _packed(source)}
+    else:
+        if options.split is None:
+            raise EntryError(f"{source}: say which split the points are of, with --split")
+        release.episodes(options.split)
+        split, files = options.split, {PREDICTIONS: source.read_bytes()}
+    directory = folder / split
+    if taken := [name for name in files if (directory / name).exists()]:
+        raise EntryError(f"{directory / taken[0]}: is there already; remove it, or choose another name")
+    folder.mkdir(parents=True, exist_ok=True)
+    if not (folder / FILE).exists():
+        write_entry(folder, entry)
+    with replacing(directory) as partial:
+        if directory.is_dir():
+            shutil.copytree(directory, partial)
+        partial.mkdir(exist_ok=True)
+        for name, content in files.items():
+            (partial / name).write_bytes(content)
+    return directory
+
+
+def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
+    """Drive and judge all entries again, and write the tables. False where one is refused.
+
+    What was driven on this machine before, with the same engine, is not driven again. EntryError, ConfigError, SimulatorError.
+    """
+    release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
+    directory = Path(options.directory)
+    cache = user_cache() if options.cache is None else Path(options.cache)
+    cache.mkdir(parents=True, exist_ok=True)
+    found = list(standings(directory, release, say, checked_workers(options.workers), Journal(cache / JOURNAL)))
+    splits = splits_of(release.settings.splits)
+    for name, text in zip(PAGES, (as_markdown(found, splits), as_html(found, splits)), strict=True):
+        replace_bytes(directory / name, text.encode())
+        say(str(directory / name))
+    refusals = [one for one in found if isinstance(one, Refusal)]
+    for one in refusals:
+        for reason in one.reasons:
+            say(f"refused: {one.place}: {reason}")
+    return not refusals
+
+
+def _entry(options: argparse.Namespace, folder: Path) -> Entry:
+    """That of the folder, or of the options. EntryError where both are there, or neither."""
+    given = {"system": options.system, "authors": options.author, "about": options.about}
+    if (folder / FILE).exists():
+        if said := [name for name, value in given.items() if value]:
+            raise EntryError(f"{folder / FILE}: is there already; leave out --{said[0].removesuffix('s')}, or change the file")
+        return read_entry(folder)
+    if absent := [name for name, value in given.items() if not value]:
+        raise EntryError(f"{folder / FILE}: is not there; give --system, --author and --about ({absent[0]} is missing)")
+    value = {**given, "role": options.role or Role.SYSTEM, "code": options.code, "date": str(datetime.date.today())}
+    return Entry.from_json(value, "ovman enter")
+
+
+def _packed(source: Path) -> bytes:
+    path = runs_path(source)
+    return path.read_bytes() if path.name == COMPRESSED else compressed(path.read_bytes())

@@ -1,0 +1,126 @@
+"""What each submission comes to here: a row of a table where it agrees, else what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ovman.analysis.rates import ALL, Rate
+from ovman.entry import tables
+from ovman.entry.beside import Beside
+from ovman.entry.manifest import Manifest, read_manifest
+from ovman.entry.recorded import read_recorded
+from ovman.entry.release import EntryError, Release
+from ovman.entry.score import score_file
+from ovman.entry.score_page import complaint
+from ovman.entry.summary import summary_of
+from ovman.entry.verification import verify
+from ovman.leaderboard.entry import PREDICTIONS, Entry, Role, Submission, submissions
+from ovman.workflow.journal import Journal
+
+SHOWN = 3
+"""Reasons that are shown of a submission that is refused; the rest are counted."""
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A submission that agrees.
+
+    rates: by relation, then all. chance: of 1/n over all. reached_by: controls of the release whose success is no lower, with
+    it. where: its agent ran; None for predicted points. runs: seeds that were driven again, or runs that were judged.
+    """
+
+    name: str
+    entry: Entry
+    split: str
+    rates: Sequence[Rate]
+    chance: float
+    reached_by: Sequence[tuple[str, float]]
+    where: str | None
+    runs: int
+
+    @property
+    def drives(self) -> bool:
+        """Whether it was driven."""
+        return self.where is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """A submission that does not stand, and why, a line each."""
+
+    place: str
+    reasons: Sequence[str]
+
+
+def standings(
+    directory: Path, release: Release, say: Say, workers: int = 1, journal: Journal | None = None
+) -> Iterator[Standing | Refusal]:
+    """What comes of each submission below `directory`, by the names of their entries.
+
+    journal: of runs that were driven again before, which are not driven again. What is wrong with one entry is its own: others
+    stand. EntryError where there is no entry; SimulatorError.
+    """
+    folders = sorted(path for path in directory.iterdir() if path.is_dir()) if directory.is_dir() else []
+    if not folders:
+        raise EntryError(f"{directory}: holds no entry; make one with `ovman enter`")
+    for folder in folders:
+        try:
+            found = list(submissions(folder))
+        except ValueError as error:
+            yield Refusal(folder.name, [str(error)])
+            continue
+        for one in found:
+            say(f"{one.place}: {'driven again' if one.drives else 'judged again'}")
+            try:
+                yield _driven(one, release, say, workers, journal) if one.drives else _judged(one, release)
+            except ValueError as error:
+                yield Refusal(one.place, [str(error)])
+
+
+def barred(one: Submission, manifest: Manifest, release: Release) -> Iterator[str]:
+    """Why an evaluation is no entry, whatever its runs are. A line each."""
+    place = one.directory / "manifest.json"
+    if manifest.split != one.split:
+        yield f"{place}: split: {manifest.split}, and the folder is called {one.split}; name it after its split"
+    if not manifest.whole:
+        yield f"{place}: asked: {len(manifest.asked)} of {manifest.n} episodes; run them all"
+    wanted = list(release.settings.evaluation.seeds)
+    if sorted(manifest.seeds) != sorted(wanted):
+        yield f"{place}: seeds: {list(manifest.seeds)}; run it under {wanted}"
+    if manifest.budget is not None:
+        yield f"{place}: budget: {manifest.budget} actions; run it under the episodes' own"
+    if manifest.embodiment != "default":
+        yield f"{place}: embodiment: {manifest.embodiment}; run it with the benchmark's own body"
+    if manifest.handed and one.entry.role is not Role.DIAGNOSTIC:
+        yield f"{place}: handed: {', '.join(manifest.handed)}; an agent that is handed truth is entered as {Role.DIAGNOSTIC}"
+
+
+def _driven(one: Submission, release: Release, say: Say, workers: int, journal: Journal | None) -> Standing | Refusal:
+    manifest = read_manifest(one.directory)
+    if reasons := list(barred(one, manifest, release)):
+        return Refusal(one.place, reasons)
+    found = verify(one.directory, release, None, say, workers, journal)
+    if not found.agrees:
+        return Refusal(one.place, found.differences)
+    episodes = read_recorded(one.directory, manifest, release, None).episodes
+    summary = summary_of(found.runs, [*episodes.values()], manifest, release)
+    return _standing(one, summary.rates, summary.beside, str(manifest.where), len(manifest.seeds))
+
+
+def _judged(one: Submission, release: Release) -> Standing | Refusal:
+    found = score_file(one.directory / PREDICTIONS, release, one.split)
+    if not found.whole:
+        return Refusal(one.place, [complaint(found)])
+    by_arm = tables.by_arm(found.rates)
+    if len(by_arm) > 1:
+        names = ", ".join(arm for arm, _ in by_arm)
+        return Refusal(one.place, [f"{found.file}: arm: has {names}; one entry is one arm"])
+    return _standing(one, found.rates, found.beside, None, found.rates[-1].seeds)
+
+
+def _standing(one: Submission, rates: Sequence[Rate], beside: Beside, where: str | None, runs: int) -> Standing:
+    reached = tables.reaching(rates[-1].rate, beside)
+    return Standing(one.name, one.entry, one.split, rates, beside.chance[ALL], reached, where, runs)
