@@ -23,9 +23,9 @@ def add(commands: Any) -> None:
     show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
     show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
     show.add_argument("--all", action="store_true", help="every released episode")
-    show.add_argument("--results", default="results", metavar="DIR", help="default: results")
+    show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
-    show.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
     show.set_defaults(run=_show)
     record = commands.add_parser(
         "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"

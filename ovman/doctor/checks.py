@@ -18,6 +18,7 @@ from enum import Enum
 from pathlib import Path
 
 from ovman.perception.libraries import cache
+from ovman.shipped import HOME
 from ovman.sim import unity
 
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
@@ -25,8 +26,6 @@ FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
 NETWORKS_LIMIT_S = 180.0
 """Time limit for the first picture through the networks. Importing PyTorch from a cold disk takes half a minute."""
 NETWORK_LIBRARIES = ("torch", "ultralytics", "open_clip", "safetensors")
-ROOT = Path(__file__).resolve().parents[2]
-"""The repository, if the package is used from it."""
 SHORT_S = 30.0
 """Time limit for a small program."""
 
@@ -153,7 +152,7 @@ def perception(config: Path | None = None) -> Finding:
     if missing:
         remedy = "pip install 'ovman[benchmark]', or make setup"
         return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
-    file = ROOT / "config.yaml" if config is None else config
+    file = HOME / "config.yaml" if config is None else config
     if not file.exists():
         return Finding("perception", State.ABSENT, "no config.yaml beside the package; a checkout of the repository has one")
     command = [sys.executable, "-m", "ovman.doctor.networks", str(file)]

@@ -11,10 +11,9 @@ from ovman.analysis.rates import Rate
 from ovman.analysis.rows import read_rows
 from ovman.analysis.significance import Outcome
 from ovman.models.settings import MAIN, Kind, Settings, splits_of
+from ovman.shipped import EMBEDDED, HOME
 
-ROOT = Path(__file__).parents[2]
-"""The checkout."""
-CONFIG, DATA = ROOT / "config.yaml", ROOT / "data" / "ovman-embedded-v2"
+CONFIG, DATA = HOME / "config.yaml", HOME / EMBEDDED
 
 
 class EntryError(ValueError):

@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from ovman.perception.libraries import cache
+from ovman.shipped import HOME
 
-ROOT = Path(__file__).resolve().parents[2]
-"""Names of files in the settings are relative to this folder."""
 FILES = frozenset({".safetensors", ".json"})
 SAFE = ".safetensors"
 ASSETS_RELEASE = "v8.4.0"
@@ -36,12 +35,12 @@ class WeightsError(ValueError):
 
 
 def located(name: str) -> Path | None:
-    """The file that a setting names, relative to the repository unless absolute; None for the name of something released.
+    """The file that a setting names, relative to `ovman.shipped.HOME` unless absolute; None for the name of something released.
 
     A name is a file's if it has a folder in it ("./mine.pt") or ends in .safetensors or .json.
     """
     path = Path(name)
-    return ROOT / path if len(Path(name).parts) > 1 or name.startswith("./") or path.suffix in FILES else None
+    return HOME / path if len(Path(name).parts) > 1 or name.startswith("./") or path.suffix in FILES else None
 
 
 def sha256(path: Path) -> str:

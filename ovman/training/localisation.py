@@ -17,7 +17,7 @@ import numpy as np
 
 from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, prompt
 from ovman.perception.networks import detector_of, encoder_of
-from ovman.perception.weights import ROOT
+from ovman.shipped import HOME
 from ovman.sim.change import dynamic
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
@@ -94,7 +94,7 @@ def looked_for(
 def main() -> None:
     """Print the scores of the thresholds around the best one."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
+    parser.add_argument("--config", type=Path, default=HOME / "config.yaml")
     parser.add_argument("--views", type=int, default=100, help="of each floor plan")
     options = parser.parse_args()
     settings = load(options.config)

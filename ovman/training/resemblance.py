@@ -20,7 +20,7 @@ import numpy as np
 from ovman.language import noun
 from ovman.perception.crop import crop
 from ovman.perception.networks import detector_of, encoder_of
-from ovman.perception.weights import ROOT
+from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.training.floorplans import floor_plans
@@ -129,7 +129,7 @@ def _told(what: str, in_use: float, found: Sequence[tuple[float, str]], best: in
 def main() -> None:
     """Print the scores of the thresholds around the best ones."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--config", type=Path, default=ROOT / "config.yaml")
+    parser.add_argument("--config", type=Path, default=HOME / "config.yaml")
     parser.add_argument("--views", type=int, default=48, help="of each floor plan; 48 are those of two tours")
     options = parser.parse_args()
     settings = load(options.config)

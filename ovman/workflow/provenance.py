@@ -17,10 +17,11 @@ from pathlib import Path
 from typing import Any
 
 from ovman.atomic import replace_bytes
+from ovman.shipped import HOME
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine"}
-"""The packages of this repository, and where each lies under its root."""
+"""The packages of this repository, and where each lies under its root. Where wheels are installed they lie side by side."""
 BOUNDARY = frozenset(
     {
         "ovman.workflow.config",
@@ -38,7 +39,7 @@ Parsed = tuple[str, tuple[tuple[str, int], ...]]
 
 def script(stage: str, root: Path = ROOT) -> Path:
     """Where the workflow has the script of a stage."""
-    return root / "workflow" / "scripts" / f"{stage}.py"
+    return (HOME if root == ROOT else root) / "workflow" / "scripts" / f"{stage}.py"
 
 
 @cache
@@ -176,7 +177,8 @@ class _Sources:
     def _place(self, name: str) -> Path | None:
         if name not in self._places:
             top, *_ = name.split(".")
-            bases = [self._root / PACKAGES[top] / top] if top in PACKAGES else _elsewhere(top)
+            ours = self._root / PACKAGES[top] / top if top in PACKAGES else None
+            bases = [ours] if ours is not None and (ours.is_dir() or self._root != ROOT) else _elsewhere(top)
             inside = [base.joinpath(*name.split(".")[1:]) for base in bases]
             places = (place for base in inside for place in (base / "__init__.py", base.with_suffix(".py")))
             self._places[name] = next((path for path in places if path.is_file()), None)

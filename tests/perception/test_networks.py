@@ -16,7 +16,8 @@ import yaml
 from safetensors.torch import save_file
 
 from ovman.perception import detector, encoder, networks, predictor
-from ovman.perception.weights import ROOT, WeightsError
+from ovman.perception.weights import WeightsError
+from ovman.shipped import HOME
 from ovman.workflow.config import load
 from tests.workflow.test_reruns import merged
 
@@ -199,14 +200,14 @@ print([name for name in ("open_clip", "torchvision", "torch._dynamo", "onnx") if
 def test_a_job_that_finds_all_kept_imports_no_more_than_it_runs():
     """The others take four seconds in each of the jobs that look."""
     for expected in ("open_clip", "[]"):
-        done = subprocess.run([sys.executable, "-c", PROBE, str(ROOT / "config.yaml")], capture_output=True, text=True, cwd=ROOT)
+        done = subprocess.run([sys.executable, "-c", PROBE, str(HOME / "config.yaml")], capture_output=True, text=True, cwd=HOME)
         assert done.returncode == 0, done.stderr
         assert expected in done.stdout
 
 
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
-    overlay = yaml.safe_load((ROOT / "overlays" / "thor.yaml").read_text())
-    named = load(merged(yaml.safe_load((ROOT / "config.yaml").read_text()), overlay)).perception
+    overlay = yaml.safe_load((HOME / "overlays" / "thor.yaml").read_text())
+    named = load(merged(yaml.safe_load((HOME / "config.yaml").read_text()), overlay)).perception
     assert (named.detector.architecture, named.detector.weights, named.detector.side_px) == ("yolov8m-seg", "yolov8m-seg.pt", 640)
     assert (named.encoder.model, named.encoder.weights) == ("ViT-B-16", "laion2b_s34b_b88k")
     assert named.device == "cuda" and named.trust_pickles is False

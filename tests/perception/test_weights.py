@@ -11,7 +11,8 @@ import torch
 from safetensors.torch import save_file
 
 from ovman.perception import weights
-from ovman.perception.weights import ROOT, SHA256, WeightsError, detector_file, encoder_file, fitting, located, sha256, state
+from ovman.perception.weights import SHA256, WeightsError, detector_file, encoder_file, fitting, located, sha256, state
+from ovman.shipped import HOME
 
 KEY = "perception.detector"
 
@@ -44,10 +45,10 @@ class Trap:
 @pytest.mark.parametrize(
     ("name", "path"),
     [
-        ("models/detector.safetensors", ROOT / "models/detector.safetensors"),
-        ("detector.safetensors", ROOT / "detector.safetensors"),
-        ("encoder.json", ROOT / "encoder.json"),
-        ("./mine.pt", ROOT / "mine.pt"),
+        ("models/detector.safetensors", HOME / "models/detector.safetensors"),
+        ("detector.safetensors", HOME / "detector.safetensors"),
+        ("encoder.json", HOME / "encoder.json"),
+        ("./mine.pt", HOME / "mine.pt"),
         ("/somewhere/mine.pt", Path("/somewhere/mine.pt")),
         ("yolov8m-seg.pt", None),
         ("ViT-B-16", None),

@@ -10,26 +10,36 @@ from ovman.models.settings import arms_of
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
+from ovman.shipped import EMBEDDED, HOME
 from ovman.workflow import config
 
 PAGES = "pages"
 """The folder of a results directory that pages are written into unless another place is named."""
+RESULTS, CONFIG = "results", "config.yaml"
 
 
 def show(
-    patterns: Sequence[str], all_of_them: bool, results_dir: str | Path, output: str | Path | None, config_file: str | Path
+    patterns: Sequence[str],
+    all_of_them: bool,
+    results_dir: str | Path | None,
+    output: str | Path | None,
+    config_file: str | Path | None,
 ) -> Iterator[Path]:
     """Write the pages of the episodes that match and yield each file, the index of several last.
 
-    output: a file for one episode, a directory for many. Raises ShowError, ConfigError or RecordError, all ValueErrors of one
-    line, for what cannot be shown.
+    results_dir: `results` of the working directory if it is not named, and where there are none the release, which has no tours
+    and no maps. output: a file for one episode, a directory for many; `pages` in the results, or in the working directory for
+    the release. config_file: that of the working directory if it is not named, and where there is none the release's. Raises
+    ShowError, ConfigError or RecordError, all ValueErrors of one line, for what cannot be shown.
     """
-    settings = config.load(Path(config_file))
-    results = Results(Path(results_dir), arms_of(settings.arms), settings.splits)
+    released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
+    directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
+    settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
+    results = Results(directory_of_results, arms_of(settings.arms), settings.splits)
     if not patterns and not all_of_them:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
     chosen = results.chosen(["*"] if all_of_them else patterns)
-    directory = Path(output) if output is not None else results.directory / PAGES
+    directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES
     if len(chosen) == 1 and output is not None and not directory.is_dir():
         yield _write(directory, page(results, chosen[0], settings))
         return

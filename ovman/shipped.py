@@ -1,0 +1,24 @@
+"""Where the files lie that the package works with and that are no code: config.yaml, models/ and data/.
+
+In a checkout they lie beside the package. A wheel has them inside it (setup.py).
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parent
+INSIDE = PACKAGE / "shipped"
+HOME = INSIDE if INSIDE.is_dir() else PACKAGE.parent
+"""The folder that has them."""
+EMBEDDED = Path("data") / "ovman-embedded-v2"
+"""The release, below `HOME`."""
+FILES = (
+    "config.yaml",
+    "workflow/scripts",  # digests of a stage's code begin at its script
+    "models/detector.safetensors",
+    "models/encoder.safetensors",
+    "models/encoder.json",
+    *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "metrics", "predictions", "scenes")),
+)
+"""What a wheel has of them, files and folders."""
