@@ -26,6 +26,8 @@ def add(commands: Any) -> None:
     show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
     show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
+    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages, with the paths of runs")
+    show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="evaluations whose runs a recording shows as well")
     show.set_defaults(run=_show)
     record = commands.add_parser(
         "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"
@@ -76,6 +78,12 @@ def _check(options: argparse.Namespace) -> int:
 
 def _show(options: argparse.Namespace) -> int:
     def work() -> int:
+        if options.rrd:
+            from ovman.playback.command import record
+
+            for path in record(options.episodes, options.results, options.output, options.config, options.runs):
+                print(path, flush=True)
+            return 0
         from ovman.report.show.command import show
 
         for path in show(options.episodes, options.all, options.results, options.output, options.config):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ovman.atomic import replace_bytes
-from ovman.models.settings import arms_of
+from ovman.models.settings import Settings, arms_of
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
@@ -32,14 +32,10 @@ def show(
     the release. config_file: that of the working directory if it is not named, and where there is none the release's. Raises
     ShowError, ConfigError or RecordError, all ValueErrors of one line, for what cannot be shown.
     """
-    released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
-    directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
-    settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
-    results = Results(directory_of_results, arms_of(settings.arms), settings.splits)
+    settings, results, directory = places(results_dir, output, config_file)
     if not patterns and not all_of_them:
         raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
     chosen = results.chosen(["*"] if all_of_them else patterns)
-    directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES
     if len(chosen) == 1 and output is not None and not directory.is_dir():
         yield _write(directory, page(results, chosen[0], settings))
         return
@@ -47,6 +43,18 @@ def show(
         yield _write(directory / file_name(name), page(results, name, settings))
     if len(chosen) > 1:
         yield _write(directory / "index.html", index(results, chosen, [file_name(name) for name in chosen]))
+
+
+def places(
+    results_dir: str | Path | None, output: str | Path | None, config_file: str | Path | None
+) -> tuple[Settings, Results, Path]:
+    """The settings, the results, and where pages go, for what is named and what is not, as `show` says. ConfigError."""
+    released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
+    directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
+    settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
+    results = Results(directory_of_results, arms_of(settings.arms), settings.splits)
+    directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES
+    return settings, results, directory
 
 
 def file_name(episode: str) -> Path:

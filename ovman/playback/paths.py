@@ -1,0 +1,80 @@
+"""Where an agent went: the actions of recorded runs driven again, and the pose after each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from ovman.agents.interface import LETTERS
+from ovman.entry.manifest import read_manifest
+from ovman.entry.replay import ACTIONS, replay_settings
+from ovman.entry.run_files import read_runs, runs_path
+from ovman.evaluation.attempt import Attempt, session_for
+from ovman.evaluation.observation_store import ObservationStore
+from ovman.models.episode import Episode
+from ovman.models.run import Score
+from ovman.models.settings import Settings
+from ovman.workflow.parameter import StageSettings, stage_settings
+
+Pose = tuple[float, float, float]
+"""x and z in metres, yaw in degrees."""
+
+
+@dataclass(frozen=True, slots=True)
+class Path3:
+    """A run as it was driven again. poses: at the spawn, then after each action."""
+
+    run: Score
+    poses: Sequence[Pose]
+
+
+def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Iterator[Path3]:
+    """The paths of runs of an episode that have a trace. SimulatorError if the simulator refuses."""
+    by_body: dict[str, list[tuple[Score, StageSettings]]] = {}
+    for run, settings in runs:
+        if run.trace is not None:
+            by_body.setdefault(settings.arm.embodiment, []).append((run, settings))
+    for alike in by_body.values():
+        with session_for(episode, alike[0][1].arm, alike[0][1]) as session:
+            for run, settings in alike:
+                lens = episode.protocol.camera.field_of_view_deg
+                store = ObservationStore(settings.arm, settings, lens, Path(episode.scene))
+                attempt = Attempt(session, episode, settings.arm, run.seed, settings, store)
+                yield Path3(run, session.with_restarts(partial(_poses, attempt, run.trace or "")))
+
+
+def runs_of_arms(found: Sequence[Score], settings: Settings) -> list[tuple[Score, StageSettings]]:
+    """Runs of arms of the settings, each with those that it is driven by."""
+    return [(run, stage_settings(settings, "rollouts", run.arm)) for run in found if run.arm in settings.arms]
+
+
+def runs_of_evaluation(directory: Path, episode: Episode, settings: Settings) -> list[tuple[Score, StageSettings]]:
+    """The runs of an episode that `ovman eval` left in a folder. EntryError or RecordError, in one line."""
+    of = replay_settings(settings, read_manifest(directory))
+    return [(run, of) for _, run in read_runs(runs_path(directory)) if run.episode == episode.id]
+
+
+def _poses(attempt: Attempt, trace: str) -> list[Pose]:
+    driving = attempt.start().drive(False)
+    next(driving)
+    poses = [_pose(attempt)]
+    for letter in trace:
+        try:
+            driving.send(ACTIONS[letter])
+        except StopIteration:
+            break
+        finally:
+            if letter not in ENDS:
+                poses.append(_pose(attempt))
+    return poses
+
+
+ENDS = frozenset(letter for action, letter in LETTERS.items() if action.value in ("Stop", "Abstain"))
+"""Letters of actions that move nothing."""
+
+
+def _pose(attempt: Attempt) -> Pose:
+    pose = attempt.session.pose
+    return pose.x, pose.z, pose.yaw_deg
