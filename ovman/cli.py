@@ -42,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     replay.add_argument("--thor", action="store_true", help="asked of AI2-THOR's Unity build instead")
     _add_score(commands)
     _add_eval(commands)
+    _add_dataset(commands)
     commands.add_parser("serve", add_help=False, help="the server of an agent, for ovman eval --server")
     given = list(sys.argv[1:] if arguments is None else arguments)
     if given[:1] == ["serve"]:  # its own parser says what is served: the module that has it loads the networks' side
@@ -55,6 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _score(options)
     if options.command == "eval":
         return _eval(options)
+    if options.command == "dataset":
+        return _dataset(options)
     if options.command == "check":
         return _check(options)
     return _show(options) if options.command == "show" else _session(options)
@@ -143,6 +146,41 @@ def _eval(options: argparse.Namespace) -> int:
         print(f"ovman eval: interrupted; the same command goes on in {options.out}", file=sys.stderr)
         return 130
     return 0
+
+
+def _add_dataset(commands: Any) -> None:
+    found = commands.add_parser(
+        "dataset", help="the release as a data set in Parquet, with its tours, card, Croissant and Zenodo"
+    )
+    found.add_argument("--out", required=True, metavar="DIR", help="the folder of the data set")
+    found.add_argument("--split", nargs="+", metavar="NAME", help="splits of config.yaml; default: all that the release has")
+    found.add_argument("--without-tours", action="store_true", help="records alone, and no simulator is started")
+    found.add_argument("--visits", metavar="DIR", help="recorded tours of the workflow, results/visits; others are recorded")
+    found.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
+    found.add_argument("--url", metavar="URL", help="the page that the data set is published at")
+    found.add_argument("--date", metavar="YYYY-MM-DD", help="the day of its publication; default: that of CITATION.cff")
+    found.add_argument("--verify", action="store_true", help="compare the files of DIR with its card and write nothing")
+    found.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    found.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+
+
+def _dataset(options: argparse.Namespace) -> int:
+    try:
+        from ovman.dataset import command
+        from ovman.sim.session import SimulatorDied, SimulatorError
+    except ModuleNotFoundError as missing:
+        print(f"ovman dataset: {missing.name} is not installed; pip install 'ovman[dataset]' brings it", file=sys.stderr)
+        return 1
+    try:
+        wrong = command.run(options, lambda line: print(line, flush=True))
+    except (ValueError, OSError, SimulatorDied, SimulatorError) as error:
+        print(f"ovman dataset: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("ovman dataset: interrupted; tours that are recorded are kept", file=sys.stderr)
+        return 130
+    print("\n".join(wrong), file=sys.stderr) if wrong else None
+    return 1 if wrong else 0
 
 
 def _doctor(thor: bool) -> int:
