@@ -179,7 +179,8 @@ def _dataset(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("ovman dataset: interrupted; tours that are recorded are kept", file=sys.stderr)
         return 130
-    print("\n".join(wrong), file=sys.stderr) if wrong else None
+    for line in wrong:
+        print(f"ovman dataset: {line}", file=sys.stderr)
     return 1 if wrong else 0
 
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,11 @@ import yaml
 
 from ovman.dataset.about import About
 from ovman.dataset.columns import Table
+from ovman.dataset.episodes import tour_id
 from ovman.dataset.files import DataFile
+from ovman.entry.tour_cache import VISITS
+from ovman.models.episode import Episode
+from ovman.models.relation import Relation
 from ovman.report.tables.table import pipe_table
 
 CARD = "README.md"
@@ -55,22 +61,34 @@ def front_matter(about: About, tables: Sequence[Table], files: Sequence[DataFile
     }
 
 
+@dataclass(frozen=True, slots=True)
+class SplitOf:
+    """A split. development: whether agents may be chosen and fitted on it."""
+
+    name: str
+    episodes: Sequence[Episode]
+    development: bool
+
+
 def card(
-    about: About, tables: Sequence[Table], files: Sequence[DataFile], beside: Mapping[str, str], said: Mapping[str, Any]
+    about: About,
+    splits: Sequence[SplitOf],
+    tables: Sequence[Table],
+    files: Sequence[DataFile],
+    beside: Mapping[str, str],
+    said: Mapping[str, Any],
 ) -> str:
     """The card. beside: SHA-256 of the other files of the folder by their names; said: as `ovman.dataset.about.responsible`."""
     matter = yaml.safe_dump(front_matter(about, tables, files), sort_keys=False, allow_unicode=True, width=1000)
     toured = [table for table in tables if table.pictured]
-    # A split with a file of each table that is loaded below; the smallest is loaded fastest.
-    small = min(
-        (file for file in files if file.table == (toured or tables)[0].name), key=lambda file: (file.rows, file.name)
-    ).split
+    small = min(splits, key=lambda split: len(split.episodes)).name
     body = (Path(__file__).parent / "card.md").read_text(encoding="utf-8")
     text = body.format(
         name=about.name,
         description=about.description,
         version=about.version,
         counts=" ".join(_counts(tables, files)),
+        splits=_split_table(splits),
         split=small,
         load_tours=LOAD_TOURS.format(split=small) if toured else "",
         configurations="\n\n".join(_configuration(table) for table in tables),
@@ -97,8 +115,22 @@ def _splits(table: Table, files: Sequence[DataFile]) -> list[str]:
 def _counts(tables: Sequence[Table], files: Sequence[DataFile]) -> Iterator[str]:
     for table in tables:
         of = [file for file in files if file.table == table.name]
-        by_split = ", ".join(f"{sum(f.rows for f in of if f.split == split)} in {split}" for split in _splits(table, files))
-        yield f"`{table.name}` has {sum(file.rows for file in of)} rows ({by_split}), {_megabytes(sum(f.size for f in of))}."
+        yield f"`{table.name}` has {sum(file.rows for file in of)} rows in {sum(file.size for file in of) / 1e6:.1f} MB."
+
+
+def _split_table(splits: Sequence[SplitOf]) -> str:
+    rows = []
+    for split in splits:
+        scenes, tours = (
+            {episode.scene for episode in split.episodes},
+            {tour_id(episode, which) for episode in split.episodes for which in VISITS},
+        )
+        of = Counter(episode.relation for episode in split.episodes)
+        use = "development" if split.development else "test"
+        counts = [len(scenes), len(tours), *(of[relation] for relation in Relation), len(split.episodes)]
+        rows.append([f"`{split.name}`", use, *map(str, counts)])
+    header = ["split", "for", "floor plans", "tours", *(relation.value for relation in Relation), "all"]
+    return pipe_table(header, rows, [number > 1 for number in range(len(header))]).rstrip()
 
 
 def _configuration(table: Table) -> str:
@@ -122,7 +154,3 @@ def _paragraphs(said: Mapping[str, Any]) -> Iterator[str]:
 
 def _table(header: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
     return pipe_table(header, cells, [name in ("rows", "bytes") for name in header]).rstrip()
-
-
-def _megabytes(size: int) -> str:
-    return f"{size / 1e6:.1f} MB"

@@ -12,7 +12,7 @@ TRUTH = "truth_"
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """What a kind of column is called. arrow: by pyarrow; feature: by Hugging Face; croissant: by Croissant; said: in the card."""
+    """What a kind of column is called by pyarrow, by Hugging Face (`feature`), by Croissant, and in the card (`said`)."""
 
     arrow: str
     feature: str

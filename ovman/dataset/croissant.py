@@ -1,7 +1,7 @@
 """croissant.json: the data set in Croissant 1.1 with the vocabulary for responsible AI, which the NeurIPS track asks for.
 
-Names of files are relative to croissant.json, so that a copy of the folder is read where it lies. With a page they are below that page,
-as Hugging Face has them.
+Names of files are relative to croissant.json, so that a copy of the folder is read where it lies. With a page they are below that
+page, as Hugging Face has them.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ CONTEXT: Mapping[str, Any] = {
     "data": {"@id": "cr:data", "@type": "@json"},
     "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
     "dct": "http://purl.org/dc/terms/",
+    "equivalentProperty": "cr:equivalentProperty",
     "examples": {"@id": "cr:examples", "@type": "@json"},
     "extract": "cr:extract",
     "field": "cr:field",
@@ -48,6 +49,7 @@ CONTEXT: Mapping[str, Any] = {
     "regex": "cr:regex",
     "repeated": "cr:repeated",
     "replace": "cr:replace",
+    "samplingRate": "cr:samplingRate",
     "sc": "https://schema.org/",
     "separator": "cr:separator",
     "source": "cr:source",
@@ -99,6 +101,7 @@ def _repository(url: str) -> dict[str, Any]:
         "description": "the data set's repository",
         "contentUrl": url,
         "encodingFormat": "git+https",
+        # No digest of a repository is defined; this is what the format asks for in its place.
         "sha256": "https://github.com/mlcommons/croissant/issues/80",
     }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,12 @@ from typing import Any
 from ovman.atomic import replace_bytes
 from ovman.dataset import answers, episodes, parquet, tours
 from ovman.dataset.about import About, responsible
-from ovman.dataset.card import CARD, card, checksums
+from ovman.dataset.card import CARD, SplitOf, card, checksums
 from ovman.dataset.columns import Table
 from ovman.dataset.croissant import croissant
 from ovman.dataset.files import DataFile, data_file, sha256
 from ovman.dataset.zenodo import zenodo
 from ovman.entry.release import EntryError
-from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 
@@ -30,17 +29,16 @@ TABLES = (episodes.TABLE, tours.TABLE, answers.RUNS, answers.PREDICTIONS)
 class Sources:
     """What the data set is made of.
 
-    release: folder of a release; episodes: of the splits that are made, by split in order; recordings: of their tours, None to
-    leave the tours out.
+    release: folder of a release; splits: those that are made, in order; recordings: of their tours, None to leave the tours out.
     """
 
     release: Path
-    episodes: Mapping[str, Sequence[Episode]]
+    splits: Sequence[SplitOf]
     recordings: tours.Recordings | None
 
 
 def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) -> list[DataFile]:
-    """Write the data set into `out`, and return its Parquet files. What lay in the tables' folders and is not made now is removed.
+    """Write the data set into `out`, and return its Parquet files. Those of an earlier making that are not made now are removed.
 
     say: told of each file, a line. EntryError for a folder that holds something else; TourError, RecordError or SimulatorError.
     """
@@ -54,19 +52,20 @@ def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) 
         say(f"{name}: {file.rows} rows, {file.size / 1e6:.1f} MB")
         files.append(file)
 
-    for split, of in sources.episodes.items():
-        written(episodes.TABLE, split, "", [episodes.rows(of)])
-    for split, of in sources.episodes.items() if sources.recordings is not None else ():
-        for scene, toured in tours.tours_of(of).items():
-            places = sources.recordings.places(scene, toured)
-            written(tours.TABLE, split, scene, (tours.rows(tour, place) for tour, place in places))
-    splits = {episode.id: split for split, of in sources.episodes.items() for episode in of}
-    for split, runs in answers.answers_in(sources.release / "runs", Score, splits).items():
-        written(answers.RUNS, split, "", [answers.run_rows(runs, split)])
-    for split, predictions in answers.answers_in(sources.release / "predictions", Prediction, splits).items():
-        written(answers.PREDICTIONS, split, "", [answers.prediction_rows(predictions, split)])
+    for split in sources.splits:
+        written(episodes.TABLE, split.name, "", [episodes.rows(split.episodes)])
+    if (recordings := sources.recordings) is not None:
+        for split in sources.splits:
+            for scene, toured in tours.tours_of(split.episodes).items():
+                places = recordings.places(scene, toured)
+                written(tours.TABLE, split.name, scene, (tours.rows(tour, place) for tour, place in places))
+    of = {episode.id: split.name for split in sources.splits for episode in split.episodes}
+    for name, runs in answers.answers_in(sources.release / "runs", Score, of).items():
+        written(answers.RUNS, name, "", [answers.run_rows(runs, name)])
+    for name, predictions in answers.answers_in(sources.release / "predictions", Prediction, of).items():
+        written(answers.PREDICTIONS, name, "", [answers.prediction_rows(predictions, name)])
     _remove_others(out, {file.name for file in files})
-    _describe(about, files, out)
+    _describe(about, sources.splits, files, out)
     return files
 
 
@@ -87,7 +86,7 @@ def verify(folder: Path) -> list[str]:
 
 
 def refuse_foreign(out: Path) -> None:
-    """EntryError for a folder that holds what is no data set: files of it would be replaced. An interrupted one has tables alone."""
+    """EntryError for a folder that is no data set, whose files would be replaced. An interrupted making leaves tables alone."""
     own = {table.name for table in TABLES}
     if out.is_dir() and not (out / CROISSANT).is_file() and any(path.name not in own for path in out.iterdir()):
         raise EntryError(f"{out}: holds other files and no {CROISSANT}; name a new folder with --out")
@@ -104,7 +103,7 @@ def _remove_others(out: Path, made: set[str]) -> None:
                 folder.rmdir()
 
 
-def _describe(about: About, files: Sequence[DataFile], out: Path) -> None:
+def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile], out: Path) -> None:
     said = responsible()
     tables = [table for table in TABLES if any(file.table == table.name for file in files)]
     beside = {
@@ -114,4 +113,4 @@ def _describe(about: About, files: Sequence[DataFile], out: Path) -> None:
     for name, content in beside.items():
         replace_bytes(out / name, (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode())
     digests = {name: sha256(out / name) for name in beside}
-    replace_bytes(out / CARD, card(about, tables, files, digests, said).encode())
+    replace_bytes(out / CARD, card(about, splits, tables, files, digests, said).encode())

@@ -1,6 +1,7 @@
 """The table of tours: what an agent sees in both visits, and nothing that it may not see.
 
-The rows of a tour hold neither query nor change: no instance, no mask, no true pose where the sensed one differs, no light, no seed.
+The rows of a tour hold neither query nor change: no instance, no mask, no light, no seed, and no true pose where the sensed one
+differs.
 """
 
 from __future__ import annotations
@@ -67,7 +68,7 @@ def tours_of(episodes: Sequence[Episode]) -> dict[str, list[ToBeToured]]:
 
 @dataclass(frozen=True, slots=True)
 class Recordings:
-    """Where recorded tours lie. visits: the workflow's, None for none; cache: of the user's, into which the others are recorded."""
+    """Where recorded tours lie. visits: the workflow's folder, None for none; cache: the others are recorded into it."""
 
     visits: Path | None
     cache: TourCache
@@ -107,8 +108,11 @@ def rows(tour: ToBeToured, directory: Path) -> Iterator[dict[str, Any]]:
 
 
 def intrinsics(camera: Camera) -> dict[str, float]:
-    """Width, height, vertical field of view, focal lengths and principal point of a camera with square pixels."""
-    focal = camera.height_px / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2)
+    """Width, height, vertical field of view, focal lengths and principal point of a camera with square pixels.
+
+    Focal lengths are rounded to 1e-6 of a pixel, so that their bytes do not depend on the processor's last bit.
+    """
+    focal = round(camera.height_px / 2 / math.tan(math.radians(camera.field_of_view_deg) / 2), 6)
     return {
         "width_px": camera.width_px,
         "height_px": camera.height_px,
