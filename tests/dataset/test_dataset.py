@@ -19,6 +19,9 @@ import yaml
 from PIL import Image
 from pyarrow import parquet
 
+from ovman.agents.controls import difference
+from ovman.agents.controls.depth_difference import nearer
+from ovman.agents.interface import CameraPose, Observation, Visit
 from ovman.cli import main
 from ovman.dataset.about import responsible
 from ovman.dataset.answers import PREDICTIONS, RUNS
@@ -29,10 +32,12 @@ from ovman.dataset.making import TABLES
 from ovman.dataset.tours import TABLE as TOURS
 from ovman.dataset.tours import intrinsics
 from ovman.entry.tour_cache import VISITS, TourCache
+from ovman.evaluation.context import agent_settings
 from ovman.evaluation.recorded_tour import recorded
 from ovman.models.episode import Episode, episode_lines
 from ovman.models.prediction import Prediction
 from ovman.models.record import lines
+from ovman.models.relation import Relation
 from ovman.models.run import Score
 from ovman.models.settings.benchmark import Camera as Lens
 from ovman.models.visit_files import VisitFiles, VisitManifest
@@ -40,6 +45,8 @@ from ovman.perception.backprojection import Camera, pixel_points
 from ovman.sim.change import World, dynamic
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 
 SCENE = "FloorPlan10"
@@ -226,6 +233,44 @@ def test_the_cards_formula_is_the_benchmarks(lens):
     u, v, d = columns + 0.5, rows + 0.5, depth[rows, columns]
     points = np.stack([(u - of["cx"]) / of["fx"] * d, (of["cy"] - v) / of["fy"] * d, d], axis=1)
     assert np.allclose(points, pixel_points(depth, rows, columns, Camera((0.0, 0.0, 0.0), 0.0, 0.0, angle)), atol=1e-6)
+
+
+def test_a_control_answers_from_the_rows_as_it_did_from_the_recordings(small, loaded):
+    """Whoever has the rows of `tours` and of `episodes` that hold no truth has all that a static arm is given."""
+    name = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth")
+    of_arm = stage_settings(CONFIG, "predictions", name)
+    answered = {row["episode"]: row for of in loaded("predictions").values() for row in of if row["arm"] == name}
+    rows = {row["episode"]: row for of in loaded("episodes").values() for row in of}
+    shown = {(row["tour"], row["view"]): row for of in loaded("tours").values() for row in of}
+    for episode in small.every:
+        row = rows[episode.id]
+        corners = np.array([[row[f"reachable_{axis}_{end}"] for axis in "xz"] for end in ("min", "max")])
+        tours = [
+            Visit(tuple(observed(shown[at]) for at in sorted(shown) if at[0] == row[f"{which}_tour"]), corners)
+            for which in VISITS
+        ]
+        found = difference.answer(Relation(row["relation"]).past, *tours, nearer, agent_settings(episode, of_arm))
+        again = Prediction.of(episode.id, name, 0, found).to_json()
+        assert (again.get("x"), again.get("z")) == (answered[episode.id]["x"], answered[episode.id]["z"])
+        assert again.get("abstain") == answered[episode.id]["abstain"]
+    assert {*answered} == {episode.id for episode in small.every}
+
+
+def observed(row: dict) -> Observation:
+    """What an agent sees of a row of `tours`."""
+    rgb, depth = (np.asarray(Image.open(io.BytesIO(row[kind]["bytes"]))) for kind in ("rgb", "depth"))
+    pose = CameraPose(*(row[name] for name in ("camera_x", "camera_y", "camera_z", "yaw_deg", "horizon_deg")))
+    return Observation(rgb, depth / np.float32(1000), pose, row["vertical_field_of_view_deg"])
+
+
+def test_the_example_of_the_docs_answers_every_episode(small, tmp_path, monkeypatch, capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "dataset.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "dataset").symlink_to(small.made)
+    monkeypatch.chdir(tmp_path)
+    exec(example.replace('split="dev"', 'split="main", cache_dir="hf"'), {})
+    episodes = small.release / "episodes" / "main.jsonl"
+    assert main(["score", "mine.jsonl", "--episodes", str(episodes)]) == 0
+    assert f"mine: {SPLITS['main']} episodes" in capsys.readouterr().out
 
 
 def test_predictions_and_runs_are_their_records(small, loaded):
