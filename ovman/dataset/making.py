@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.atomic import replace_bytes
+from ovman.atomic import SUFFIX, clear_partials, replace_bytes
 from ovman.dataset import answers, episodes, parquet, tours
 from ovman.dataset.about import About, responsible
 from ovman.dataset.card import CARD, SplitOf, card, checksums
@@ -88,7 +88,8 @@ def verify(folder: Path) -> list[str]:
 def refuse_foreign(out: Path) -> None:
     """EntryError for a folder that is no data set, whose files would be replaced. An interrupted making leaves tables alone."""
     own = {table.name for table in TABLES}
-    if out.is_dir() and not (out / CROISSANT).is_file() and any(path.name not in own for path in out.iterdir()):
+    others = [path for path in (out.iterdir() if out.is_dir() else ()) if path.name not in own and path.suffix != SUFFIX]
+    if others and not (out / CROISSANT).is_file():
         raise EntryError(f"{out}: holds other files and no {CROISSANT}; name a new folder with --out")
 
 
@@ -110,6 +111,8 @@ def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile]
         CROISSANT: croissant(about, tables, files, said),
         ZENODO: zenodo(about, said["derived_from"]),
     }
+    for name in (*beside, CARD):
+        clear_partials(out / name)
     for name, content in beside.items():
         replace_bytes(out / name, (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode())
     digests = {name: sha256(out / name) for name in beside}

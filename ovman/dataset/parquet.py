@@ -10,7 +10,7 @@ from typing import Any
 import pyarrow
 from pyarrow import parquet
 
-from ovman.atomic import replacing
+from ovman.atomic import clear_partials, replacing
 from ovman.dataset.columns import Column, Kind, Table
 
 IMAGE = pyarrow.struct([("bytes", pyarrow.binary()), ("path", pyarrow.string())])
@@ -30,6 +30,7 @@ def write(table: Table, groups: Iterable[Iterable[dict[str, Any]]], file: Path) 
     """
     form, number = schema(table), 0
     flat = [column.name for column in table.columns if column.kind is not Kind.IMAGE]
+    clear_partials(file)
     with replacing(file) as partial:
         # A PNG is compressed already, and no minimum of pictures is of use.
         writer = parquet.ParquetWriter(

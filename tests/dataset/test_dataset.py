@@ -416,6 +416,18 @@ def test_a_damaged_tour_is_no_row(small, visits, tmp_path, capsys):
     assert small.make(tmp_path / "out") == 0, "an interrupted making is made again"
 
 
+def test_what_a_killed_making_left_is_cleared(small, tmp_path):
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    out = tmp_path / "out"
+    (out / "runs").mkdir(parents=True)
+    for left in (out / f".croissant.json.{dead.pid}.partial", out / "runs" / f".main.parquet.{dead.pid}.partial"):
+        left.write_bytes(b"half")
+    (out / "runs" / "gone.parquet").write_bytes(b"of an earlier release")
+    assert small.make(out) == 0
+    assert files(out) == files(small.made)
+
+
 @pytest.mark.parametrize(
     ("options", "says"),
     [
