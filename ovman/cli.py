@@ -169,7 +169,8 @@ def _dataset(options: argparse.Namespace) -> int:
         from ovman.dataset import command
         from ovman.sim.session import SimulatorDied, SimulatorError
     except ModuleNotFoundError as missing:
-        print(f"ovman dataset: {missing.name} is not installed; pip install 'ovman[dataset]' brings it", file=sys.stderr)
+        extra = "dataset" if missing.name == "pyarrow" else "benchmark"
+        print(f"ovman dataset: {missing.name} is not installed; pip install 'ovman[{extra}]' brings it", file=sys.stderr)
         return 1
     try:
         wrong = command.run(options, lambda line: print(line, flush=True))

@@ -73,20 +73,24 @@ def answers_in(folder: Path, of: type[Answered], splits: Mapping[str, str]) -> d
 
 
 def prediction_rows(predictions: Sequence[Prediction], split: str) -> Iterator[dict[str, Any]]:
-    """A row a prediction, in their order."""
+    """A row a prediction, in their order. ValueError for a record with a key that has no column."""
     for prediction in predictions:
-        record = prediction.to_json()
-        flat = {name: record.get(name) for name in ("episode", "arm", "seed", "x", "z", "confidence", "abstain")}
-        nested = {name: json_text(record.get(name)) for name in ("candidates", "box", "evidence")}
-        yield PREDICTIONS.row({"split": split} | flat | nested)
+        yield _row(PREDICTIONS, prediction.to_json(), split)
 
 
 def run_rows(runs: Sequence[Score], split: str) -> Iterator[dict[str, Any]]:
-    """A row a run, in their order."""
-    nested = {column.name for column in RUNS.columns if column.kind is Kind.JSON}
+    """A row a run, in their order. ValueError for a record with a key that has no column."""
     for run in runs:
-        record = {name: value for name, value in run.to_json().items() if name not in ("schema", "stop")}
-        stop = run.stop.to_json() if run.stop is not None else {"x": None, "z": None, "yaw_deg": None}
-        values = {column.name: record.get(column.name) for column in RUNS.columns}
-        values |= {name: json_text(values[name]) for name in nested} | {f"stop_{name}": at for name, at in stop.items()}
-        yield RUNS.row({"split": split} | {name: value for name, value in values.items() if name != "split"})
+        record = run.to_json()
+        stop = record.pop("stop") or {}
+        yield _row(RUNS, record | {f"stop_{name}": at for name, at in stop.items()}, split)
+
+
+def _row(table: Table, record: dict[str, Any], split: str) -> dict[str, Any]:
+    """The row of a record; columns that it does not mention are empty."""
+    values = dict.fromkeys(column.name for column in table.columns) | record | {"split": split}
+    del values["schema"]
+    for column in table.columns:
+        if column.kind is Kind.JSON:
+            values[column.name] = json_text(values[column.name])
+    return table.row(values)

@@ -296,6 +296,14 @@ def test_predictions_and_runs_are_their_records(small, loaded):
     assert all(splits[row["episode"]] == row["split"] for row in predictions)
 
 
+@pytest.mark.parametrize(("table", "of"), [(PREDICTIONS, Prediction), (RUNS, Score)])
+def test_every_field_of_a_record_has_a_column(table, of):
+    fields = {field.alias or name for name, field in of.model_fields.items()} - {"schema", "stop"}
+    assert fields <= {column.name for column in table.columns}
+    with pytest.raises(ValueError, match="values without a column"):
+        table.row({column.name: None for column in table.columns} | {"another": 1})
+
+
 def test_croissant_is_valid_and_streams_every_record(small, loaded):
     found = mlcroissant.Dataset(str(small.made / "croissant.json"))
     assert not found.metadata.ctx.issues.errors
