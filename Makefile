@@ -3,6 +3,8 @@
 PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 	$$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo $$name; break; }; done)
 CORES ?= 2
+# Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
+PUBLISHED ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 PIP = .venv/bin/python -m pip --quiet --disable-pip-version-check --no-input
 READY = .venv/ready
@@ -19,7 +21,7 @@ help:
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
-	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture"
+	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture, and into dataset/ as Parquet"
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
 	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
@@ -50,6 +52,7 @@ release: tables
 	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2
+	@.venv/bin/ovman dataset --out dataset --visits results/visits $(PUBLISHED)
 
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)

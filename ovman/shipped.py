@@ -15,6 +15,7 @@ EMBEDDED = Path("data") / "ovman-embedded-v2"
 """The release, below `HOME`."""
 FILES = (
     "config.yaml",
+    "CITATION.cff",
     "workflow/scripts",  # digests of a stage's code begin at its script
     "models/detector.safetensors",
     "models/encoder.safetensors",

@@ -5,6 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+EXTRAS = {"pyarrow": "dataset", "rerun": "rerun"}
+"""The extra that brings a module, where it is not `benchmark`."""
+
 
 def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
     """The exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
@@ -13,7 +16,8 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
     except ModuleNotFoundError as missing:
         if (missing.name or "").split(".")[0] == "ovman":
             raise
-        print(f"ovman {command}: {missing.name} is not installed; pip install 'ovman[benchmark]' brings it", file=sys.stderr)
+        extra = EXTRAS.get(missing.name or "", "benchmark")
+        print(f"ovman {command}: {missing.name} is not installed; pip install 'ovman[{extra}]' brings it", file=sys.stderr)
         return 1
     except (ValueError, OSError) as error:
         print(f"ovman {command}: {error}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""Commands about this machine and about results that are there: doctor, check, show, record, replay."""
+"""Commands about this machine and about results that are there: doctor, check, show, dataset, record, replay."""
 
 from __future__ import annotations
 
@@ -29,6 +29,20 @@ def add(commands: Any) -> None:
     show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages, with the paths of runs")
     show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="evaluations whose runs a recording shows as well")
     show.set_defaults(run=_show)
+    dataset = commands.add_parser(
+        "dataset", help="the release as a data set in Parquet, with its tours, card, Croissant and Zenodo"
+    )
+    dataset.add_argument("--out", required=True, metavar="DIR", help="the folder of the data set")
+    dataset.add_argument("--split", nargs="+", metavar="NAME", help="splits of config.yaml; default: all that the release has")
+    dataset.add_argument("--without-tours", action="store_true", help="records alone, and no simulator is started")
+    dataset.add_argument("--visits", metavar="DIR", help="recorded tours of the workflow, results/visits; others are recorded")
+    dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
+    dataset.add_argument("--url", metavar="URL", help="the page that the data set is published at")
+    dataset.add_argument("--date", metavar="YYYY-MM-DD", help="the day of its publication; default: that of CITATION.cff")
+    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its card and write nothing")
+    dataset.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
+    dataset.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+    dataset.set_defaults(run=_dataset)
     record = commands.add_parser(
         "record", help="a piece of OVMAN's work on a floor plan, as a file of all that a simulator answered"
     )
@@ -91,6 +105,18 @@ def _show(options: argparse.Namespace) -> int:
         return 0
 
     return said("show", work)
+
+
+def _dataset(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.dataset import command
+
+        wrong = command.run(options, lambda line: print(line, flush=True))
+        for line in wrong:
+            print(f"ovman dataset: {line}", file=sys.stderr)
+        return 1 if wrong else 0
+
+    return said("dataset", work, "interrupted; tours that are recorded are kept")
 
 
 def _record(options: argparse.Namespace) -> int:

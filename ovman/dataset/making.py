@@ -1,0 +1,119 @@
+"""The folder of the data set, made of a release and of recorded tours, one floor plan after the other."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ovman.atomic import SUFFIX, clear_partials, replace_bytes
+from ovman.dataset import answers, episodes, parquet, tours
+from ovman.dataset.about import About, responsible
+from ovman.dataset.card import CARD, SplitOf, card, checksums
+from ovman.dataset.columns import Table
+from ovman.dataset.croissant import croissant
+from ovman.dataset.files import DataFile, data_file, sha256
+from ovman.dataset.zenodo import zenodo
+from ovman.entry.release import EntryError
+from ovman.models.prediction import Prediction
+from ovman.models.run import Score
+
+CROISSANT, ZENODO = "croissant.json", ".zenodo.json"
+TABLES = (episodes.TABLE, tours.TABLE, answers.RUNS, answers.PREDICTIONS)
+"""In the order of the card; the first is the default configuration."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """What the data set is made of.
+
+    release: folder of a release; splits: those that are made, in order; recordings: of their tours, None to leave the tours out.
+    """
+
+    release: Path
+    splits: Sequence[SplitOf]
+    recordings: tours.Recordings | None
+
+
+def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) -> list[DataFile]:
+    """Write the data set into `out`, and return its Parquet files. Those of an earlier making that are not made now are removed.
+
+    say: told of each file, a line. EntryError for a folder that holds something else; TourError, RecordError or SimulatorError.
+    """
+    refuse_foreign(out)
+    out.mkdir(parents=True, exist_ok=True)
+    files: list[DataFile] = []
+
+    def written(table: Table, split: str, part: str, groups: Any) -> None:
+        name = table.file(split, part)
+        file = data_file(out, name, table.name, split, parquet.write(table, groups, out / name))
+        say(f"{name}: {file.rows} rows, {file.size / 1e6:.1f} MB")
+        files.append(file)
+
+    for split in sources.splits:
+        written(episodes.TABLE, split.name, "", [episodes.rows(split.episodes)])
+    if (recordings := sources.recordings) is not None:
+        for split in sources.splits:
+            for scene, toured in tours.tours_of(split.episodes).items():
+                places = recordings.places(scene, toured)
+                written(tours.TABLE, split.name, scene, (tours.rows(tour, place) for tour, place in places))
+    of = {episode.id: split.name for split in sources.splits for episode in split.episodes}
+    for name, runs in answers.answers_in(sources.release / "runs", Score, of).items():
+        written(answers.RUNS, name, "", [answers.run_rows(runs, name)])
+    for name, predictions in answers.answers_in(sources.release / "predictions", Prediction, of).items():
+        written(answers.PREDICTIONS, name, "", [answers.prediction_rows(predictions, name)])
+    _remove_others(out, {file.name for file in files})
+    _describe(about, sources.splits, files, out)
+    return files
+
+
+def verify(folder: Path) -> list[str]:
+    """What is wrong with the files that the card of a folder names, a line a file. EntryError where it has no such card."""
+    file = folder / CARD
+    named = checksums(file.read_text(encoding="utf-8")) if file.is_file() else {}
+    if not named:
+        raise EntryError(f"{file}: no card with checksums; make the data set: ovman dataset --out {folder}")
+    again = f"make it again: ovman dataset --out {folder}"
+    found = []
+    for name, digest in named.items():
+        if not (folder / name).is_file():
+            found.append(f"{folder / name}: not there; {again}")
+        elif sha256(folder / name) != digest:
+            found.append(f"{folder / name}: its content is not what the card says; {again}")
+    return found
+
+
+def refuse_foreign(out: Path) -> None:
+    """EntryError for a folder that is no data set, whose files would be replaced. An interrupted making leaves tables alone."""
+    own = {table.name for table in TABLES}
+    others = [path for path in (out.iterdir() if out.is_dir() else ()) if path.name not in own and path.suffix != SUFFIX]
+    if others and not (out / CROISSANT).is_file():
+        raise EntryError(f"{out}: holds other files and no {CROISSANT}; name a new folder with --out")
+
+
+def _remove_others(out: Path, made: set[str]) -> None:
+    """The Parquet files of an earlier making that this one did not make, and folders that are empty then."""
+    for table in TABLES:
+        for file in (out / table.name).rglob("*.parquet"):
+            if file.relative_to(out).as_posix() not in made:
+                file.unlink()
+        for folder in sorted((path for path in (out / table.name).rglob("*") if path.is_dir()), reverse=True):
+            if not any(folder.iterdir()):
+                folder.rmdir()
+
+
+def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile], out: Path) -> None:
+    said = responsible()
+    tables = [table for table in TABLES if any(file.table == table.name for file in files)]
+    beside = {
+        CROISSANT: croissant(about, tables, files, said),
+        ZENODO: zenodo(about, said["derived_from"]),
+    }
+    for name in (*beside, CARD):
+        clear_partials(out / name)
+    for name, content in beside.items():
+        replace_bytes(out / name, (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode())
+    digests = {name: sha256(out / name) for name in beside}
+    replace_bytes(out / CARD, card(about, splits, tables, files, digests, said).encode())

@@ -1,0 +1,461 @@
+"""`ovman dataset`: what others load is what the records and the recorded tours say, and an agent's inputs hold no truth."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import mlcroissant
+import numpy as np
+import pytest
+import yaml
+from PIL import Image
+from pyarrow import parquet
+
+from ovman.agents.controls import difference
+from ovman.agents.controls.depth_difference import nearer
+from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.cli import main
+from ovman.dataset.about import responsible
+from ovman.dataset.answers import PREDICTIONS, RUNS
+from ovman.dataset.card import checksums
+from ovman.dataset.columns import Kind
+from ovman.dataset.episodes import tour_id
+from ovman.dataset.making import TABLES
+from ovman.dataset.tours import TABLE as TOURS
+from ovman.dataset.tours import intrinsics
+from ovman.entry.tour_cache import VISITS, TourCache
+from ovman.evaluation.context import agent_settings
+from ovman.evaluation.recorded_tour import recorded
+from ovman.models.episode import Episode, episode_lines
+from ovman.models.prediction import Prediction
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.run import Score
+from ovman.models.settings.benchmark import Camera as Lens
+from ovman.models.visit_files import VisitFiles, VisitManifest
+from ovman.perception.backprojection import Camera, pixel_points
+from ovman.sim.change import World, dynamic
+from ovman.sim.session import Session
+from ovman.sim.visit import look, views
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA, ROOT
+
+SCENE = "FloorPlan10"
+"""A small floor plan: two episodes of the first split are in it."""
+SPLITS = {"main": 2, "everyday": 1}
+"""Exact sensors, and such that err."""
+ASKED = ("hasSyntheticData", "dataLimitations", "dataBiases", "personalSensitiveInformation", "dataUseCases", "dataSocialImpact")
+"""What the NeurIPS track asks for of the vocabulary for responsible AI."""
+
+
+@dataclass(frozen=True)
+class Small:
+    """A data set of a small release. release, cache: what it was made of; made: its folder; episodes: by split."""
+
+    release: Path
+    cache: Path
+    made: Path
+    episodes: dict[str, list[Episode]]
+
+    @property
+    def every(self) -> list[Episode]:
+        return [episode for episodes in self.episodes.values() for episode in episodes]
+
+    def make(self, out: Path, *options: str) -> int:
+        return main(["dataset", "--release", str(self.release), "--cache", str(self.cache), "--out", str(out), *options])
+
+    def records(self, folder: str, of: type) -> list:
+        """The records below a folder of the release, sorted as the tables are."""
+        order = {episode.id: number for number, episode in enumerate(self.every)}
+        found = [record for file in (self.release / folder).rglob("*.jsonl") for record in of.read(file)]
+        return sorted(found, key=lambda record: (record.arm, record.seed, order[record.episode]))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def offline():
+    """No connection to another machine is made while a data set is written or read."""
+
+    def refused(*_):
+        raise AssertionError("a connection was asked for")
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setenv("HF_HUB_OFFLINE", "1")
+        patched.setattr(socket.socket, "connect", refused)
+        yield
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> Small:
+    release, cache, made = (tmp_path_factory.mktemp(name) for name in ("release", "cache", "made"))
+    episodes = {
+        split: [one for one in Episode.load(DATA / "episodes" / f"{split}.jsonl") if one.scene == SCENE][:number]
+        for split, number in SPLITS.items()
+    }
+    (release / "episodes").mkdir()
+    for split, some in episodes.items():
+        (release / "episodes" / f"{split}.jsonl").write_text(episode_lines(some), encoding="utf-8")
+    ids = {episode.id for some in episodes.values() for episode in some}
+    for folder, of in (("predictions", Prediction), ("runs", Score)):
+        for file in (DATA / folder).rglob("*.jsonl"):
+            mentioned = [line for line in file.read_text(encoding="utf-8").splitlines() if any(one in line for one in ids)]
+            some = [of.parse(line) for line in mentioned]
+            place = release / file.relative_to(DATA)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(lines(some), encoding="utf-8")
+    found = Small(release, cache, made, episodes)
+    assert found.make(made) == 0
+    return found
+
+
+@pytest.fixture(scope="module")
+def loaded(small, tmp_path_factory):
+    """Rows of a configuration by split, as `datasets` reads them from the folder; pictures as their bytes."""
+    from datasets import Image as Picture
+    from datasets import load_dataset
+
+    cache = tmp_path_factory.mktemp("hf")
+
+    def of(name: str):
+        splits = load_dataset(str(small.made), name, cache_dir=str(cache))
+        pictures = [
+            column.name for table in TABLES if table.name == name for column in table.columns if column.kind is Kind.IMAGE
+        ]
+        for picture in pictures:
+            assert all(isinstance(rows.features[picture], Picture) for rows in splits.values())
+            splits = splits.cast_column(picture, Picture(decode=False))
+        return {split: rows.to_list() for split, rows in splits.items()}
+
+    return of
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def front_matter(folder: Path) -> dict:
+    return yaml.safe_load((folder / "README.md").read_text(encoding="utf-8").split("---\n")[1])
+
+
+def tours_of(small: Small):
+    """Each recorded tour by its id, with its directory and the lens."""
+    cache = TourCache(small.cache, pytest.fail)
+    with Session(SCENE, small.every[0].settings) as session:
+        for episode in small.every:
+            for which in VISITS:
+                place = cache.places(session, episode)[episode.visits[which]]
+                yield tour_id(episode, which), place, episode.protocol.camera.field_of_view_deg
+
+
+def test_episodes_are_their_records(small, loaded):
+    rows = loaded("episodes")
+    assert {split: [Episode.parse(row["truth_record"]) for row in of] for split, of in rows.items()} == small.episodes
+    for episode, row in zip(small.every, [row for of in rows.values() for row in of], strict=True):
+        record = episode.to_json()
+        assert (row["episode"], row["split"], row["sentence"]) == (episode.id, episode.split, episode.sentence)
+        assert (row["category"], row["relation"]) == (episode.query.category, episode.query.relation)
+        assert (row["truth_answer_x"], row["truth_answer_z"]) == episode.answer
+        assert (row["spawn_x"], row["spawn_z"], row["spawn_yaw_deg"]) == (*record["spawn"].values(),)
+        assert json.loads(row["truth_changes"]) == record["changes"] and row["truth_changed"] == len(record["changes"])
+        assert json.loads(row["protocol"]) == {name: record["protocol"][name] for name in ("camera", "primitives")}
+        box = [row[f"reachable_{axis}_{end}"] for axis in "xz" for end in ("min", "max")]
+        assert box == [*record["reachable_box"]["x"], *record["reachable_box"]["z"]]
+
+
+def test_what_is_no_truth_says_none(small, loaded):
+    """Without the columns of truth no instance is named, nor is where one was, and no name of a visit that says what changed."""
+    for episode, row in zip(small.every, [row for of in loaded("episodes").values() for row in of], strict=True):
+        shown = {name: value for name, value in row.items() if not name.startswith("truth_")}
+        texts = [value for value in shown.values() if isinstance(value, str)]
+        for secret in (episode.target, *episode.changed, *episode.visits.model_dump().values()):
+            assert not [text for text in texts if secret in text]
+
+
+def test_tours_hold_no_truth(small):
+    assert not [column.name for column in TOURS.columns if column.truth]
+    secrets = {name for episode in small.every for name in (*episode.changed, *episode.visits.model_dump().values(), episode.id)}
+    for file in (small.made / "tours").rglob("*.parquet"):
+        content = file.read_bytes()
+        assert not [secret for secret in secrets if secret.encode() in content]
+        assert parquet.read_schema(file).names == [column.name for column in TOURS.columns]
+
+
+def test_tours_are_what_an_agent_is_given(small, loaded):
+    rows = {split: {(row["tour"], row["view"]): row for row in of} for split, of in loaded("tours").items()}
+    by_tour = {key: row for of in rows.values() for key, row in of.items()}
+    seen, sensed = set(), 0
+    for tour, place, lens in tours_of(small):
+        for number, view in enumerate(recorded(place, lens, np.empty((0, 2))).observations):
+            row = by_tour[tour, number]
+            seen.add((tour, number))
+            assert (np.asarray(Image.open(io.BytesIO(row["rgb"]["bytes"]))) == view.rgb).all()
+            depth = Image.open(io.BytesIO(row["depth"]["bytes"]))
+            assert depth.mode == "I;16" and (np.asarray(depth) / np.float32(1000) == view.depth).all()
+            pose = view.pose
+            told = [row[name] for name in ("camera_x", "camera_y", "camera_z", "yaw_deg", "horizon_deg")]
+            assert told == [pose.x, pose.y, pose.z, pose.yaw_deg, pose.horizon_deg]
+            assert row["vertical_field_of_view_deg"] == view.field_of_view_deg
+            assert (row["height_px"], row["width_px"]) == view.depth.shape
+        looks = json.loads((place / "visit.json").read_text())["views"]
+        sensed += sum(look["sensed"] is not None and look["sensed"]["camera"] != look["camera"] for look in looks)
+    assert seen == by_tour.keys() and sensed, "every row is a view, and of some the sensed pose is not the true one"
+    for split, some in small.episodes.items():
+        named = [tour_id(episode, which) for episode in some for which in VISITS]
+        assert [*dict.fromkeys(tour for tour, _ in rows[split])] == [*dict.fromkeys(named)]
+
+
+def test_depth_is_the_simulators_to_half_a_millimetre(small, loaded):
+    episode = next(one for one in small.every if one.tours.first.sensors is None)
+    rows = [row for of in loaded("tours").values() for row in of if row["tour"] == tour_id(episode, "first")]
+    with Session(SCENE, episode.settings) as session:
+        world = World(session, episode.alterations("first"), episode.protocol.mover, np.random.default_rng(0), dynamic)
+        for row, pose in zip(rows, views(episode.tours.first), strict=True):
+            exact = look(session, world, pose).depth_frame
+            error = np.abs(np.asarray(Image.open(io.BytesIO(row["depth"]["bytes"]))) / 1000 - exact)
+            assert 0 < error.max() <= 0.0005 + 1e-6
+
+
+@pytest.mark.parametrize("lens", [(300, 300, 90.0), (640, 480, 58.0), (90, 160, 120.0)])
+def test_the_cards_formula_is_the_benchmarks(lens):
+    width, height, angle = lens
+    of = intrinsics(Lens(width_px=width, height_px=height, field_of_view_deg=angle))
+    rng = np.random.default_rng(0)
+    depth = rng.uniform(0.1, 9, (height, width))
+    rows, columns = rng.integers(0, height, 50), rng.integers(0, width, 50)
+    u, v, d = columns + 0.5, rows + 0.5, depth[rows, columns]
+    points = np.stack([(u - of["cx"]) / of["fx"] * d, (of["cy"] - v) / of["fy"] * d, d], axis=1)
+    assert np.allclose(points, pixel_points(depth, rows, columns, Camera((0.0, 0.0, 0.0), 0.0, 0.0, angle)), atol=1e-6)
+
+
+def test_a_control_answers_from_the_rows_as_it_did_from_the_recordings(small, loaded):
+    """Whoever has the rows of `tours` and of `episodes` that hold no truth has all that a static arm is given."""
+    name = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth")
+    of_arm = stage_settings(CONFIG, "predictions", name)
+    answered = {row["episode"]: row for of in loaded("predictions").values() for row in of if row["arm"] == name}
+    rows = {row["episode"]: row for of in loaded("episodes").values() for row in of}
+    shown = {(row["tour"], row["view"]): row for of in loaded("tours").values() for row in of}
+    for episode in small.every:
+        row = rows[episode.id]
+        corners = np.array([[row[f"reachable_{axis}_{end}"] for axis in "xz"] for end in ("min", "max")])
+        tours = [
+            Visit(tuple(observed(shown[at]) for at in sorted(shown) if at[0] == row[f"{which}_tour"]), corners)
+            for which in VISITS
+        ]
+        found = difference.answer(Relation(row["relation"]).past, *tours, nearer, agent_settings(episode, of_arm))
+        again = Prediction.of(episode.id, name, 0, found).to_json()
+        assert (again.get("x"), again.get("z")) == (answered[episode.id]["x"], answered[episode.id]["z"])
+        assert again.get("abstain") == answered[episode.id]["abstain"]
+    assert {*answered} == {episode.id for episode in small.every}
+
+
+def observed(row: dict) -> Observation:
+    """What an agent sees of a row of `tours`."""
+    rgb, depth = (np.asarray(Image.open(io.BytesIO(row[kind]["bytes"]))) for kind in ("rgb", "depth"))
+    pose = CameraPose(*(row[name] for name in ("camera_x", "camera_y", "camera_z", "yaw_deg", "horizon_deg")))
+    return Observation(rgb, depth / np.float32(1000), pose, row["vertical_field_of_view_deg"])
+
+
+def test_the_example_of_the_docs_answers_every_episode(small, tmp_path, monkeypatch, capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "dataset.md").read_text(encoding="utf-8"), re.DOTALL)
+    (tmp_path / "dataset").symlink_to(small.made)
+    monkeypatch.chdir(tmp_path)
+    exec(example.replace('split="dev"', 'split="main", cache_dir="hf"'), {})
+    episodes = small.release / "episodes" / "main.jsonl"
+    assert main(["score", "mine.jsonl", "--episodes", str(episodes)]) == 0
+    assert f"mine: {SPLITS['main']} episodes" in capsys.readouterr().out
+
+
+def test_predictions_and_runs_are_their_records(small, loaded):
+    nested = {column.name for table in (PREDICTIONS, RUNS) for column in table.columns if column.kind is Kind.JSON}
+
+    def record(row: dict, schema: str) -> dict:
+        values = {name: json.loads(value) if name in nested and value else value for name, value in row.items()}
+        return {name: value for name, value in values.items() if name != "split"} | {"schema": schema}
+
+    predictions = [row for of in loaded("predictions").values() for row in of]
+    made = [Prediction.from_json(record(row, "ovman-prediction/1")) for row in predictions]
+    assert sorted(made, key=str) == sorted(small.records("predictions", Prediction), key=str)
+    forms = {type(one.outcome).__name__ for one in made}
+    assert {"Answer", "UniformPick"} < forms
+    runs = []
+    for row in (row for of in loaded("runs").values() for row in of):
+        values = record(row, "ovman-run/1")
+        stop = {axis: values.pop(f"stop_{axis}") for axis in ("x", "z", "yaw_deg")}
+        runs.append(Score.from_json(values | {"stop": stop if stop["x"] is not None else None}))
+    assert sorted(runs, key=str) == sorted(small.records("runs", Score), key=str) and runs
+    splits = {episode.id: episode.split for episode in small.every}
+    assert {row["split"] for row in predictions} == {*SPLITS}
+    assert all(splits[row["episode"]] == row["split"] for row in predictions)
+
+
+@pytest.mark.parametrize(("table", "of"), [(PREDICTIONS, Prediction), (RUNS, Score)])
+def test_every_field_of_a_record_has_a_column(table, of):
+    fields = {field.alias or name for name, field in of.model_fields.items()} - {"schema", "stop"}
+    assert fields <= {column.name for column in table.columns}
+    with pytest.raises(ValueError, match="values without a column"):
+        table.row({column.name: None for column in table.columns} | {"another": 1})
+
+
+def test_croissant_is_valid_and_streams_every_record(small, loaded):
+    found = mlcroissant.Dataset(str(small.made / "croissant.json"))
+    assert not found.metadata.ctx.issues.errors
+    assert [warning for warning, _ in found.metadata.ctx.issues._warnings if "datePublished" not in warning] == []
+    for table in TABLES:
+        rows = [row for of in loaded(table.name).values() for row in of]
+        streamed = list(found.records(table.name))
+        assert len(streamed) == len(rows) > 0
+
+        def key(row: dict, columns=table.columns):
+            flat = [row[column.name] for column in columns if column.kind is not Kind.IMAGE]
+            return str([value.decode() if isinstance(value, bytes) else value for value in flat])
+
+        told = [{name.partition("/")[2]: value for name, value in one.items()} for one in streamed]
+        assert sorted(map(key, told)) == sorted(map(key, rows))
+        for picture in (column.name for column in table.columns if column.kind is Kind.IMAGE):
+            assert {one[picture].size for one in told} == {(row["width_px"], row["height_px"]) for row in rows}
+
+
+def test_croissant_has_what_the_track_asks_for(small, tmp_path):
+    url, day = "https://example.org/datasets/ovman", "2026-01-02"
+    assert small.make(tmp_path / "out", "--without-tours", "--url", url, "--date", day) == 0
+    said = json.loads((tmp_path / "out" / "croissant.json").read_text(encoding="utf-8"))
+    assert all(said[f"rai:{name}"] for name in ASKED) and said["prov:wasDerivedFrom"] and said["prov:wasGeneratedBy"]
+    assert (said["url"], said["datePublished"], said["license"]) == (url, day, "https://spdx.org/licenses/Apache-2.0.html")
+    objects = {one["@id"]: one for one in said["distribution"] if one["@type"] == "cr:FileObject"}
+    assert objects["runs/main.parquet"]["contentUrl"] == f"{url}/resolve/main/runs/main.parquet"
+    found = mlcroissant.Dataset(str(tmp_path / "out" / "croissant.json"))
+    assert not found.metadata.ctx.issues.errors and not found.metadata.ctx.issues._warnings
+    read = found.metadata.to_json()
+    assert read["rai:dataLimitations"] == said["rai:dataLimitations"] and len(read["rai:dataBiases"]) == len(
+        said["rai:dataBiases"]
+    )
+    deposit = json.loads((tmp_path / "out" / ".zenodo.json").read_text(encoding="utf-8"))
+    assert (deposit["upload_type"], deposit["publication_date"], deposit["license"]) == ("dataset", day, "apache-2.0")
+    assert deposit["creators"] and deposit["description"]
+
+
+def test_the_card_names_what_is_there(small):
+    text = (small.made / "README.md").read_text(encoding="utf-8")
+    matter = front_matter(small.made)
+    assert [config["config_name"] for config in matter["configs"]] == [table.name for table in TABLES]
+    assert [config.get("default") for config in matter["configs"]] == [True, None, None, None]
+    named = {
+        path.relative_to(small.made).as_posix()
+        for config in matter["configs"]
+        for entry in config["data_files"]
+        for path in small.made.glob(entry["path"])
+    }
+    there = {*files(small.made)}
+    assert named == {name for name in there if name.endswith(".parquet")}
+    assert {entry["split"] for config in matter["configs"] for entry in config["data_files"]} == {*SPLITS}
+    assert {*checksums(text)} == there - {"README.md"}
+    for table in TABLES:
+        for column in table.columns:
+            assert re.search(rf"^\| `{column.name}` .*{'truth' if column.truth else ''} *\|$", text, re.MULTILINE), column
+    for title in ("Uses", "Limits", "Biases"):
+        assert f"**{title}.**" in text
+    assert " ".join(responsible()["rai"]["dataSocialImpact"].split()) in text
+    assert not re.search(r"\{\w+\}", text), "every place of the template is filled in"
+
+
+def test_the_same_input_is_the_same_bytes(small, tmp_path):
+    assert small.make(tmp_path / "again") == 0
+    assert files(tmp_path / "again") == files(small.made)
+
+
+def test_what_is_not_what_the_card_says_is_named(small, tmp_path, capsys):
+    copy = tmp_path / "copy"
+    shutil.copytree(small.made, copy)
+    assert main(["dataset", "--out", str(copy), "--verify"]) == 0
+    content = bytearray((copy / "runs" / "main.parquet").read_bytes())
+    content[len(content) // 2] ^= 1
+    (copy / "runs" / "main.parquet").write_bytes(content)
+    (copy / "croissant.json").unlink()
+    capsys.readouterr()
+    assert main(["dataset", "--out", str(copy), "--verify"]) == 1
+    said = capsys.readouterr().err.splitlines()
+    assert len(said) == 2 and "runs/main.parquet: its content" in said[0] and "croissant.json: not there" in said[1]
+
+
+def test_without_tours_nothing_says_that_there_are_some(small, tmp_path, monkeypatch):
+    copy = tmp_path / "copy"
+    shutil.copytree(small.made, copy)
+    monkeypatch.setattr(Session, "__enter__", lambda _: pytest.fail("a simulator was started"))
+    assert small.make(copy, "--without-tours", "--split", "everyday") == 0
+    assert {name for name in files(copy) if name.endswith(".parquet")} == {
+        f"{table.name}/everyday.parquet" for table in TABLES if table is not TOURS
+    }
+    assert [config["config_name"] for config in front_matter(copy)["configs"]] == ["episodes", "runs", "predictions"]
+    assert files(copy)["runs/everyday.parquet"] == files(small.made)["runs/everyday.parquet"]
+
+
+@pytest.fixture
+def visits(small, tmp_path) -> Path:
+    """The recorded tours as the workflow keeps them."""
+    above = tmp_path / "visits"
+    for place in (small.cache / "tours" / SCENE).glob("*/*/"):
+        shutil.copytree(place, above / SCENE / place.name, dirs_exist_ok=True)
+    contents = {place.name: VisitFiles.load(place).content for place in (above / SCENE).iterdir()}
+    (above / f"{SCENE}.json").write_text(VisitManifest(scene=SCENE, visits=contents).to_line(), encoding="utf-8")
+    return above
+
+
+def test_tours_that_the_workflow_recorded_are_taken(small, visits, tmp_path):
+    nothing = tmp_path / "cache"
+    assert small.make(tmp_path / "out", "--visits", str(visits), "--cache", str(nothing)) == 0
+    assert files(tmp_path / "out") == files(small.made) and not nothing.exists()
+
+
+def test_a_damaged_tour_is_no_row(small, visits, tmp_path, capsys):
+    picture = visits / SCENE / small.every[0].visits.second / "03_depth.png"
+    picture.write_bytes(picture.read_bytes()[:-1] + b"\0")
+    assert small.make(tmp_path / "out", "--visits", str(visits)) == 1
+    (said,) = capsys.readouterr().err.splitlines()
+    assert str(picture) in said and "not what was recorded" in said
+    assert not [*(tmp_path / "out").rglob(f"*{SCENE}*")], "a file is whole or not there"
+    assert small.make(tmp_path / "out") == 0, "an interrupted making is made again"
+
+
+def test_what_a_killed_making_left_is_cleared(small, tmp_path):
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    out = tmp_path / "out"
+    (out / "runs").mkdir(parents=True)
+    for left in (out / f".croissant.json.{dead.pid}.partial", out / "runs" / f".main.parquet.{dead.pid}.partial"):
+        left.write_bytes(b"half")
+    (out / "runs" / "gone.parquet").write_bytes(b"of an earlier release")
+    assert small.make(out) == 0
+    assert files(out) == files(small.made)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--split", "nowhere"], "--split: nowhere is no split; write one of "),
+        (["--split", "multi"], "the release has no episodes of the split multi"),
+        (["--date", "yesterday"], "--date: 'yesterday' is no day; write YYYY-MM-DD"),
+        (["--out", str(ROOT / "ovman")], "holds other files and no croissant.json; name a new folder with --out"),
+        (["--out", str(ROOT / "ovman"), "--verify"], "no card with checksums; make the data set"),
+    ],
+)
+def test_what_is_wrong_is_said_in_a_line(small, tmp_path, capsys, options, says):
+    assert small.make(tmp_path / "out", *options) == 1
+    (said,) = capsys.readouterr().err.splitlines()
+    assert said.startswith("ovman dataset: ") and says in said
+
+
+def test_without_arrow_the_command_says_what_to_install():
+    program = (
+        "import sys; sys.modules['pyarrow'] = None; from ovman.cli import main; sys.exit(main(['dataset', '--out', 'none']))"
+    )
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == ["ovman dataset: pyarrow is not installed; pip install 'ovman[dataset]' brings it"]

@@ -1,0 +1,52 @@
+"""The data set in dataset/ is the release in data/, but for the tours, which git does not hold."""
+
+from __future__ import annotations
+
+import hashlib
+
+import pytest
+from pyarrow import parquet
+
+from ovman.dataset import answers, episodes, tours
+from ovman.dataset.card import checksums
+from ovman.dataset.making import CROISSANT, ZENODO
+from ovman.models.episode import Episode
+from ovman.models.prediction import Prediction
+from ovman.models.run import Score
+from ovman.models.settings import splits_of
+from tests.arms import CONFIG
+from tests.episodes import DATA, ROOT
+
+DATASET = ROOT / "dataset"
+SPLITS = splits_of(CONFIG.splits)
+
+
+@pytest.fixture(scope="module")
+def released():
+    """The episodes of every split."""
+    return {split: Episode.load(DATA / "episodes" / f"{split}.jsonl") for split in SPLITS}
+
+
+def test_every_file_is_what_the_card_says(released):
+    named = checksums((DATASET / "README.md").read_text(encoding="utf-8"))
+    scenes = {tours.TABLE.file(split, episode.scene) for split, some in released.items() for episode in some}
+    there = {path.relative_to(DATASET).as_posix() for path in DATASET.rglob("*") if path.is_file()} - {"README.md"}
+    assert there | scenes == {*named} and {CROISSANT, ZENODO} < there
+    for name in there:
+        assert hashlib.sha256((DATASET / name).read_bytes()).hexdigest() == named[name], name
+
+
+@pytest.mark.parametrize("split", SPLITS)
+def test_the_tables_are_the_release(released, split):
+    of = {episode.id: split for episode in released[split]}
+    made = {
+        episodes.TABLE: [*episodes.rows(released[split])],
+        answers.RUNS: [*answers.run_rows(answers.answers_in(DATA / "runs", Score, of).get(split, []), split)],
+        answers.PREDICTIONS: [
+            *answers.prediction_rows(answers.answers_in(DATA / "predictions", Prediction, of).get(split, []), split)
+        ],
+    }
+    for table, rows in made.items():
+        file = DATASET / table.file(split, "")
+        assert (parquet.read_table(file).to_pylist() if file.is_file() else []) == rows
+    assert len(made[episodes.TABLE]) == len(released[split])
