@@ -17,7 +17,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -80,8 +81,10 @@ def reachable_of(given: Mapping[str, Any]) -> np.ndarray:
 
 def visit_of(which: str, given: Mapping[str, Any], field_of_view_deg: float, reachable: np.ndarray) -> Visit:
     """The visit "first" or "second". given: an observation, or the information of a reset, that has the tours."""
-    views = zip(given[f"{which}_rgb"], given[f"{which}_depth"], given[f"{which}_pose"].tolist(), strict=True)
-    return Visit(tuple(Observation(rgb, depth, CameraPose(*at), field_of_view_deg) for rgb, depth, at in views), reachable)
+    shown = [given[f"{which}_{part}"] for part in ("rgb", "depth", "pose")]
+    views = zip(*shown[:2], shown[2].tolist(), strict=True)
+    frames = tuple(Observation(rgb, depth, CameraPose(*at), field_of_view_deg) for rgb, depth, at in views)
+    return Visit(frames, reachable, _digest(field_of_view_deg, shown))
 
 
 def query_of(given: Mapping[str, Any]) -> Query:
@@ -96,3 +99,10 @@ def _numbers(pose: CameraPose) -> np.ndarray:
 def _there(picture: np.ndarray | None) -> np.ndarray:
     assert picture is not None, "a recorded tour has pictures"
     return picture
+
+
+def _digest(field_of_view_deg: float, shown: Sequence[np.ndarray]) -> str:
+    found = sha256(repr(field_of_view_deg).encode())
+    for array in shown:
+        found.update(np.ascontiguousarray(array).data)
+    return found.hexdigest()

@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
-from ovman.agents.interface import LETTERS, VISITS, Action, AgentContext, Observation
+from ovman.agents.interface import LETTERS, Action, Observation
 from ovman.entry.release import CONFIG, DATA, Release
 from ovman.entry.tour_cache import TourCache
 from ovman.evaluation.attempt import Attempt, session_for
@@ -23,8 +23,11 @@ from ovman.gym.questions import Order, questions, terms, views_of
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
 from ovman.models.episode import Episode
 from ovman.models.run import Measured, Rollout, Score
-from ovman.models.settings import MAIN
+from ovman.models.settings import MAIN, Need
+from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
+from ovman.remote.host import HostedContext
+from ovman.remote.looking import Looking
 from ovman.sim.session import Session
 
 TOURS = ("observation", "reset")
@@ -38,10 +41,10 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
 
     split: of the release, `main` where neither it nor `episodes`, a file, is named. scenes: episodes of these floor plans alone.
     name: what the draws of movers and sensors follow from, beside episode and seed: that of the agent in its records
-    (`ovman eval --name`), or an arm of config.yaml that needs tours, whose budget counts as well. looks: whether observations
-    have pictures; without, nothing is drawn, and a step takes a fifth of the time. tours: in every "observation", or, as they are
-    constant, in the information of "reset" alone. cache, release, config: as of `ovman eval`. Starts no simulator before its first
-    reset, and has one at a time. ValueError, in one line, for what does not exist.
+    (`ovman eval --name`), or an arm of config.yaml that drives from tours and what is made of them, whose budget counts as well.
+    looks: whether observations have pictures; without, nothing is drawn. tours: in every "observation", or, as they are constant,
+    in the information of "reset" alone. cache, release, config: as of `ovman eval`. Starts no simulator before its first reset,
+    and has one at a time. ValueError, in one line, for what does not exist.
 
     A reset with a seed is the run under that seed, as `ovman eval --seeds` makes it, and seeds the generator that episodes and
     seeds of later resets are drawn from. An action is a number in `ovman.gym.spaces.ACTIONS`; what is observed is in
@@ -69,7 +72,8 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             raise ValueError(f"tours: {tours!r} is no place of them; write one of {', '.join(TOURS)}")
         if render_mode is not None and (render_mode not in self.metadata["render_modes"] or not looks):
             raise ValueError(f"render_mode: {render_mode!r} cannot be rendered; write rgb_array, and looks=True")
-        settings, self._settings = terms(Path(config or CONFIG), name)
+        settings, self._stage = terms(Path(config or CONFIG), name)
+        self._looking = Looking(settings)
         released = Release(Path(release or DATA), settings)
         if split is None and episodes is None:
             split = MAIN
@@ -97,11 +101,20 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         """The run that has ended, judged, as a line of `runs.jsonl`; None until then."""
         return self._run
 
-    def context(self) -> AgentContext:
-        """What an agent of `ovman.agents.interface` is made with for the present run. ResetNeeded before the first reset."""
+    @property
+    def arm(self) -> ArmJob:
+        """As what it makes its runs: name, needs, budget."""
+        return self._stage.arm
+
+    def context(self) -> HostedContext:
+        """An `AgentContext` for the present run: what an agent of `ovman.agents.interface` is made with.
+
+        What it gives beside draws and constants is made of the visits that are put into it. ResetNeeded before the first reset.
+        """
         if self._attempt is None:
             raise ResetNeeded("no run has begun; call reset")
-        return self._attempt.context()
+        own = self._attempt.context()
+        return HostedContext(own.rng, own.settings, own.pilot, self._looking, frozenset(map(Need, self.arm.needs)), self.arm.name)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin a run: of the next episode, {"episode": id}, or a drawn one of {"scene": name}.
@@ -118,12 +131,10 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._attempt = self._attempted(episode, int(self.np_random.integers(SEEDS)) if seed is None else seed)
         # A simulator that dies until the first look is replaced; later its run cannot go on.
         self._attempt.session.with_restarts(self._begin)
-        tours = self._attempt.tour("first", np.empty((0, 2))), self._attempt.tour("second", self._reachable)
-        self._given = {
-            key: array for which, tour in zip(VISITS, tours, strict=True) for key, array in encoded_tour(which, tour).items()
-        }
+        visits = self._attempt.tour("first", np.empty((0, 2))), self._attempt.tour("second", self._reachable)
+        self._given = encoded_tour("first", visits[0]) | encoded_tour("second", visits[1])
         info = {"episode": episode.id, "scene": episode.scene, "seed": self._attempt.seed}
-        info |= {"field_of_view_deg": self._camera.field_of_view_deg}
+        info["field_of_view_deg"] = self._camera.field_of_view_deg
         return self._observed(), info | self._tours_now(self._told)
 
     def step(self, action: SupportsInt) -> tuple[dict[str, Any], float, bool, bool, dict[str, Any]]:
@@ -148,7 +159,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._driving = driving
         return self._observed(), 0.0, False, False, {}
 
-    def render(self) -> np.ndarray | None:  # type: ignore[override]
+    def render(self) -> np.ndarray | None:
         """The picture where the agent stands, (H, W, 3) uint8, in the mode "rgb_array"."""
         if self.render_mode is None or self._attempt is None or self._seen.rgb is None:
             return None
@@ -164,11 +175,11 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def _attempted(self, episode: Episode, seed: int) -> Attempt:
         if self._session is None or self._session.scene != episode.scene:
             self.close()
-            self._session = session_for(episode, self._settings.arm, self._settings)
+            self._session = session_for(episode, self._stage.arm, self._stage)
         places = self._tours.places(self._session, episode)
         lens = episode.protocol.camera.field_of_view_deg
-        store = ObservationStore(self._settings.arm, self._settings, lens, Path(episode.scene), elsewhere=places)
-        return Attempt(self._session, episode, self._settings.arm, seed, self._settings, store)
+        store = ObservationStore(self._stage.arm, self._stage, lens, Path(episode.scene), elsewhere=places)
+        return Attempt(self._session, episode, self._stage.arm, seed, self._stage, store)
 
     def _begin(self) -> None:
         assert self._attempt is not None, "reset makes it"

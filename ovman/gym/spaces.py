@@ -66,7 +66,7 @@ def _box(low: np.ndarray, high: np.ndarray, dtype: type[np.float64]) -> spaces.B
     return spaces.Box(low, high, dtype=dtype)
 
 
-def _uniform(low: float, high: float, shape: tuple[int, ...], dtype: type[np.generic]) -> spaces.Box:
+def _uniform(low: float, high: float, shape: tuple[int, ...], dtype: Any) -> spaces.Box:
     box = spaces.Box(low, high, shape, dtype)
     # A Box keeps its bounds for every number: 95 MB for two tours, the same value in all of it.
     for name in ("low", "high", "bounded_below", "bounded_above"):
