@@ -48,13 +48,13 @@ def encoded(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str,
     }
 
 
-def encoded_tour(which: str, visit: Visit) -> dict[str, np.ndarray]:
-    """The views of a visit "first" or "second" under its three keys."""
+def encoded_tour(visit: Visit) -> dict[str, np.ndarray]:
+    """The views of a visit under "rgb", "depth" and "pose", one after the other."""
     frames = list(visit.observations)
     return {
-        f"{which}_rgb": np.stack([_there(frame.rgb) for frame in frames]),
-        f"{which}_depth": np.stack([_there(frame.depth) for frame in frames]),
-        f"{which}_pose": np.stack([_numbers(frame.pose) for frame in frames]),
+        "rgb": np.stack([_there(frame.rgb) for frame in frames]),
+        "depth": np.stack([_there(frame.depth) for frame in frames]),
+        "pose": np.stack([_numbers(frame.pose) for frame in frames]),
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import OrderedDict
 from collections.abc import Generator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, SupportsInt
@@ -11,8 +12,12 @@ import gymnasium
 import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
-from ovman.agents.interface import LETTERS, Action, Observation
+from ovman.agents.interface import LETTERS, VISITS, Action, Observation, Visit
+from ovman.analysis.outcomes import Case, embodied_outcomes
+from ovman.analysis.rates import embodied_rates
+from ovman.entry.beside import set_beside
 from ovman.entry.release import CONFIG, DATA, Release
+from ovman.entry.tables import of_arm, table
 from ovman.entry.tour_cache import TourCache
 from ovman.evaluation.attempt import Attempt, session_for
 from ovman.evaluation.observation_store import ObservationStore
@@ -23,7 +28,7 @@ from ovman.gym.questions import Order, questions, terms, views_of
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
 from ovman.models.episode import Episode
 from ovman.models.run import Measured, Rollout, Score
-from ovman.models.settings import MAIN, Need
+from ovman.models.settings import MAIN, Kind, Need
 from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
 from ovman.remote.host import HostedContext
@@ -34,6 +39,8 @@ TOURS = ("observation", "reset")
 """Where the tours are: in every observation, or in what `reset` tells beside its own."""
 SEEDS = 2**31
 """Seeds of runs that are drawn are below it."""
+KEPT = 2
+"""Visits that are kept, of 15 MB each: episodes of a scene have the first in common, seeds of an episode have both."""
 
 
 class Environment(gymnasium.Env[dict[str, Any], np.int64]):
@@ -74,10 +81,10 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             raise ValueError(f"render_mode: {render_mode!r} cannot be rendered; write rgb_array, and looks=True")
         settings, self._stage = terms(Path(config or CONFIG), name)
         self._looking = Looking(settings)
-        released = Release(Path(release or DATA), settings)
+        self._release = Release(Path(release or DATA), settings)
         if split is None and episodes is None:
             split = MAIN
-        found = questions(released, split, None if episodes is None else Path(episodes), scenes)
+        found = questions(self._release, split, None if episodes is None else Path(episodes), scenes)
         self._order = Order(found)
         self._camera = found[0].protocol.camera
         self._looks, self._told = looks, tours == "reset"
@@ -89,6 +96,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._driving: Generator[Observation, Action, Measured] | None = None
         self._attempt: Attempt | None = None
         self._run: Score | None = None
+        self._kept: OrderedDict[str, Mapping[str, np.ndarray]] = OrderedDict()
         self._given: Mapping[str, np.ndarray] = {}
 
     @property
@@ -105,6 +113,14 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def arm(self) -> ArmJob:
         """As what it makes its runs: name, needs, budget."""
         return self._stage.arm
+
+    def rates(self, runs: Sequence[Score]) -> str:
+        """The table of these runs by relation that `ovman eval` prints. ValueError unless each seed has every episode once."""
+        asked = [self._order.by_id[name] for name in dict.fromkeys(run.episode for run in runs)]
+        outcomes = embodied_outcomes([Case.of(episode) for episode in asked], runs)
+        rates = embodied_rates(outcomes, self._release.settings.evaluation.confidence)
+        chance = set_beside(outcomes, Kind.EMBODIED, None, self._release).chance
+        return "\n".join(table(of_arm(rates, chance), markdown=False))
 
     def context(self) -> HostedContext:
         """An `AgentContext` for the present run: what an agent of `ovman.agents.interface` is made with.
@@ -132,7 +148,8 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         # A simulator that dies until the first look is replaced; later its run cannot go on.
         self._attempt.session.with_restarts(self._begin)
         visits = self._attempt.tour("first", np.empty((0, 2))), self._attempt.tour("second", self._reachable)
-        self._given = encoded_tour("first", visits[0]) | encoded_tour("second", visits[1])
+        shown = zip(VISITS, map(self._tour, visits), strict=True)
+        self._given = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
         info = {"episode": episode.id, "scene": episode.scene, "seed": self._attempt.seed}
         info["field_of_view_deg"] = self._camera.field_of_view_deg
         return self._observed(), info | self._tours_now(self._told)
@@ -187,6 +204,16 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         started: Start = self._attempt.start()
         self._reachable, self._driving = started.reachable, started.drive(self._looks)
         self._see(next(self._driving))
+
+    def _tour(self, visit: Visit) -> Mapping[str, np.ndarray]:
+        """A visit, encoded; read from its files where it is none of the last ones."""
+        content = str(visit.content)
+        if content not in self._kept:
+            self._kept[content] = encoded_tour(visit)
+        self._kept.move_to_end(content)
+        while len(self._kept) > KEPT:
+            self._kept.popitem(last=False)
+        return self._kept[content]
 
     def _see(self, seen: Observation) -> None:
         self._seen = seen

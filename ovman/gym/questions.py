@@ -65,16 +65,16 @@ def views_of(episode: Episode) -> int:
 
 
 class Order:
-    """Episodes in passes: each comes once, in an order that is drawn, before any comes again."""
+    """Episodes in passes: each comes once, in an order that is drawn, before any comes again. by_id: all, in their order."""
 
     def __init__(self, episodes: Sequence[Episode]) -> None:
-        self._episodes = {episode.id: episode for episode in episodes}
+        self.by_id = {episode.id: episode for episode in episodes}
         self._waiting: list[str] = []
 
     @property
     def ids(self) -> tuple[str, ...]:
         """All, in the order of their file."""
-        return tuple(self._episodes)
+        return tuple(self.by_id)
 
     def restart(self) -> None:
         """Begin a new pass."""
@@ -90,15 +90,15 @@ class Order:
         if len(options) > 1:
             raise ValueError("options: episode and scene exclude each other; write one of them")
         if "episode" in options:
-            if options["episode"] not in self._episodes:
+            if options["episode"] not in self.by_id:
                 raise ValueError(f"options: episode: {options['episode']!r} is not among the environment's; see episode_ids")
-            return self._episodes[options["episode"]]
+            return self.by_id[options["episode"]]
         if "scene" in options:
-            there = [episode for episode in self._episodes.values() if episode.scene == options["scene"]]
+            there = [episode for episode in self.by_id.values() if episode.scene == options["scene"]]
             if not there:
-                scenes = ", ".join(sorted({episode.scene for episode in self._episodes.values()}))
+                scenes = ", ".join(sorted({episode.scene for episode in self.by_id.values()}))
                 raise ValueError(f"options: scene: {options['scene']!r} has no episode here; write one of {scenes}")
             return there[int(rng.integers(len(there)))]
         if not self._waiting:
             self._waiting = [self.ids[k] for k in rng.permutation(len(self.ids))]
-        return self._episodes[self._waiting.pop(0)]
+        return self.by_id[self._waiting.pop(0)]
