@@ -27,7 +27,7 @@ PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").r
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 
-EXTRAS = {"ovman": ("dataset", "rerun")}
+EXTRAS = {"ovman": ("dataset", "gym", "rerun")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
 
 SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-EXTRAS = {"pyarrow": "dataset", "rerun": "rerun"}
+EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"}
 """The extra that brings a module, where it is not `benchmark`."""
 
 

@@ -1,0 +1,18 @@
+"""The benchmark as a Gymnasium environment. Importing this package registers "OVMAN-v1" (`ovman.gym.environment.Environment`).
+
+Gymnasium has no entry points that register by themselves since its version 1.0: `import ovman.gym`, or make
+"ovman.gym:OVMAN-v1". ModuleNotFoundError in one line where Gymnasium is not installed.
+"""
+
+from __future__ import annotations
+
+try:
+    from gymnasium.envs.registration import register, registry
+except ModuleNotFoundError as missing:
+    raise ModuleNotFoundError(f"{missing.name} is not installed; pip install 'ovman[gym]' brings it", name=missing.name) from None
+
+ID = "OVMAN-v1"
+"""What `gymnasium.make` calls the environment."""
+
+if ID not in registry:
+    register(id=ID, entry_point="ovman.gym.environment:Environment")

@@ -1,0 +1,104 @@
+"""Which episodes an environment has, under which terms they are run, and which comes next."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ovman.entry.entrant import checked, with_agent
+from ovman.entry.evaluation import asked
+from ovman.entry.release import EntryError, Release
+from ovman.models.episode import Episode
+from ovman.models.settings import Settings, Source
+from ovman.workflow.config import load
+from ovman.workflow.parameter import StageSettings, stage_settings
+
+AGENT = "ovman.gym.environment:Environment"
+"""In the place of an agent's function: whoever steps the environment is the agent."""
+
+
+@cache
+def terms(config: Path, name: str) -> tuple[Settings, StageSettings]:
+    """The settings of a file, and those of the runs of an arm: one that the file has, or a new one of that name.
+
+    EntryError, in one line, for an arm that needs what is neither in the tours nor made of them, and for what cannot name one.
+    """
+    settings = load(config)
+    try:
+        if name in settings.arms:
+            checked(settings, name, None, None)
+        else:
+            settings, _ = with_agent(settings, AGENT, name, None)
+    except EntryError as error:
+        raise EntryError(f"name: {str(error).partition(': ')[2]}") from None
+    arm = settings.arms[name]
+    if Source.HANDED in (arm.answer, arm.positions) or arm.embodiment != "default":
+        raise EntryError(f"name: {name} is an arm that is given other things than the tours; write another name")
+    return settings, stage_settings(settings, "rollouts", name)
+
+
+def questions(release: Release, split: str | None, episodes: Path | None, scenes: Sequence[str]) -> Sequence[Episode]:
+    """The episodes of a split or of a file, of some scenes where they are named; all with one camera.
+
+    EntryError or RecordError, in one line.
+    """
+    try:
+        chosen = asked(release, split, episodes, scenes, (1, 1), ()).chosen
+    except EntryError as error:
+        raise EntryError(str(error).removeprefix("--")) from None
+    shown = {(episode.protocol.camera, views_of(episode)) for episode in chosen}
+    if len(shown) > 1:
+        raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")
+    return chosen
+
+
+def views_of(episode: Episode) -> int:
+    """How many views its tours have. EntryError where they have different numbers."""
+    first, second = (len(tour.waypoints) * tour.headings for tour in (episode.tours.first, episode.tours.second))
+    if first != second:
+        raise EntryError(f"{episode.id}: tours of {first} and {second} views; name other episodes")
+    return first
+
+
+class Order:
+    """Episodes in passes: each comes once, in an order that is drawn, before any comes again. by_id: all, in their order."""
+
+    def __init__(self, episodes: Sequence[Episode]) -> None:
+        self.by_id = {episode.id: episode for episode in episodes}
+        self._waiting: list[str] = []
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """All, in the order of their file."""
+        return tuple(self.by_id)
+
+    def restart(self) -> None:
+        """Begin a new pass."""
+        self._waiting = []
+
+    def next(self, options: Mapping[str, Any], rng: np.random.Generator) -> Episode:
+        """The episode of the id {"episode": id}, one that is drawn of {"scene": name}, or the next of the pass for {}.
+
+        ValueError, in one line, for other options and where there is none.
+        """
+        if unknown := sorted(set(options) - {"episode", "scene"}):
+            raise ValueError(f"options: {unknown[0]} is no option; write episode or scene")
+        if len(options) > 1:
+            raise ValueError("options: episode and scene exclude each other; write one of them")
+        if "episode" in options:
+            if options["episode"] not in self.by_id:
+                raise ValueError(f"options: episode: {options['episode']!r} is not among the environment's; see episode_ids")
+            return self.by_id[options["episode"]]
+        if "scene" in options:
+            there = [episode for episode in self.by_id.values() if episode.scene == options["scene"]]
+            if not there:
+                scenes = ", ".join(sorted({episode.scene for episode in self.by_id.values()}))
+                raise ValueError(f"options: scene: {options['scene']!r} has no episode here; write one of {scenes}")
+            return there[int(rng.integers(len(there)))]
+        if not self._waiting:
+            self._waiting = [self.ids[k] for k in rng.permutation(len(self.ids))]
+        return self.by_id[self._waiting.pop(0)]

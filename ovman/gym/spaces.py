@@ -1,0 +1,75 @@
+"""The spaces of the environment: fixed shapes, finite bounds, no nested dictionary, since some libraries read none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from ovman.agents.interface import VISITS, Action, Relation
+from ovman.models.settings.benchmark import Camera
+from ovman.sim.sensing import FARTHEST_M
+
+ACTIONS = tuple(Action)
+"""The primitives by the numbers of the action space."""
+RELATIONS = tuple(Relation)
+"""The relations by their numbers in an observation."""
+FARTHEST_POSITION_M = 1000.0
+"""Bound of every coordinate; homes are a hundred times smaller."""
+REACHABLE = 1024
+"""Rows of `reachable`; the largest floor plan has fewer than half as many positions."""
+CATEGORY = 32
+"""Longest name of a category."""
+
+
+def action_space() -> spaces.Discrete:
+    """The number of a primitive in `ACTIONS`."""
+    return spaces.Discrete(len(ACTIONS))
+
+
+def observation_space(camera: Camera, views: int, looks: bool, tours: bool) -> spaces.Dict:
+    """The space of an observation, keys as of `ovman.gym.encoding`.
+
+    views: of each tour. looks: whether there are pictures where the agent stands. tours: whether there are both tours.
+    """
+    found: dict[str, spaces.Space[Any]] = _pictures(camera) if looks else {}
+    found |= {
+        "pose": _box(*_pose_bounds(), np.float64),
+        "last_action_succeeded": spaces.Discrete(2),
+        "reachable": _uniform(-FARTHEST_POSITION_M, FARTHEST_POSITION_M, (REACHABLE, 2), np.float64),
+        "reachable_count": spaces.Discrete(REACHABLE + 1),
+        "reachable_anew": spaces.Discrete(2),
+        "relation": spaces.Discrete(len(RELATIONS)),
+        "category": spaces.Text(CATEGORY),
+    }
+    if tours:
+        for which in VISITS:
+            low, high = (np.tile(bound, (views, 1)) for bound in _pose_bounds())
+            of_tour = _pictures(camera, views) | {"pose": _box(low, high, np.float64)}
+            found |= {f"{which}_{name}": space for name, space in of_tour.items()}
+    return spaces.Dict(found)
+
+
+def _pictures(camera: Camera, *views: int) -> dict[str, spaces.Space[Any]]:
+    size = (*views, camera.height_px, camera.width_px)
+    return {"rgb": _uniform(0, 255, (*size, 3), np.uint8), "depth": _uniform(0.0, FARTHEST_M, size, np.float32)}
+
+
+def _pose_bounds() -> tuple[np.ndarray, np.ndarray]:
+    """Of x, y, z in metres, yaw and horizon in degrees."""
+    high = np.array([FARTHEST_POSITION_M] * 3 + [360.0, 90.0])
+    return high * [-1, -1, -1, 0, -1], high
+
+
+def _box(low: np.ndarray, high: np.ndarray, dtype: type[np.float64]) -> spaces.Box:
+    return spaces.Box(low, high, dtype=dtype)
+
+
+def _uniform(low: float, high: float, shape: tuple[int, ...], dtype: Any) -> spaces.Box:
+    box = spaces.Box(low, high, shape, dtype)
+    # A Box keeps its bounds for every number: 95 MB for two tours, the same value in all of it.
+    for name in ("low", "high", "bounded_below", "bounded_above"):
+        bound: np.ndarray = getattr(box, name)
+        setattr(box, name, np.broadcast_to(bound.flat[0], shape))
+    return box

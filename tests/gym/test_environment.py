@@ -1,0 +1,282 @@
+"""OVMAN-v1 is an environment as Gymnasium wants it, and tells no truth before the end of a run."""
+
+from __future__ import annotations
+
+import warnings
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import InvalidAction, ResetNeeded
+from gymnasium.utils.env_checker import check_env, data_equivalence
+
+import ovman.gym
+from ovman.agents.interface import Action
+from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
+from ovman.gym.playing import play
+from ovman.gym.questions import Order
+from ovman.gym.spaces import ACTIONS, RELATIONS
+from ovman.models.episode import Episode
+from ovman.models.relation import Relation
+from tests.arms import CONFIG
+from tests.episodes import DATA, of_scene
+
+FORWARD, LEFT, RIGHT, STOP, ABSTAIN = map(
+    ACTIONS.index, (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT, Action.STOP, Action.ABSTAIN)
+)
+HERE = {"pose", "last_action_succeeded", "reachable", "reachable_count", "reachable_anew", "relation", "category"}
+PICTURES = {"rgb", "depth"}
+TOURS = {f"{which}_{part}" for which in ("first", "second") for part in ("rgb", "depth", "pose")}
+SCENE = "FloorPlan10"
+MOVING = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(scope="module")
+def two(tmp_path_factory):
+    """A file of two episodes of one scene."""
+    path = tmp_path_factory.mktemp("episodes") / "two.jsonl"
+    path.write_text("".join(episode.to_line() for episode in of_scene(SCENE)))
+    return path
+
+
+@pytest.fixture
+def made(cache, two):
+    """Makes environments, of two episodes where nothing is said, and closes them."""
+    every = []
+
+    def make(**options):
+        every.append(gymnasium.make(ovman.gym.ID, **({"episodes": two, "cache": cache} | options)))
+        return every[-1]
+
+    yield make
+    for env in every:
+        env.close()
+
+
+@pytest.fixture(scope="module")
+def small(cache, two):
+    """An environment without pictures, in which a step is quick."""
+    with gymnasium.make(ovman.gym.ID, episodes=two, cache=cache, looks=False, tours="reset") as env:
+        yield env
+
+
+def test_gymnasium_finds_nothing_to_say(made):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)
+        check_env(made().unwrapped)
+
+
+def test_a_split_is_its_episodes_in_the_spaces_of_the_page():
+    """Nothing is started to know them."""
+    env = gymnasium.make("OVMAN-v1", split="dev")
+    assert env.unwrapped.episode_ids == tuple(episode.id for episode in Episode.load(DATA / "episodes" / "dev.jsonl"))
+    assert env.action_space == gymnasium.spaces.Discrete(5) and len(ACTIONS) == len(Action)
+    assert set(env.observation_space) == HERE | PICTURES | TOURS
+    for key, shape in {"rgb": (300, 300, 3), "first_depth": (24, 300, 300), "second_pose": (24, 5)}.items():
+        assert env.observation_space[key].shape == shape
+    env.close()
+
+
+def test_an_observation_is_what_an_agent_is_told(made):
+    env = made(render_mode="rgb_array")
+    seen, info = env.reset(seed=3, options={"episode": of_scene(SCENE)[0].id})
+    attempt = env.unwrapped._attempt
+    lens = info["field_of_view_deg"]
+    now, query = observation_of(seen, lens, True), query_of(seen)
+    assert (query, now.pose) == (attempt.episode.query, observation_of(seen, lens, False).pose)
+    assert np.array_equal(now.rgb, env.render()) and now.depth.dtype == np.float32
+    for which in ("first", "second"):
+        visit, own = visit_of(which, seen, lens, reachable_of(seen)), attempt.tour(which, reachable_of(seen))
+        assert len(visit.observations) == len(own.observations)
+        for theirs, ours in zip(visit.observations, own.observations, strict=True):
+            assert (theirs.pose, theirs.field_of_view_deg) == (ours.pose, ours.field_of_view_deg)
+            assert np.array_equal(theirs.rgb, ours.rgb) and np.array_equal(theirs.depth, ours.depth)
+    same = visit_of("first", seen, lens, np.empty((0, 2))).content
+    seen["first_depth"][0, 0, 0] += 1  # what it keeps is its own
+    assert visit_of("first", seen, lens, np.empty((0, 2))).content != same
+    seen["rgb"][:] = 0
+    again, *_ = env.step(LEFT)
+    assert visit_of("first", again, lens, np.empty((0, 2))).content == same and again["rgb"].any()
+
+
+def walked(env, seed, episode, actions):
+    """All that a run tells, the reset first."""
+    told = [env.reset(seed=seed, options={"episode": episode})]
+    return told + [env.step(action) for action in actions]
+
+
+WALK = [FORWARD, LEFT, FORWARD, FORWARD, RIGHT, FORWARD, STOP]
+
+
+def test_a_seed_says_all(made, tmp_path, cache):
+    (tmp_path / "moving.jsonl").write_text(MOVING.to_line())
+    env = made(episodes=tmp_path / "moving.jsonl", looks=False, tours="reset")
+    once = walked(env, 7, MOVING.id, WALK)
+    assert data_equivalence(once, walked(env, 7, MOVING.id, WALK), exact=True)
+    assert any(seen["reachable_anew"] for seen, *_ in once[1:])
+    others = [walked(env, seed, MOVING.id, WALK)[-1][0] for seed in (8, 9)]
+    assert not all(data_equivalence(once[-1][0], other, exact=True) for other in others), "movers draw by the seed"
+
+
+def test_without_a_seed_runs_follow_from_the_last_one(small):
+    def drawn():
+        return [small.reset(seed=seed)[1] for seed in (5, None, None)]
+
+    first, second = drawn(), drawn()
+    assert data_equivalence(first, second, exact=True) and len({info["seed"] for info in first}) == 3
+    assert {info["episode"] for info in first} == set(small.unwrapped.episode_ids)
+
+
+def test_a_pass_has_each_episode_once():
+    episodes = of_scene(SCENE) + of_scene("FloorPlan7")
+    order, rng = Order(episodes), np.random.default_rng(0)
+    for _ in range(3):
+        assert sorted(order.next({}, rng).id for _ in episodes) == sorted(order.ids)
+    assert {order.next({"scene": SCENE}, rng).scene for _ in range(20)} == {SCENE}
+
+
+def numbers(told):
+    """All numbers of what is told, rounded as records are."""
+    if isinstance(told, dict):
+        return {number for value in told.values() for number in numbers(value)}
+    if isinstance(told, (tuple, list)):
+        return {number for value in told for number in numbers(value)}
+    if isinstance(told, np.ndarray) and told.ndim < 3:
+        return set(np.round(told, 4).ravel().tolist())
+    return {round(told, 4)} if isinstance(told, float) else set()
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_nothing_is_told_of_the_answer_before_the_end(small, made, tmp_path, which):
+    """Neither is it among the numbers, nor does anything change with what the evaluator knows."""
+    episode = of_scene(SCENE)[which]
+    told = walked(small, 0, episode.id, WALK)
+    (first, info), *steps = told
+    assert set(info) == {"episode", "scene", "seed", "field_of_view_deg"} | TOURS and set(first) == HERE
+    assert [set(more) for *_, more in steps[:-1]] == [set()] * (len(WALK) - 1)
+    assert set(steps[-1][-1]) == {"is_success", "spl", "outcome", "actions", "path_length_m"}
+    assert [(reward, over, spent) for _, reward, over, spent, _ in steps[:-1]] == [(0.0, False, False)] * (len(WALK) - 1)
+    assert steps[-1][2:4] == (True, False) and steps[-1][1] == float(steps[-1][-1]["is_success"])
+    assert not {*episode.answer, episode.shortest_path_m} & numbers([(first, info), *steps[:-1]])
+    x, z = episode.answer
+    moved = {"answer": {"x": x + 0.1, "z": z}, "shortest_path_m": episode.shortest_path_m + 1}
+    (tmp_path / "other.jsonl").write_text(Episode.from_json(episode.to_json() | moved, "other").to_line())
+    other = walked(made(episodes=tmp_path / "other.jsonl", looks=False, tours="reset"), 0, episode.id, WALK)
+    assert data_equivalence(told[:-1], other[:-1], exact=True) and data_equivalence(told[-1][0], other[-1][0], exact=True)
+
+
+def test_runs_end_as_the_benchmark_ends_them(small):
+    primitives = of_scene(SCENE)[0].protocol.primitives
+    ends = {}
+    for actions in ([ABSTAIN], [LEFT] * primitives.stall_after):
+        *before, last = walked(small, 0, of_scene(SCENE)[0].id, actions)[1:]
+        assert not any(over or spent for _, _, over, spent, _ in before)
+        ends[last[-1]["outcome"]] = (last[2], last[3], last[-1]["is_success"], small.unwrapped.run.trace)
+    assert ends == {
+        "abstained": (True, False, False, "A"),
+        "stalled": (True, False, False, "L" * primitives.stall_after),
+    }
+
+
+def test_a_spent_budget_truncates(small):
+    """To and fro, so that it does not stall."""
+    primitives = of_scene(SCENE)[0].protocol.primitives
+    around = [FORWARD] + [LEFT] * round(180 / primitives.turn_deg)
+    actions = (around * primitives.action_budget)[: primitives.action_budget]
+    *before, last = walked(small, 0, of_scene(SCENE)[0].id, actions)[1:]
+    assert not any(over or spent for _, _, over, spent, _ in before)
+    assert last[1:4] == (0.0, False, True) and last[-1]["outcome"] == "budget" and not last[-1]["is_success"]
+    assert last[-1]["actions"] == primitives.action_budget and last[-1]["path_length_m"] > 0
+
+
+def test_what_cannot_be_done_is_said(small):
+    bare = small.unwrapped
+    bare.reset(seed=0)
+    for action in (5, -1, 99):
+        with pytest.raises(InvalidAction, match=f"{action} is no action; the actions are 0 to 4"):
+            bare.step(action)
+    assert bare.run is None and not bare.step(np.int64(LEFT))[2], "the run goes on"
+    bare.step(STOP)
+    with pytest.raises(ResetNeeded, match="call reset"):
+        bare.step(LEFT)
+    assert bare.run.trace == "LS"
+    for options, said in [
+        ({"floor": 1}, "floor is no option"),
+        ({"scene": SCENE, "episode": "x"}, "exclude each other"),
+        ({"episode": "x"}, "'x' is not among"),
+        ({"scene": "FloorPlan1"}, f"write one of {SCENE}"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            bare.reset(options=options)
+
+
+def test_it_can_be_closed_at_any_moment_and_used_again(made):
+    bare = made(looks=False, tours="reset").unwrapped
+    for read in (bare.context, lambda: bare.step(LEFT)):
+        with pytest.raises(ResetNeeded):
+            read()
+    bare.close()
+    seen, _ = bare.reset(seed=1)
+    bare.close()
+    bare.close()
+    with pytest.raises(ResetNeeded):
+        bare.step(LEFT)
+    assert data_equivalence(bare.reset(seed=1)[0], seen, exact=True)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"split": "mian"}, "split: mian is no split; write one of main"),
+        ({"episodes": "absent.jsonl"}, "absent.jsonl: No such file"),
+        ({"scenes": ["FloorPlan6"]}, f"scenes: FloorPlan6 has no episode; write some of {SCENE}"),
+        ({"name": "Mine!"}, "name: 'Mine!' cannot name an arm"),
+        ({"name": CONFIG.comparisons.agent}, "does not drive from episodes and tours alone"),
+        ({"name": next(name for name, arm in CONFIG.arms.items() if arm.reads_sightings)}, "name: "),
+        ({"tours": "never"}, "tours: 'never' is no place"),
+        ({"render_mode": "ansi"}, "render_mode: 'ansi' cannot be rendered"),
+        ({"render_mode": "rgb_array", "looks": False}, "cannot be rendered"),
+    ],
+)
+def test_a_wrong_environment_is_one_line(made, options, said):
+    with warnings.catch_warnings(), pytest.raises((ValueError, OSError), match=said) as refused:
+        warnings.simplefilter("ignore", UserWarning)
+        made(**({"episodes": None} if "split" in options else {}), **options)
+    assert "\n" not in str(refused.value)
+
+
+def test_two_beside_each_other_are_two_alone(small, two, cache):
+    """Their seeds follow one another, and the one that ends begins again."""
+    options = {"episodes": two, "cache": cache, "looks": False, "tours": "reset"}
+    envs = gymnasium.make_vec(ovman.gym.ID, num_envs=2, vectorization_mode="sync", **options)
+    both, info = envs.reset(seed=4)
+    assert both["pose"].shape == (2, 5) and info["seed"].tolist() == [4, 5]
+    actions = [(LEFT, FORWARD), (FORWARD, LEFT), (STOP, RIGHT)]
+    told = [(both, None, None)] + [envs.step(np.array(pair))[:3] for pair in actions]
+    *_, over, spent, more = envs.step(np.array([LEFT, STOP]))
+    assert not over[0] and over[1] and more["_is_success"].tolist() == [False, True]
+    envs.close()
+    for which, seed in enumerate((4, 5)):
+        alone = [(small.reset(seed=seed)[0], None, None)] + [small.step(pair[which])[:3] for pair in actions]
+        for (seen, reward, ended), (beside, rewards, ends) in zip(alone, told, strict=True):
+            for key, value in seen.items():
+                assert np.array_equal(beside[key][which], value)
+            assert reward is None or (reward, ended) == (rewards[which], ends[which])
+
+
+def test_only_its_own_environment_is_played(small):
+    with pytest.raises(TypeError, match="is no OVMAN-v1"):
+        play(gymnasium.make("CartPole-v1"), "x", 0)
+    with pytest.raises(ValueError, match="gym is no arm of config.yaml"):
+        play(small, small.unwrapped.episode_ids[0], 0)
+
+
+def test_relations_have_numbers_that_stay():
+    """Whoever trains on them relies on it."""
+    assert [str(relation) for relation in RELATIONS] == ["moved", "former", "moving", "stable", "appeared", "removed"]
+    assert [action.name for action in ACTIONS] == ["MOVE_AHEAD", "ROTATE_LEFT", "ROTATE_RIGHT", "STOP", "ABSTAIN"]

@@ -1,0 +1,74 @@
+"""What is driven in the environment is what `ovman eval` drives, run by run and action by action."""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+import gymnasium
+import pytest
+
+import ovman.gym
+from ovman.cli import main
+from ovman.gym.playing import play
+from ovman.models.episode import Episode
+from ovman.models.relation import Relation
+from ovman.models.run import Score
+from tests.arms import CONFIG
+from tests.episodes import DATA, ROOT, of_scene
+
+CONTROL = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
+REFERENCE = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
+SCENE = "FloorPlan10"
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+def file_of(path, episodes):
+    path.write_text("".join(episode.to_line() for episode in episodes))
+    return path
+
+
+def evaluated(out, cache, episodes, *options):
+    """The runs, by seed, in the order of the episodes."""
+    told = ["eval", "--out", str(out), "--cache", str(cache), "--episodes", str(episodes), *options]
+    assert main(told) == 0
+    return Score.read(out / "runs.jsonl")
+
+
+@pytest.fixture
+def examples(monkeypatch):
+    """The folder of the examples, as the working directory."""
+    monkeypatch.chdir(ROOT / "examples")
+    monkeypatch.setattr(sys, "path", [str(ROOT / "examples"), *sys.path])
+    return import_module("gymnasium_agents")
+
+
+def test_a_control_drives_as_it_does_outside(tmp_path, cache):
+    """Where the answer moves, and with sensors that err. It takes no pictures, and here they are drawn."""
+    moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
+    everyday = next(one for one in Episode.load(DATA / "episodes" / "everyday.jsonl") if one.tours.second.sensors is not None)
+    for episode, seed in ((moving, 1), (everyday, 2)):
+        file = file_of(tmp_path / f"{seed}.jsonl", [episode])
+        wanted = evaluated(tmp_path / str(seed), cache, file, "--arm", CONTROL, "--seeds", str(seed))
+        with gymnasium.make(ovman.gym.ID, episodes=file, cache=cache, name=CONTROL, tours="reset") as env:
+            assert [play(env, episode.id, seed)] == wanted
+        assert wanted[0].trace
+
+
+def test_the_example_finds_the_rates_of_ovman_eval(tmp_path, cache, examples, capsys):
+    """The reference agent detects, maps and associates what the dictionary shows; the random one draws what it draws outside."""
+    file, seeds = file_of(tmp_path / "one.jsonl", of_scene(SCENE)[:1]), ("--seeds", "0", "1")
+    agents = {
+        "random": ["--agent", "gymnasium_agents:Wanderer", "--name", "random", "--in-process"],
+        REFERENCE: ["--arm", REFERENCE],
+    }
+    wanted = {name: evaluated(tmp_path / name, cache, file, *options, *seeds) for name, options in agents.items()}
+    tables = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    assert [line.split()[0] for line in tables] == ["relation", "moved", "all"] * 2
+    assert examples.main(["--arm", REFERENCE, "--episodes", str(file), "--cache", str(cache), *seeds]) == wanted
+    assert [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")] == tables
+    assert wanted["random"][0].trace != wanted["random"][1].trace
