@@ -6,6 +6,7 @@ CORES ?= 2
 # Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
 PUBLISHED ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
+WATCH = .venv/bin/python -m ovman.workflow.watch
 PIP = .venv/bin/python -m pip --quiet --disable-pip-version-check --no-input
 READY = .venv/ready
 
@@ -31,15 +32,17 @@ help:
 	@echo "make setup   .venv alone;  make clean: remove .venv and caches, keep results"
 
 # Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
+# V=1 shows all that Snakemake says.
 tables: $(READY)
-	@$(SNAKEMAKE) -- results/episodes/main.jsonl
-	@$(SNAKEMAKE) -- results/tables
+	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- results/episodes/main.jsonl ::: $(SNAKEMAKE) -- results/tables \
+		:::: results/tables/static.md results/tables/embodied.md
 
 static: $(READY)
-	@$(SNAKEMAKE) -- results/static_tables
+	@$(WATCH) logs/static.log ::: $(SNAKEMAKE) -- results/static_tables :::: results/static_tables/static.md
 
 quick: $(READY)
-	@$(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables
+	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables \
+		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md
 
 models: $(READY)
 	@$(SNAKEMAKE) -- results/models

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 
 from ovman.models.run import Score
+from ovman.workflow.progress import clock
 
 
 class Progress:
@@ -30,11 +31,5 @@ class Progress:
         self._made += 1
         left_s = (time.monotonic() - self._begun) / self._made * (self._total - self.done)
         ended = f"{run.outcome} after {run.actions} actions, {'success' if run.success else 'failure'}"
-        so_far = f"success so far {self._successes / self.done:.3f}, {_clock(left_s)} left"
+        so_far = f"success so far {self._successes / self.done:.3f}, {clock(left_s)} left"
         self._say(f"{self.done}/{self._total} {run.episode} seed {run.seed}: {ended}; {so_far}")
-
-
-def _clock(seconds: float) -> str:
-    minutes, rest = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02d}:{rest:02d}"

@@ -25,6 +25,7 @@ from ovman.models.sighting import Sightings
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
+from ovman.workflow.progress import Units
 
 DECIDING = ("admissibility.",)
 """Constants that say what an agent is given; what becomes of its answer does not depend on them."""
@@ -91,6 +92,7 @@ def run(
     stores: dict[tuple[str, float], ObservationStore] = {}
     kept = Journal(journal)
     made: dict[int, list[Rollout]] = {seed: [] for seed in outputs}
+    units = Units(len(episodes) * len(outputs))
 
     def rollout(session: Session, episode: Episode, seed: int) -> Rollout:
         store, seen = store_of(arm, episode, settings, visits, files, stores), sightings.get(episode.id)
@@ -108,7 +110,7 @@ def run(
                 for seed in outputs:
                     record = rollout(session, episode, seed)
                     made[seed].append(record)
-                    print(f"{episode.id} {arm.name} seed {seed}: {record.outcome} after {record.actions} actions", flush=True)
+                    units.done(f"{episode.id} {arm.name} seed {seed}: {record.outcome} after {record.actions} actions")
     for seed, output in outputs.items():
         output.parent.mkdir(parents=True, exist_ok=True)
         output.write_text(lines(made[seed]), encoding="utf-8")

@@ -25,6 +25,7 @@ from ovman.sim.session import Session
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
+from ovman.workflow.progress import Units
 
 
 @dataclass(frozen=True)
@@ -108,7 +109,7 @@ def run(admissible_file: Path, trials_file: Path, constants: StageSettings, outp
     trials = {trial.candidate.id: trial for trial in Trial.read(trials_file)}
     admitted = [verdict.id for verdict in Verdict.read(admissible_file) if verdict.rejected is None]
     kept = Journal(journal)
-    done = []
+    done, units = [], Units(len(admitted))
     with Session(trials_file.stem, constants) as session:
 
         def measured(trial: Trial) -> dict[str, Any]:
@@ -117,5 +118,5 @@ def run(admissible_file: Path, trials_file: Path, constants: StageSettings, outp
         for name in admitted:
             key = digest(trials[name].to_json(), constants.canonical)
             done.append(Certification.from_json(kept.unit(key, partial(measured, trials[name]))))
-            print(f"{name}: {', '.join(run.outcome for run in done[-1].runs)}", flush=True)
+            units.done(f"{name}: {', '.join(run.outcome for run in done[-1].runs)}")
     output.write_text(lines(done), encoding="utf-8")

@@ -34,6 +34,7 @@ from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
+from ovman.workflow.progress import Units
 
 T = TypeVar("T")
 
@@ -251,11 +252,13 @@ def run(
         def measured(candidate: Candidate) -> dict[str, Any]:
             return session.with_restarts(lambda: trials.measure(candidate).to_json())
 
-        for candidate in Candidate.read(candidates_file):
+        candidates = Candidate.read(candidates_file)
+        units = Units(len(candidates))
+        for candidate in candidates:
             key = digest(candidate.to_json(), [dict(zip("xz", at, strict=True)) for at in scene.waypoints], constants.canonical)
             done.append(Trial.from_json(journalled.unit(key, partial(measured, candidate))))
             tours |= session.with_restarts(partial(trials.tours, done[-1]))
-            print(f"{candidate.id}: {done[-1].measured.ended or 'measured'}", flush=True)
+            units.done(f"{candidate.id}: {done[-1].measured.ended or 'measured'}")
     output.write_text(lines(done), encoding="utf-8")
     manifest = VisitManifest(scene=scene.scene, visits=dict(sorted(tours.items())))
     manifest_out.write_text(manifest.to_line(), encoding="utf-8")

@@ -14,6 +14,7 @@ from ovman.perception import networks, tour, tour_files
 from ovman.perception.detected import Detected
 from ovman.perception.records import write_detections
 from ovman.perception.store import Store
+from ovman.workflow.progress import Units
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
@@ -55,11 +56,12 @@ def looked_at(
         )
 
     seen: dict[str, Detected] = {}
+    units = Units(len(visits))
     for name, directory in visits.items():
         began, content = time.process_time(), tour_files.digest(directory, field_of_view_deg, seen_by)
         seen[name], known = store.kept(content, partial(look, directory, content))
         took = "seen before" if known else f"{time.process_time() - began:.1f} s of the processor"
-        print(f"{name}: {len(seen[name])} detections, {took}", flush=True)
+        units.done(f"{name}: {len(seen[name])} detections, {took}")
     return seen
 
 

@@ -14,6 +14,7 @@ from ovman.agents.dualmap.readings import Maintained, Run
 from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
 from ovman.workflow import seeds
+from ovman.workflow.progress import Units
 
 
 class MapsError(RuntimeError):
@@ -60,7 +61,7 @@ def run(scene: str, walks_file: Path, episodes_file: Path, constants: Settings, 
     absent = sorted({visit for pair in pairs for visit in pair} - set(walks))
     if absent:
         raise MapsError(f"{walks_file} has no walk of the visit {absent[0]}; make the stage walks again")
-    runs = []
+    runs, units = [], Units(constants.dualmap.runs)
     for number in range(constants.dualmap.runs):
         began = time.process_time()
         made = run_of(number, scene, walks, pairs, root_seed(episodes), constants)
@@ -68,5 +69,5 @@ def run(scene: str, walks_file: Path, episodes_file: Path, constants: Settings, 
         runs.append(made)
         counts = [len(mapped.entries) for mapped in (*made.visits.values(), *made.maintained.values())]
         took = time.process_time() - began
-        print(f"{scene}: run {number}: maps of {sorted(counts)} objects in {took:.1f} s of the processor", flush=True)
+        units.done(f"{scene}: run {number}: maps of {sorted(counts)} objects in {took:.1f} s of the processor")
     write(output, runs)

@@ -38,6 +38,7 @@ from ovman.sim.walk import Frame, instances
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
+from ovman.workflow.progress import Units
 
 PART = "ovman-walk-part/3"
 TOGETHER = 8
@@ -165,6 +166,7 @@ def run(
     walks: dict[str, tuple[list[str], list[int]]] = {}
     parts: set[Path] = set()
     kept.mkdir(parents=True, exist_ok=True)
+    units = Units(len(of))
     with ExitStack() as stack:
         session: Session | None = None
         for name, one in of.items():
@@ -180,7 +182,7 @@ def run(
                 partial(_walk, session, one, dualmap.walk.turn_deg, memory, part)
             )
             took, new = time.process_time() - began, len(memory.shots) - before
-            print(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor", flush=True)
+            units.done(f"{name}: {len(walks[name][0])} frames, {new} of them new, {took:.1f} s of the processor")
     order = list(dict.fromkeys(key for contents, _ in walks.values() for key in contents))
     shots = [memory.shots[key] for key in order]
     ceiling_m = float(np.median([shot.top_m for shot in shots])) if shots else 0.0
