@@ -27,7 +27,7 @@ PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").r
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 
-SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")
+SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", "examples", ".ci")
 TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".json", ".jsonl", ".csv", ".tex", ""})
 
 
@@ -38,9 +38,14 @@ def required(project: str, *extras: str) -> list[Requirement]:
     return [Requirement(line) for line in lines]
 
 
+def extras(project: str) -> list[str]:
+    """The names of a distribution's extras."""
+    return list(PROJECTS[project]["project"].get("optional-dependencies", {}))
+
+
 def declared() -> list[tuple[str, Requirement]]:
     """Every requirement of every distribution, but for those on each other."""
-    all_of_them = [(p, r) for p in PROJECTS for r in required(p, *PROJECTS[p]["project"].get("optional-dependencies", {}))]
+    all_of_them = [(p, r) for p in PROJECTS for r in required(p, *extras(p))]
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
@@ -93,6 +98,7 @@ def third_party(path: Path) -> set[str]:
         ("workflow", ["ovman"]),
         ("bench", ["ovman", "ovman-engine"]),
         ("tests", ["ovman", "ovman-engine"]),
+        ("examples", ["ovman"]),
         ("packages/ovman-client", ["ovman-client", "ovman"]),
         ("packages/ovman-engine", ["ovman-engine"]),
         ("packages/ovman-released/ovman_released", ["ovman-released", "ovman"]),
@@ -101,16 +107,19 @@ def third_party(path: Path) -> set[str]:
 )
 def test_what_is_imported_is_declared(folder: str, requires: list[str]) -> None:
     package = folder in ("ovman", "workflow", "packages/ovman-released/ovman_released")
-    found = [
-        r for p in requires for r in required(p, *([] if package else PROJECTS[p]["project"].get("optional-dependencies", {})))
-    ]
-    allowed = {canonicalize_name(requirement.name) for requirement in found}
+
+    def allowed(path: Path) -> set[str]:
+        """By what is installed with the project: of a package, with the extra of its name alone."""
+        named = [(p, name) for p in requires for name in extras(p) if not package or name == path.parent.name]
+        found = [one for p in requires for one in required(p, *(name for of, name in named if of == p))]
+        return {canonicalize_name(requirement.name) for requirement in found}
+
     distributions = packages_distributions()
     undeclared = {
         (str(path.relative_to(ROOT)), module)
         for path in sorted((ROOT / folder).rglob("*.py"))
         for module in third_party(path)
-        if not allowed & {SAME_MODULE.get(d, d) for d in map(canonicalize_name, distributions.get(module, []))}
+        if not allowed(path) & {SAME_MODULE.get(d, d) for d in map(canonicalize_name, distributions.get(module, []))}
     }
     assert undeclared == set()
 
