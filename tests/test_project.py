@@ -30,7 +30,7 @@ SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 EXTRAS = {"ovman": ("dataset", "gym", "rerun")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
 
-SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", ".ci")
+SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", "examples", ".ci")
 TEXT = frozenset({".py", ".smk", ".md", ".toml", ".yaml", ".cff", ".lock", ".json", ".jsonl", ".csv", ".tex", ""})
 
 
@@ -41,9 +41,14 @@ def required(project: str, *extras: str) -> list[Requirement]:
     return [Requirement(line) for line in lines]
 
 
+def extras(project: str) -> list[str]:
+    """The names of a distribution's extras."""
+    return list(PROJECTS[project]["project"].get("optional-dependencies", {}))
+
+
 def declared() -> list[tuple[str, Requirement]]:
     """Every requirement of every distribution, but for those on each other."""
-    all_of_them = [(p, r) for p in PROJECTS for r in required(p, *PROJECTS[p]["project"].get("optional-dependencies", {}))]
+    all_of_them = [(p, r) for p in PROJECTS for r in required(p, *extras(p))]
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
@@ -96,6 +101,7 @@ def third_party(path: Path) -> set[str]:
         ("workflow", ["ovman"]),
         ("bench", ["ovman", "ovman-engine"]),
         ("tests", ["ovman", "ovman-engine"]),
+        ("examples", ["ovman"]),
         ("packages/ovman-client", ["ovman-client", "ovman"]),
         ("packages/ovman-engine", ["ovman-engine"]),
         ("packages/ovman-released/ovman_released", ["ovman-released", "ovman"]),

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 
 from ovman.models.run import Score
-from ovman.workflow.progress import clock
+from ovman.progress import clock
 
 
 class Progress:

@@ -22,10 +22,10 @@ from ovman.models.record import lines
 from ovman.models.run import Rollout
 from ovman.models.settings.arms import ArmJob
 from ovman.models.sighting import Sightings
+from ovman.progress import Units
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
-from ovman.workflow.progress import Units
 
 DECIDING = ("admissibility.",)
 """Constants that say what an agent is given; what becomes of its answer does not depend on them."""

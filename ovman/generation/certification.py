@@ -21,11 +21,11 @@ from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.run import Measured
 from ovman.models.trial import Trial, Verdict
+from ovman.progress import Units
 from ovman.sim.session import Session
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
-from ovman.workflow.progress import Units
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from ovman.models.visit import Visit
 from ovman.models.visit_files import VisitFiles, VisitManifest, kept
 from ovman.models.world_state import Instance, WorldState
 from ovman.navigation import geodesic_m
+from ovman.progress import Units
 from ovman.sim import measurement, visit
 from ovman.sim.change import World, dynamic
 from ovman.sim.measurement import ReachableRegion
@@ -34,7 +35,6 @@ from ovman.sim.session import AgentPose, Session, SimulatorError
 from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
-from ovman.workflow.progress import Units
 
 T = TypeVar("T")
 

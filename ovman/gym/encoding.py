@@ -10,7 +10,7 @@
 | reachable_count | how many |
 | reachable_anew | 1 where the positions were found anew for this observation, since something has moved (MOVING) |
 | relation | the number of the query's relation in RELATIONS |
-| category | the query's category |
+| category | the number of the query's category in CATEGORIES |
 | first_rgb, first_depth, first_pose | the views of the first tour, one after the other |
 | second_rgb, second_depth, second_pose | those of the second |
 """
@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Query, Visit
-from ovman.gym.spaces import REACHABLE, RELATIONS
+from ovman.gym.spaces import CATEGORIES, REACHABLE, RELATIONS
 
 
 def encoded(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def encoded(seen: Observation, reachable: np.ndarray, query: Query) -> dict[str,
         "reachable_count": len(reachable),
         "reachable_anew": int(seen.reachable is not None),
         "relation": RELATIONS.index(query.relation),
-        "category": query.category,
+        "category": CATEGORIES.index(query.category),
     }
 
 
@@ -89,7 +89,7 @@ def visit_of(which: str, given: Mapping[str, Any], field_of_view_deg: float, rea
 
 def query_of(given: Mapping[str, Any]) -> Query:
     """What the agent is asked."""
-    return Query(given["category"], RELATIONS[given["relation"]])
+    return Query(CATEGORIES[given["category"]], RELATIONS[given["relation"]])
 
 
 def _numbers(pose: CameraPose) -> np.ndarray:

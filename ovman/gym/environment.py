@@ -135,9 +135,9 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict[str, Any], dict[str, Any]]:
         """Begin a run: of the next episode, {"episode": id}, or a drawn one of {"scene": name}.
 
-        Its seed is the one that is given, else one that is drawn. Information: `episode`, its id; `scene`; `seed`;
-        `field_of_view_deg`, vertical; and the tours under the keys that they else have in an observation. ValueError for
-        other options, SimulatorError or SimulatorDied of the simulator, each in one line.
+        Its seed is the one that is given, else one that is drawn. Information: `episode`, its id; `scene`; `seed`; `category` and
+        `relation`, the query in words; `field_of_view_deg`, vertical; and the tours under the keys that they else have in an
+        observation. ValueError for other options, SimulatorError or SimulatorDied of the simulator, each in one line.
         """
         super().reset(seed=seed)
         if seed is not None:
@@ -151,6 +151,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         shown = zip(VISITS, map(self._tour, visits), strict=True)
         self._given = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
         info = {"episode": episode.id, "scene": episode.scene, "seed": self._attempt.seed}
+        info |= {"category": episode.category, "relation": str(episode.relation)}
         info["field_of_view_deg"] = self._camera.field_of_view_deg
         return self._observed(), info | self._tours_now(self._told)
 

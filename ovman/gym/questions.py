@@ -12,6 +12,7 @@ import numpy as np
 from ovman.entry.entrant import checked, with_agent
 from ovman.entry.evaluation import asked
 from ovman.entry.release import EntryError, Release
+from ovman.gym.spaces import CATEGORIES
 from ovman.models.episode import Episode
 from ovman.models.settings import Settings, Source
 from ovman.workflow.config import load
@@ -50,6 +51,8 @@ def questions(release: Release, split: str | None, episodes: Path | None, scenes
         chosen = asked(release, split, episodes, scenes, (1, 1), ()).chosen
     except EntryError as error:
         raise EntryError(str(error).removeprefix("--")) from None
+    if unknown := [episode for episode in chosen if episode.category not in CATEGORIES]:
+        raise EntryError(f"{unknown[0].id}: {unknown[0].category} is no category of the vocabulary; name other episodes")
     shown = {(episode.protocol.camera, views_of(episode)) for episode in chosen}
     if len(shown) > 1:
         raise EntryError(f"the episodes have {len(shown)} cameras or lengths of tours, and an environment has one; name others")

@@ -1,4 +1,8 @@
-"""The spaces of the environment: fixed shapes, finite bounds, no nested dictionary, since some libraries read none."""
+"""The spaces of the environment: fixed shapes, finite bounds, numbers alone, no nested dictionary.
+
+Some libraries read no nested one, and none of Gymnasium 1.4.0's texts comes through the memory that its processes share: it is
+read once, before the first reset.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ import numpy as np
 from gymnasium import spaces
 
 from ovman.agents.interface import VISITS, Action, Relation
+from ovman.language.vocabulary import SYNONYMS
 from ovman.models.settings.benchmark import Camera
 from ovman.sim.sensing import FARTHEST_M
 
@@ -19,8 +24,8 @@ FARTHEST_POSITION_M = 1000.0
 """Bound of every coordinate; homes are a hundred times smaller."""
 REACHABLE = 1024
 """Rows of `reachable`; the largest floor plan has fewer than half as many positions."""
-CATEGORY = 32
-"""Longest name of a category."""
+CATEGORIES = tuple(SYNONYMS)
+"""The categories by their numbers in an observation: the vocabulary of the benchmark."""
 
 
 def action_space() -> spaces.Discrete:
@@ -41,7 +46,7 @@ def observation_space(camera: Camera, views: int, looks: bool, tours: bool) -> s
         "reachable_count": spaces.Discrete(REACHABLE + 1),
         "reachable_anew": spaces.Discrete(2),
         "relation": spaces.Discrete(len(RELATIONS)),
-        "category": spaces.Text(CATEGORY),
+        "category": spaces.Discrete(len(CATEGORIES)),
     }
     if tours:
         for which in VISITS:

@@ -14,7 +14,7 @@ from ovman.perception import networks, tour, tour_files
 from ovman.perception.detected import Detected
 from ovman.perception.records import write_detections
 from ovman.perception.store import Store
-from ovman.workflow.progress import Units
+from ovman.progress import Units
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

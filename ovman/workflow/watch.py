@@ -19,7 +19,7 @@ from pathlib import Path
 from types import FrameType
 from typing import IO
 
-from ovman.workflow.progress import clock
+from ovman.progress import clock
 
 STEPS = re.compile(r"^(\d+) of (\d+) steps \((\d+)%\) done")
 RULE = re.compile(r"^(?:local)?(?:rule|checkpoint) (\w+):")

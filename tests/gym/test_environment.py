@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import warnings
+from inspect import signature
 
 import gymnasium
 import numpy as np
@@ -13,19 +15,21 @@ from gymnasium.utils.env_checker import check_env, data_equivalence
 import ovman.gym
 from ovman.agents.interface import Action
 from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
+from ovman.gym.environment import Environment
 from ovman.gym.playing import play
 from ovman.gym.questions import Order
-from ovman.gym.spaces import ACTIONS, RELATIONS
+from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
 from ovman.models.episode import Episode
 from ovman.models.relation import Relation
 from tests.arms import CONFIG
-from tests.episodes import DATA, of_scene
+from tests.episodes import DATA, ROOT, of_scene
 
 FORWARD, LEFT, RIGHT, STOP, ABSTAIN = map(
     ACTIONS.index, (Action.MOVE_AHEAD, Action.ROTATE_LEFT, Action.ROTATE_RIGHT, Action.STOP, Action.ABSTAIN)
 )
 HERE = {"pose", "last_action_succeeded", "reachable", "reachable_count", "reachable_anew", "relation", "category"}
 PICTURES = {"rgb", "depth"}
+TOLD = {"episode", "scene", "seed", "category", "relation", "field_of_view_deg"}
 TOURS = {f"{which}_{part}" for which in ("first", "second") for part in ("rgb", "depth", "pose")}
 SCENE = "FloorPlan10"
 MOVING = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
@@ -157,7 +161,7 @@ def test_nothing_is_told_of_the_answer_before_the_end(small, made, tmp_path, whi
     episode = of_scene(SCENE)[which]
     told = walked(small, 0, episode.id, WALK)
     (first, info), *steps = told
-    assert set(info) == {"episode", "scene", "seed", "field_of_view_deg"} | TOURS and set(first) == HERE
+    assert set(info) == TOLD | TOURS and set(first) == HERE
     assert [set(more) for *_, more in steps[:-1]] == [set()] * (len(WALK) - 1)
     assert set(steps[-1][-1]) == {"is_success", "spl", "outcome", "actions", "path_length_m"}
     assert [(reward, over, spent) for _, reward, over, spent, _ in steps[:-1]] == [(0.0, False, False)] * (len(WALK) - 1)
@@ -220,7 +224,6 @@ def test_it_can_be_closed_at_any_moment_and_used_again(made):
     for read in (bare.context, lambda: bare.step(LEFT)):
         with pytest.raises(ResetNeeded):
             read()
-    bare.close()
     seen, _ = bare.reset(seed=1)
     bare.close()
     bare.close()
@@ -250,10 +253,11 @@ def test_a_wrong_environment_is_one_line(made, options, said):
     assert "\n" not in str(refused.value)
 
 
-def test_two_beside_each_other_are_two_alone(small, two, cache):
-    """Their seeds follow one another, and the one that ends begins again."""
+@pytest.mark.parametrize("mode", ["sync", "async"])
+def test_two_beside_each_other_are_two_alone(small, two, cache, mode):
+    """Their seeds follow one another, and the one that ends begins again; in one process and in two that share memory."""
     options = {"episodes": two, "cache": cache, "looks": False, "tours": "reset"}
-    envs = gymnasium.make_vec(ovman.gym.ID, num_envs=2, vectorization_mode="sync", **options)
+    envs = gymnasium.make_vec(ovman.gym.ID, num_envs=2, vectorization_mode=mode, **options)
     both, info = envs.reset(seed=4)
     assert both["pose"].shape == (2, 5) and info["seed"].tolist() == [4, 5]
     actions = [(LEFT, FORWARD), (FORWARD, LEFT), (STOP, RIGHT)]
@@ -279,4 +283,22 @@ def test_only_its_own_environment_is_played(small):
 def test_relations_have_numbers_that_stay():
     """Whoever trains on them relies on it."""
     assert [str(relation) for relation in RELATIONS] == ["moved", "former", "moving", "stable", "appeared", "removed"]
+    assert len(CATEGORIES) == 118 and [CATEGORIES.index(name) for name in ("AlarmClock", "Chair", "Window")] == [0, 22, 116]
     assert [action.name for action in ACTIONS] == ["MOVE_AHEAD", "ROTATE_LEFT", "ROTATE_RIGHT", "STOP", "ABSTAIN"]
+
+
+def test_the_page_is_true(monkeypatch, tmp_path, capsys, made):
+    """Its first code runs as it stands, and its tables have all keys of observations and of the end."""
+    page = (ROOT / "docs" / "gymnasium.md").read_text(encoding="utf-8")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    names = {}
+    exec(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], names)
+    assert capsys.readouterr().out.split()[-2:] == [str(names["info"]["is_success"]), names["info"]["outcome"]]
+    rows = re.findall(r"^\| (`[^|]*`) \| (?:`(?:Box|Discrete)[^|]*\| )?", page, re.MULTILINE)
+    listed = {key for row in rows for key in re.findall(r"`(\w+)`", row)}
+    assert listed >= set(names["observation"]) | set(names["info"])
+    for key, space in names["env"].observation_space.items():
+        if isinstance(space, gymnasium.spaces.Discrete):
+            assert f"| `{key}` | `{space}` |" in page
+    for name, parameter in signature(Environment.__init__).parameters.items():
+        assert name == "self" or f"`{name}`" in page, parameter

@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from ovman.workflow.progress import KEPT_S, Units, clock
+from ovman.progress import KEPT_S, Units, clock
 from ovman.workflow.watch import EVERY, EXCERPT, excerpt, main, watch
 
 JOBS = "".join(f"rule walks:\\n    noise\\n{k} of 200 steps ({k // 2}%) done\\n" for k in range(1, 201))

@@ -13,8 +13,8 @@ from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
 from ovman.models.episode import Episode, root_seed
 from ovman.models.settings import Settings
+from ovman.progress import Units
 from ovman.workflow import seeds
-from ovman.workflow.progress import Units
 
 
 class MapsError(RuntimeError):

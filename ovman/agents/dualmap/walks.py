@@ -30,6 +30,7 @@ from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
+from ovman.progress import Units
 from ovman.sim import walk
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
@@ -38,7 +39,6 @@ from ovman.sim.walk import Frame, instances
 from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
-from ovman.workflow.progress import Units
 
 PART = "ovman-walk-part/3"
 TOGETHER = 8
