@@ -1,4 +1,4 @@
-"""Commands about this machine and about results that are there: doctor, check, show, dataset, record, replay."""
+"""Commands about this machine and about results that are there: doctor, check, show, explore, dataset, record, replay."""
 
 from __future__ import annotations
 
@@ -29,6 +29,12 @@ def add(commands: Any) -> None:
     show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages, with the paths of runs")
     show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="evaluations whose runs a recording shows as well")
     show.set_defaults(run=_show)
+    explore = commands.add_parser("explore", help="a page with sliders: what other thresholds would make of the records")
+    explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
+    explore.add_argument("--release", metavar="DIR", help="a release or results; default: the release of the checkout")
+    explore.add_argument("--out", default="explore.html", metavar="FILE", help="default: explore.html")
+    explore.add_argument("--config", metavar="FILE", help="default: that of the checkout")
+    explore.set_defaults(run=_explore)
     dataset = commands.add_parser(
         "dataset", help="the release as a data set in Parquet, with its tours, card, Croissant and Zenodo"
     )
@@ -105,6 +111,16 @@ def _show(options: argparse.Namespace) -> int:
         return 0
 
     return said("show", work)
+
+
+def _explore(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.explore.command import explore
+
+        print(explore(options, lambda line: print(line, flush=True)), flush=True)
+        return 0
+
+    return said("explore", work)
 
 
 def _dataset(options: argparse.Namespace) -> int:

@@ -25,6 +25,7 @@ from ovman.models.settings.benchmark import (
     Tour,
 )
 from ovman.models.settings.comparisons import Comparisons, PaperRows
+from ovman.models.settings.explore import Explore
 from ovman.models.settings.joint import Joint
 from ovman.models.settings.networks import Perception, Training
 from ovman.models.settings.remote import Remote
@@ -57,6 +58,7 @@ class Settings(Section):
     evaluation: Evaluation
     sensitivity: Sensitivity
     gate_sweep: GateSweep
+    explore: Explore
     dualmap: Dualmap
     joint: Joint
     dynamem: Dynamem
