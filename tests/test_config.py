@@ -99,9 +99,9 @@ def message(source: Any, **kwargs: Any) -> str:
 
 
 def test_every_constant_has_an_owner_but_for_those_that_no_result_follows_from():
-    """Seeds only say which files there are, and limits of an agent's process only when it is given up."""
+    """Seeds say which files there are, limits of an agent's process when it is given up, and sliders what a page can be asked."""
     of_no_stage = {name for name in VALUES if not owners(name)}
-    assert of_no_stage == {"evaluation.seeds"} | {name for name in VALUES if name.startswith("remote.")}
+    assert of_no_stage == {"evaluation.seeds"} | {name for name in VALUES if name.startswith(("explore.", "remote."))}
 
 
 def test_what_stages_says_exists():

@@ -14,7 +14,8 @@ import yaml
 
 from ovman import cli
 from ovman.doctor import checks, simulator
-from ovman.doctor.checks import ROOT, Finding, State
+from ovman.doctor.checks import Finding, State
+from ovman.shipped import HOME
 from ovman.sim import unity
 from tests.sim import unity_build
 
@@ -127,7 +128,7 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
 
 
 def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) -> None:
-    settings = yaml.safe_load((ROOT / "config.yaml").read_text())
+    settings = yaml.safe_load((HOME / "config.yaml").read_text())
     settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     found = checks.perception(tmp_path / "config.yaml")
@@ -156,7 +157,7 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
     save_file(network.state_dict(), tmp_path / "detector.safetensors")
     network = encoder.empty_network(encoder.architecture(str(tmp_path / "encoder.json")))
     save_file(network.state_dict(), tmp_path / "encoder.safetensors")
-    settings = yaml.safe_load((ROOT / "config.yaml").read_text())
+    settings = yaml.safe_load((HOME / "config.yaml").read_text())
     settings["perception"]["detector"] |= {"weights": str(tmp_path / "detector.safetensors"), "sha256": ""}
     settings["perception"]["encoder"] |= {
         "model": str(tmp_path / "encoder.json"), "weights": str(tmp_path / "encoder.safetensors"), "sha256": "",
@@ -168,7 +169,7 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 def test_networks_that_never_answer_are_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 0.05)
-    found = checks.perception(ROOT / "config.yaml")
+    found = checks.perception(HOME / "config.yaml")
     assert found.state is State.ILL and "within 0.05 s" in found.says
 
 

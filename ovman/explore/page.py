@@ -7,7 +7,6 @@ from importlib.resources import files
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
 
 from ovman.models.settings import Settings
 from ovman.models.settings.explore import MOVED
@@ -42,6 +41,6 @@ def page(data: dict[str, Any], settings: Settings) -> str:
         drawn=settings.candidates.delta_min_m,
         measured_px=settings.measurement.min_mask_px,
         measured_m=settings.measurement.answer_to_navigable_m,
-        json=Markup(text),
-        script=Markup(script),
+        json=text,
+        script=script,
     )

@@ -79,11 +79,11 @@ class Tours:
 class Remotes:
     """Makes the agents of an evaluation, over one line that is dialled again where it was lost. A context manager.
 
-    address: says where to dial, and starts what is to be dialled where that is the evaluator's part.
+    address: says where to dial, and starts what is to be dialled where that is the evaluator's part. end: ends it again.
     """
 
-    def __init__(self, address: Callable[[], str], limits: Remote) -> None:
-        self._address, self._limits, self._tours = address, limits, Tours()
+    def __init__(self, address: Callable[[], str], limits: Remote, end: Callable[[], None] = lambda: None) -> None:
+        self._address, self._limits, self._end, self._tours = address, limits, end, Tours()
         self._line: Line | None = None
 
     def __call__(self, attempt: Attempt) -> RemoteAgent:
@@ -97,10 +97,11 @@ class Remotes:
         return self._line
 
     def lost(self) -> None:
-        """The line is of no use any more."""
+        """The line is of no use any more, nor is who was at its end."""
         if self._line is not None:
             self._line.close()
         self._line = None
+        self._end()
 
     def __enter__(self) -> Remotes:
         return self

@@ -47,7 +47,7 @@ class AgentProcess:
         """Where it listens; it is started where it does not run. LineLost where it ends before it listens, AgentError where it
         does not begin to in time."""
         if self._process is None or self._process.poll() is not None:
-            self._end()
+            self.end()
             self._start()
         return f"ws://127.0.0.1:{self._port}"
 
@@ -55,7 +55,7 @@ class AgentProcess:
         return self
 
     def __exit__(self, *error: object) -> None:
-        self._end()
+        self.end()
 
     def _start(self) -> None:
         self._home = tempfile.mkdtemp(prefix="ovman-agent-")
@@ -84,7 +84,7 @@ class AgentProcess:
         while not said.endswith(b"\n"):
             ready, _, _ = select.select([reading], [], [], max(0.0, until - time.monotonic()))
             if not ready:
-                self._end()
+                self.end()
                 raise AgentError(f"the agent did not listen within {self._limits.connect_s:g} s; raise remote.connect_s")
             if not (part := os.read(reading, 64)):
                 raise LineLost(f"the agent's process ended before it listened: {self._last_line()}")
@@ -102,7 +102,8 @@ class AgentProcess:
         said = self._log.read_bytes()[-TAIL:].decode("utf-8", "replace").strip().splitlines()
         return said[-1] if said else "it said nothing"
 
-    def _end(self) -> None:
+    def end(self) -> None:
+        """End it, where it runs, with all that it started."""
         if self._process is not None:
             with suppress(ProcessLookupError):
                 os.killpg(self._process.pid, signal.SIGKILL)
