@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import warnings
 from inspect import signature
 
@@ -302,3 +304,9 @@ def test_the_page_is_true(monkeypatch, tmp_path, capsys, made):
             assert f"| `{key}` | `{space}` |" in page
     for name, parameter in signature(Environment.__init__).parameters.items():
         assert name == "self" or f"`{name}`" in page, parameter
+
+
+def test_without_gymnasium_it_is_said_what_brings_it():
+    program = "import sys; sys.modules['gymnasium'] = None; import ovman.gym"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1] == "ModuleNotFoundError: gymnasium is not installed; pip install 'ovman[gym]' brings it"
