@@ -238,6 +238,7 @@ def test_it_can_be_closed_at_any_moment_and_used_again(made):
     ("options", "said"),
     [
         ({"split": "mian"}, "split: mian is no split; write one of main"),
+        ({"split": "dev", "episodes": "absent.jsonl"}, "split and episodes exclude each other"),
         ({"episodes": "absent.jsonl"}, "absent.jsonl: No such file"),
         ({"scenes": ["FloorPlan6"]}, f"scenes: FloorPlan6 has no episode; write some of {SCENE}"),
         ({"name": "Mine!"}, "name: 'Mine!' cannot name an arm"),
@@ -251,7 +252,7 @@ def test_it_can_be_closed_at_any_moment_and_used_again(made):
 def test_a_wrong_environment_is_one_line(made, options, said):
     with warnings.catch_warnings(), pytest.raises((ValueError, OSError), match=said) as refused:
         warnings.simplefilter("ignore", UserWarning)
-        made(**({"episodes": None} if "split" in options else {}), **options)
+        made(**({"episodes": None} if "split" in options else {}) | options)
     assert "\n" not in str(refused.value)
 
 
