@@ -9,7 +9,8 @@ from __future__ import annotations
 try:
     from gymnasium.envs.registration import register, registry
 except ModuleNotFoundError as missing:
-    raise ModuleNotFoundError(f"{missing.name} is not installed; pip install 'ovman[gym]' brings it", name=missing.name) from None
+    absent = str(missing.name).partition(".")[0]
+    raise ModuleNotFoundError(f"{absent} is not installed; pip install 'ovman[gym]' brings it", name=absent) from None
 
 ID = "OVMAN-v1"
 """What `gymnasium.make` calls the environment."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections import OrderedDict
 from collections.abc import Generator, Mapping, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, SupportsInt
 
@@ -79,8 +80,9 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
             raise ValueError(f"tours: {tours!r} is no place of them; write one of {', '.join(TOURS)}")
         if render_mode is not None and (render_mode not in self.metadata["render_modes"] or not looks):
             raise ValueError(f"render_mode: {render_mode!r} cannot be rendered; write rgb_array, and looks=True")
+        if split is not None and episodes is not None:
+            raise ValueError("split and episodes exclude each other; write one of them")
         settings, self._stage = terms(Path(config or CONFIG), name)
-        self._looking = Looking(settings)
         self._release = Release(Path(release or DATA), settings)
         if split is None and episodes is None:
             split = MAIN
@@ -189,6 +191,10 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         if self._session is not None:
             self._session.__exit__(None, None, None)
             self._session = None
+
+    @cached_property
+    def _looking(self) -> Looking:
+        return Looking(self._release.settings)
 
     def _attempted(self, episode: Episode, seed: int) -> Attempt:
         if self._session is None or self._session.scene != episode.scene:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 import warnings
 from inspect import signature
 
@@ -236,6 +238,7 @@ def test_it_can_be_closed_at_any_moment_and_used_again(made):
     ("options", "said"),
     [
         ({"split": "mian"}, "split: mian is no split; write one of main"),
+        ({"split": "dev", "episodes": "absent.jsonl"}, "split and episodes exclude each other"),
         ({"episodes": "absent.jsonl"}, "absent.jsonl: No such file"),
         ({"scenes": ["FloorPlan6"]}, f"scenes: FloorPlan6 has no episode; write some of {SCENE}"),
         ({"name": "Mine!"}, "name: 'Mine!' cannot name an arm"),
@@ -249,7 +252,7 @@ def test_it_can_be_closed_at_any_moment_and_used_again(made):
 def test_a_wrong_environment_is_one_line(made, options, said):
     with warnings.catch_warnings(), pytest.raises((ValueError, OSError), match=said) as refused:
         warnings.simplefilter("ignore", UserWarning)
-        made(**({"episodes": None} if "split" in options else {}), **options)
+        made(**({"episodes": None} if "split" in options else {}) | options)
     assert "\n" not in str(refused.value)
 
 
@@ -302,3 +305,9 @@ def test_the_page_is_true(monkeypatch, tmp_path, capsys, made):
             assert f"| `{key}` | `{space}` |" in page
     for name, parameter in signature(Environment.__init__).parameters.items():
         assert name == "self" or f"`{name}`" in page, parameter
+
+
+def test_without_gymnasium_it_is_said_what_brings_it():
+    program = "import sys; sys.modules['gymnasium'] = None; import ovman.gym"
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
+    assert done.stderr.splitlines()[-1] == "ModuleNotFoundError: gymnasium is not installed; pip install 'ovman[gym]' brings it"
