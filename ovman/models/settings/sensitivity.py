@@ -74,7 +74,7 @@ class GateSweep(Section):
 
 
 def contradictions(section: str, varied: Any, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Values of a section that trials were not measured for, or that make Eq. 1 contradict itself: place, and what is to be said."""
+    """Values of a section that trials were not measured for, or that make Eq. 1 contradict itself: place, and what is said."""
     for name, bound in (("min_mask_px", measurement.min_mask_px), ("visible_px", measurement.visible_px)):
         if (least := min(getattr(varied, name, (bound,)))) < bound:
             yield (section, name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"
