@@ -18,9 +18,17 @@ def in_force(settings: Settings) -> dict[str, float]:
 
 
 def positions(settings: Settings) -> dict[str, list[float]]:
-    """The positions of each slider, ascending, the value in force among them."""
-    here = in_force(settings)
-    return {name: sorted({*getattr(settings.explore, name), here[name]}) for name in MOVED}
+    """The positions of each slider, ascending, the value in force among them; without those that trials were not measured for."""
+    here, measured = in_force(settings), settings.measurement
+    least, most = {"min_mask_px": measured.min_mask_px}, {"validity_radius_m": measured.answer_to_navigable_m}
+    return {
+        name: sorted(
+            value
+            for value in {*getattr(settings.explore, name), here[name]}
+            if least.get(name, value) <= value <= most.get(name, value)
+        )
+        for name in MOVED
+    }
 
 
 def under(settings: Settings, setting: Setting) -> Settings:

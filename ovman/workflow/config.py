@@ -39,8 +39,7 @@ def contradictions(settings: Settings) -> Iterator[Contradiction]:
     yield from of_withheld(settings.arms)
     yield from of_comparisons(settings.comparisons, settings.arms)
     yield from _of_splits(settings)
-    yield from of_sensitivity("sensitivity", settings.sensitivity, settings.measurement)
-    yield from of_sensitivity("explore", settings.explore, settings.measurement)
+    yield from of_sensitivity(settings.sensitivity, settings.measurement)
     yield from _of_appearance(settings.appearance.agent, settings.arms)
 
 

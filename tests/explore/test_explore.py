@@ -122,6 +122,13 @@ def test_in_force_it_is_the_release(whole):
     assert found.margin == pytest.approx(margin, abs=1e-6)
 
 
+def test_what_was_not_measured_is_no_position():
+    bounds = CONFIG.measurement.model_copy(update={"min_mask_px": 250, "answer_to_navigable_m": 0.95})
+    found = positions(CONFIG.model_copy(update={"measurement": bounds}))
+    assert found["min_mask_px"][0] == 300 and found["validity_radius_m"][-1] == 0.9
+    assert all(in_force(CONFIG)[name] in values and values == sorted(values) for name, values in found.items())
+
+
 def shown(path, setting):
     """What a browser shows of the page: texts by the reason or arm of their row, and by id."""
     asked = "&".join(f"{name}={value}" for name, value in setting.items())

@@ -26,6 +26,6 @@ class Explore(Section):
     drift_tolerance_m: Lengths = Field(description="metres")
     tau_m: Lengths = Field(description="metres, tau of Eq. 1 and of the bystanders; the agents' stays")
     delta_min_m: Lengths = Field(description="metres, Delta_min")
-    min_mask_px: Pixels = Field(description="pixels from which an instance is recorded; measurement.min_mask_px at least")
-    validity_radius_m: Lengths = Field(description="metres; measurement.answer_to_navigable_m at most")
+    min_mask_px: Pixels = Field(description="pixels from which an instance is recorded; none below measurement.min_mask_px")
+    validity_radius_m: Lengths = Field(description="metres; none beyond measurement.answer_to_navigable_m")
     radius_m: Lengths = Field(description="metres, R of the success test")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from itertools import product
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
 from pydantic import Field, field_validator, model_validator
 
@@ -73,13 +73,14 @@ class GateSweep(Section):
         return gates_m
 
 
-def contradictions(section: str, varied: Any, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
-    """Values of a section that trials were not measured for, or that make Eq. 1 contradict itself: place, and what is said."""
+def contradictions(sensitivity: Sensitivity, measurement: Measurement) -> Iterator[tuple[tuple[str, ...], str]]:
+    """Values that trials were not measured for, or that make Eq. 1 contradict itself: the place, and what is to be said."""
     for name, bound in (("min_mask_px", measurement.min_mask_px), ("visible_px", measurement.visible_px)):
-        if (least := min(getattr(varied, name, (bound,)))) < bound:
-            yield (section, name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"
-    if (most := max(varied.validity_radius_m)) > measurement.answer_to_navigable_m:
+        if (least := min(getattr(sensitivity, name))) < bound:
+            yield ("sensitivity", name), f"has {least}, but measurement.{name} is {bound}, below which nothing is measured"
+    if (most := max(sensitivity.validity_radius_m)) > measurement.answer_to_navigable_m:
         limit = measurement.answer_to_navigable_m
-        yield (section, "validity_radius_m"), f"has {most}, but measurement.answer_to_navigable_m is {limit}"
-    if (tau_m := max(varied.tau_m)) >= (delta_m := min(varied.delta_min_m)):
-        yield (section, "tau_m"), f"has {tau_m}, but delta_min_m has {delta_m}: an instance would be stable and moved at once"
+        yield ("sensitivity", "validity_radius_m"), f"has {most}, but measurement.answer_to_navigable_m is {limit}"
+    if (tau_m := max(sensitivity.tau_m)) >= (delta_m := min(sensitivity.delta_min_m)):
+        says = f"has {tau_m}, but delta_min_m has {delta_m}: an instance would be stable and moved at once"
+        yield ("sensitivity", "tau_m"), says
