@@ -7,7 +7,8 @@ CORES ?= 2
 PUBLISHED ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 WATCH = .venv/bin/python -m ovman.workflow.watch
-PIP = .venv/bin/python -m pip --quiet --disable-pip-version-check --no-input
+# Twice quiet: pip warns of every index of the machine's own that lacks a package.
+PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
 READY = .venv/ready
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
@@ -102,9 +103,12 @@ $(READY): requirements.lock pyproject.toml
 		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
 	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; two to five minutes, 7 GB, most of it PyTorch with its CUDA libraries)"
+	@echo "1 of 3  an empty environment"
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
+	@echo "2 of 3  $$(grep -c '^[^#]' requirements.lock) packages of requirements.lock"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
+	@echo "3 of 3  the packages of this repository"
 	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-client --editable packages/ovman-engine --editable . --editable packages/ovman-released
 	@touch $@
 
