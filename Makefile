@@ -5,6 +5,8 @@ PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 CORES ?= 2
 # Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
 PUBLISHED ?=
+# The release's large archive: make restore FROM=ovman-embedded-v2-perceived.tar.xz
+FROM ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 PIP = .venv/bin/python -m pip --quiet --disable-pip-version-check --no-input
 READY = .venv/ready
@@ -13,10 +15,11 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables static quick models show release leaderboard test soak mutants bench lint lock setup clean
+.PHONY: help tables restore static quick models show release leaderboard test soak mutants bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
+	@echo "make restore the release's measurements into results/, so that a changed threshold starts no simulator; FROM=ARCHIVE"
 	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
@@ -35,6 +38,9 @@ tables: $(READY)
 	@$(SNAKEMAKE) -- results/episodes/main.jsonl
 	@$(SNAKEMAKE) -- results/tables
 
+restore: $(READY)
+	@.venv/bin/ovman restore $(if $(FROM),--from $(FROM))
+
 static: $(READY)
 	@$(SNAKEMAKE) -- results/static_tables
 
@@ -51,7 +57,8 @@ show: $(READY)
 release: tables
 	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
-	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2
+	@mkdir -p dist
+	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2 dist/ovman-embedded-v2-perceived.tar.xz
 	@.venv/bin/ovman dataset --out dataset --visits results/visits $(PUBLISHED)
 
 leaderboard: $(READY)
