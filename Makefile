@@ -35,7 +35,7 @@ help:
 
 # Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
 tables: $(READY)
-	@$(SNAKEMAKE) -- results/episodes/main.jsonl
+	@$(SNAKEMAKE) -- judged
 	@$(SNAKEMAKE) -- results/tables
 
 restore: $(READY)

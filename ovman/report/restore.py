@@ -102,8 +102,8 @@ def _fill(partial: Path, making: Making, release: Path, archives: Sequence[Path]
     for name in expected:
         source = layout.released(name)
         if source is not None and (release / source).is_file():
-            with (release / source).open("rb") as content:
-                _write(partial, name, content, expected[name], release / source)
+            with (release / source).open("rb") as file:
+                _write(partial, name, file, expected[name], release / source)
             files.add(name)
     for path, journals in [(release / layout.MEASUREMENTS, True), *((path, False) for path in archives)]:
         for name, content in _members(path):
