@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import lzma
 import tarfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import IO
 
@@ -28,14 +28,14 @@ def pack(directory: Path, names: Iterable[str], place: Path) -> None:
                 archive.addfile(member, file)
 
 
-def members(place: Path) -> Iterator[tuple[str, IO[bytes]]]:
-    """Names and contents of an archive's files, in their order. ValueError for a file that is no such archive."""
+def unpack(place: Path, take: Callable[[str, IO[bytes]], None]) -> None:
+    """Give name and content of an archive's files to `take`, in their order. ValueError for a file that is no such archive."""
     try:
         with lzma.open(place) as packed, tarfile.open(fileobj=packed, mode="r|") as archive:
             for member in archive:
                 content = archive.extractfile(member)
                 if content is None:
                     raise ValueError(f"{place}: {member.name} is no file; take the archive anew")
-                yield member.name, content
+                take(member.name, content)
     except (tarfile.TarError, lzma.LZMAError, EOFError) as error:
         raise ValueError(f"{place}: is torn or no archive of results ({error}); take it anew") from None

@@ -6,12 +6,13 @@ Snakemake's record all the same: they are made where something that is to be mad
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import shutil
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
@@ -98,28 +99,26 @@ def _fill(partial: Path, making: Making, release: Path, archives: Sequence[Path]
     """Write all files that there are below `partial`; the outputs' files, and how many files of journals."""
     expected = making.files()
     files: set[str] = set()
-    kept = 0
     for name in expected:
         source = layout.released(name)
         if source is not None and (release / source).is_file():
             with (release / source).open("rb") as file:
                 _write(partial, name, file, expected[name], release / source)
             files.add(name)
-    for path, journals in [(release / layout.MEASUREMENTS, True), *((path, False) for path in archives)]:
-        for name, content in _members(path):
-            journal = journals and layout.within(name, layout.JOURNALS) and ".." not in Path(name).parts
-            if name not in expected and not journal:
-                raise ValueError(f"{path}: {name} is no result of {release}; give the archive of this release")
-            _write(partial, name, content, expected.get(name), f"{path}: {name}")
-            kept += journal
-            files |= {name} & expected.keys()
-    return files, kept
+    journals: set[str] = set()
 
+    def taken(path: Path, name: str, content: IO[bytes]) -> None:
+        journal = path == release / layout.MEASUREMENTS and layout.within(name, layout.JOURNALS) and ".." not in Path(name).parts
+        if name not in expected and not journal:
+            raise ValueError(f"{path}: {name} is no result of {release}; give the archive of this release")
+        _write(partial, name, content, expected.get(name), f"{path}: {name}")
+        (journals if journal else files).add(name)
 
-def _members(path: Path) -> Iterator[tuple[str, IO[bytes]]]:
-    if not path.is_file():
-        raise FileNotFoundError(f"{path} is not there")
-    yield from archive.members(path)
+    for path in (release / layout.MEASUREMENTS, *archives):
+        if not path.is_file():
+            raise FileNotFoundError(f"{path} is not there")
+        archive.unpack(path, functools.partial(taken, path))
+    return files, len(journals)
 
 
 def _write(partial: Path, name: str, content: IO[bytes], expected: str | None, source: object) -> None:
