@@ -5,6 +5,8 @@ PYTHON ?= $(shell for name in python3.11 python3.12 python3.13 python3; do \
 CORES ?= 2
 # Of the data set, once it has a page: make release PUBLISHED='--url URL --date DAY'
 PUBLISHED ?=
+# The release's large archive: make restore FROM=ovman-embedded-v2-perceived.tar.xz
+FROM ?=
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 WATCH = .venv/bin/python -m ovman.workflow.watch
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
@@ -15,10 +17,11 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables static quick models show release leaderboard test soak mutants bench lint lock setup clean
+.PHONY: help tables restore static quick models show release leaderboard test soak mutants bench lint lock setup clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
+	@echo "make restore the release's measurements into results/, so that a changed threshold starts no simulator; FROM=ARCHIVE"
 	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
 	@echo "make show    a page about an episode of results/: make show EPISODE=FloorPlan201/moved/0001"
@@ -35,8 +38,11 @@ help:
 # Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
 # V=1 shows all that Snakemake says.
 tables: $(READY)
-	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- results/episodes/main.jsonl ::: $(SNAKEMAKE) -- results/tables \
+	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- judged ::: $(SNAKEMAKE) -- results/tables \
 		:::: results/tables/static.md results/tables/embodied.md
+
+restore: $(READY)
+	@.venv/bin/ovman restore $(if $(FROM),--from $(FROM))
 
 static: $(READY)
 	@$(WATCH) logs/static.log ::: $(SNAKEMAKE) -- results/static_tables :::: results/static_tables/static.md
@@ -55,7 +61,8 @@ show: $(READY)
 release: tables
 	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
-	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2
+	@mkdir -p dist
+	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2 dist/ovman-embedded-v2-perceived.tar.xz
 	@.venv/bin/ovman dataset --out dataset --visits results/visits $(PUBLISHED)
 
 leaderboard: $(READY)

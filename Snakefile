@@ -77,9 +77,17 @@ onerror:
 
 localrules:
     all,
+    judged,
 
 
 rule all:
     default_target: True
     input:
         "results/tables",
+
+
+# Which episodes there are, also under the settings of section `sensitivity`: all that judging decides.
+rule judged:
+    input:
+        expand("results/episodes/{split}.jsonl", split=JOB_SPLITS),
+        "results/readmitted/episodes.jsonl",

@@ -1,4 +1,4 @@
-"""Commands about this machine and about results that are there: doctor, check, show, explore, dataset, record, replay."""
+"""Commands on this machine and on results: doctor, check, restore, show, explore, dataset, record, replay."""
 
 from __future__ import annotations
 
@@ -20,6 +20,23 @@ def add(commands: Any) -> None:
     check.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
     check.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the results were made with")
     check.set_defaults(run=_check)
+    restore = commands.add_parser("restore", help="the release's measurements into results/, for the workflow to go on from")
+    restore.add_argument(
+        "--from",
+        nargs="+",
+        default=[],
+        dest="archives",
+        metavar="FILE",
+        help="further archives of the release: what networks saw",
+    )
+    restore.add_argument("--release", metavar="DIR", help="default: that of the checkout")
+    restore.add_argument("--directory", default=".", metavar="DIR", help="where results/ will be; default: here")
+    restore.add_argument("--config", default="config.yaml", metavar="FILE", help="default: config.yaml")
+    restore.add_argument("--configfile", nargs="+", default=[], metavar="OVERLAY", help="overlays that the release was made with")
+    restore.add_argument(
+        "--differing", action="store_true", help="also what other constants or code made; Snakemake makes that again"
+    )
+    restore.set_defaults(run=_restore)
     show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
     show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
     show.add_argument("--all", action="store_true", help="every released episode")
@@ -94,6 +111,25 @@ def _check(options: argparse.Namespace) -> int:
         faults += 1
     print(f"{options.results}: {faults} faults" if faults else f"{options.results}: whole", flush=True)
     return 1 if faults else 0
+
+
+def _restore(options: argparse.Namespace) -> int:
+    def work() -> int:
+        from ovman.report.restore import restore
+        from ovman.shipped import EMBEDDED, HOME
+        from ovman.workflow.config import load_files
+
+        settings = load_files([options.config, *options.configfile])
+        release = Path(options.release) if options.release else HOME / EMBEDDED
+        directory = Path(options.directory)
+        done = restore(release, [*map(Path, options.archives)], directory, None if options.differing else settings)
+        print(f"{directory / 'results'}: {done.files} files of results and {done.kept} journals, as they were made")
+        if done.absent:
+            left = ", ".join(f"{rule} ({count})" for rule, count in sorted(done.absent.items()))
+            print(f"left to be made when something needs them: {left}")
+        return 0
+
+    return said("restore", work)
 
 
 def _show(options: argparse.Namespace) -> int:

@@ -7,36 +7,39 @@ import math
 import shutil
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ovman.analysis.frames import read_rows
 from ovman.models.episode import Episode
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
+from ovman.report import archive, layout
 from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table
+from ovman.shipped import HOME
+from ovman.workflow import checksums, made
 from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
 """What no release lacks."""
-TREES = {name: name for name in ("scenes", "episodes", "trials", "certified", "predictions", "metrics", "tables")} | {
-    "scores": "runs"
-}
-"""Folders of results/, and their names in the release."""
 HIDDEN = "."
 NEAR_M = 1.0
 """From a vacated place to another instance of the category that the card counts as beside it."""
 
 
-def release(results: Path, output: Path, card: str) -> list[Path]:
+def release(results: Path, output: Path, card: str, perceived: Path | None = None, home: Path = HOME) -> list[Path]:
     """Copy the results that are released into `output`, beside `card` and SHA256SUMS; returns the files, relative, sorted.
 
-    `output` is made anew. FileNotFoundError names the file of `results` that is not there.
+    With them goes what `ovman restore` needs: what made every output, and an archive of what is left of a run. perceived: where
+    the large archive goes, which is no part of `output`. `output` is made anew; home: the checkout that made the results.
+    FileNotFoundError names the file of `results` that is not there, ValueError one that is not what its rule wrote.
     """
+    making = made.making(results.parent, home)
+    digests = making.files()
     shutil.rmtree(output, ignore_errors=True)
     sources = {Path(name): results / name for name in FILES}
-    for tree, released in TREES.items():
+    for tree, released in layout.TREES.items():
         files = sorted(p for p in (results / tree).rglob("*") if p.is_file() and p.name[0] != HIDDEN)
         sources |= {Path(released, p.relative_to(results / tree)): p for p in files}
     for name, source in sources.items():
@@ -44,12 +47,31 @@ def release(results: Path, output: Path, card: str) -> list[Path]:
             raise FileNotFoundError(f"{source} is not there; make it first: make tables")
         (output / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, output / name)
-    names = list(sources)
+        _check(checksums.MADE / source.relative_to(results), checksums.digest_of(output / name), digests)
+    names = [*sources, *made.write(making, output), layout.MEASUREMENTS]
+    journals = (path for tree in layout.JOURNALS for path in (results / tree).rglob("*.jsonl"))
+    kept = [(checksums.MADE / path.relative_to(results)).as_posix() for path in journals]
+    _pack(results.parent, [*filter(layout.measured, digests), *kept], digests, output / layout.MEASUREMENTS)
+    if perceived is not None:
+        _pack(results.parent, [name for name in digests if layout.within(name, layout.PERCEIVED)], digests, perceived)
     (output / "README.md").write_text(card, encoding="utf-8")
     names.append(Path("README.md"))
     sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]
     (output / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
     return sorted(names)
+
+
+def _pack(directory: Path, names: Sequence[str], digests: Mapping[str, str], place: Path) -> None:
+    """Write an archive of files of results/, each of which is what its rule wrote."""
+    for name in names:
+        _check(Path(name), checksums.digest_of(directory / name), digests)
+    archive.pack(directory, names, place)
+
+
+def _check(name: Path, found: str, digests: Mapping[str, str]) -> None:
+    """ValueError for a file whose SHA-256 is not what its rule wrote. Journals, and what no rule wrote, have none."""
+    if digests.get(name.as_posix(), found) != found:
+        raise ValueError(f"{name}: has changed since its rule wrote it; make it again: snakemake --cores 2 --force -- {name}")
 
 
 def _table(header: Sequence[str], body: Sequence[Sequence[str]], words: int = 1) -> str:
@@ -121,11 +143,16 @@ def _beside(episode: Episode) -> bool:
     return any(math.dist(k.position, episode.answer) <= NEAR_M for k in episode.states[1].category(episode.category))
 
 
-def run(results: Path, output: Path) -> None:
-    """Release `results` into `output`."""
-    names = release(results, output, card(results))
+def run(results: Path, output: Path, perceived: Path | None = None) -> None:
+    """Release `results` into `output`, and into the large archive `perceived`. SystemExit with what is wrong, in one line."""
+    try:
+        names = release(results, output, card(results), perceived)
+    except (ValueError, FileNotFoundError) as error:
+        raise SystemExit(str(error)) from None
     size = sum((output / name).stat().st_size for name in names)
     print(f"{output}: {len(names)} files, {size / 1e6:.1f} MB")
+    if perceived is not None:
+        print(f"{perceived}: {perceived.stat().st_size / 1e6:.1f} MB; publish it beside the release")
 
 
 if __name__ == "__main__":

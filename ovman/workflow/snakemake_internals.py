@@ -1,4 +1,4 @@
-"""What the Snakefile uses of Snakemake beyond its documentation, in one place, with the reason for each.
+"""What the workflow uses of Snakemake beyond its documentation, in one place, with the reason for each.
 
 `USED` lists the attributes; a test compares it with the Snakemake that is installed. Imports nothing heavy.
 """
@@ -18,6 +18,10 @@ USED: Mapping[str, str] = {
     "Workflow.local_exec": "jobs that are processes of this machine",
     "JobScheduler.job_rate_limiter": "no option switches the limit off, and its timers take half a core while jobs wait",
     "Persistence: .snakemake/locks": "--unlock is a command of its own, and a killed Snakemake leaves its locks",
+    "FilePersistence._read_record": "the release says under which parameter each output was made (snakemake_records)",
+    "FilePersistence._write_record": "what is restored is done, and a changed constant reruns it (snakemake_records)",
+    "MetadataRecord.params": "in it the one parameter of a rule",
+    "MetadataRecord.input_checksums": "an input that was made again with the same bytes reruns nothing",
 }
 """Attributes and files, and why each is used."""
 LOCKS = Path(".snakemake", "locks")

@@ -11,6 +11,7 @@ import jsonschema
 import pytest
 import snakemake.api  # noqa: F401 (Snakemake's modules import each other in a circle that begins here)
 import yaml
+from snakemake.persistence import MetadataRecord
 from snakemake.persistence import file as persistence
 from snakemake.scheduling.job_scheduler import JobScheduler
 from snakemake.workflow import Workflow
@@ -44,6 +45,8 @@ def test_what_is_used_of_snakemake_without_documentation_is_there(name):
     there = {
         "Workflow": lambda: hasattr(Workflow, attribute) or f"self.{attribute} =" in inspect.getsource(Workflow.__init__),
         "JobScheduler": lambda: f"self.{attribute} =" in inspect.getsource(JobScheduler),
+        "FilePersistence": lambda: hasattr(persistence.FilePersistence, attribute),
+        "MetadataRecord": lambda: attribute in MetadataRecord.model_fields,
         "Persistence: ": lambda: '"locks"' in inspect.getsource(persistence) and ".lock" in inspect.getsource(persistence),
     }[owner]()
     assert there, (

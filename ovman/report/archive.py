@@ -1,0 +1,41 @@
+"""An archive of results, .tar.xz: the same bytes for the same files, whoever writes it and when."""
+
+from __future__ import annotations
+
+import lzma
+import tarfile
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import IO
+
+from ovman.atomic import replacing
+
+PRESET = 2
+"""Of xz. Most of the bytes are features of networks, on which 6 gains a hundredth for three times the time."""
+
+
+def pack(directory: Path, names: Iterable[str], place: Path) -> None:
+    """Write files, named relative to `directory`, to the archive `place`, which is replaced as a whole."""
+    with (
+        replacing(place) as partial,
+        lzma.open(partial, "wb", preset=PRESET) as packed,
+        tarfile.open(fileobj=packed, mode="w|", format=tarfile.GNU_FORMAT) as archive,
+    ):
+        for name in sorted(names):
+            member = tarfile.TarInfo(name)
+            member.size = (directory / name).stat().st_size
+            with (directory / name).open("rb") as file:
+                archive.addfile(member, file)
+
+
+def unpack(place: Path, take: Callable[[str, IO[bytes]], None]) -> None:
+    """Give name and content of an archive's files to `take`, in their order. ValueError for a file that is no such archive."""
+    try:
+        with lzma.open(place) as packed, tarfile.open(fileobj=packed, mode="r|") as archive:
+            for member in archive:
+                content = archive.extractfile(member)
+                if content is None:
+                    raise ValueError(f"{place}: {member.name} is no file; take the archive anew")
+                take(member.name, content)
+    except (tarfile.TarError, lzma.LZMAError, EOFError) as error:
+        raise ValueError(f"{place}: is torn or no archive of results ({error}); take it anew") from None

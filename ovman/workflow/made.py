@@ -1,0 +1,154 @@
+"""What made each output of a working directory: rule, parameter, inputs, digests. The release keeps it for `ovman restore`.
+
+Parameters are those that Snakemake recorded when the outputs were made, never those of the checkout that reads them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ovman.shipped import HOME
+from ovman.workflow import checksums
+from ovman.workflow.snakemake_records import Done, Records
+
+PARAMETERS, JOBS = Path("parameters.json"), Path("made.jsonl")
+"""The two files, in the release."""
+
+
+@dataclass(frozen=True)
+class Made:
+    """Outputs that were made alike. outputs: SHA-256 by name within a folder, "" for the output itself, by the output's path.
+
+    parameter: its key. inputs: paths below the working directory, or below the checkout for files of the checkout; sorted.
+    """
+
+    rule: str
+    parameter: str
+    inputs: tuple[str, ...]
+    outputs: Mapping[str, Mapping[str, str]]
+
+
+@dataclass(frozen=True)
+class Making:
+    """All of a working directory. parameters: canonical texts by key; sources: SHA-256 of inputs that lie in the checkout."""
+
+    parameters: Mapping[str, str]
+    sources: Mapping[str, str]
+    jobs: Sequence[Made]
+
+    def files(self) -> dict[str, str]:
+        """SHA-256 of every file of every output by its path."""
+        outputs = (pair for job in self.jobs for pair in job.outputs.items())
+        return {(f"{place}/{name}" if name else place): sha for place, files in outputs for name, sha in files.items()}
+
+    def digests(self) -> dict[str, str]:
+        """SHA-256 of every output that is one file and of every input that lies in the checkout, by path."""
+        outputs = (pair for job in self.jobs for pair in job.outputs.items())
+        return {place: files[""] for place, files in outputs if "" in files} | dict(self.sources)
+
+
+def key_of(parameter: str) -> str:
+    """The key of a canonical text."""
+    return hashlib.sha256(parameter.encode()).hexdigest()[:16]
+
+
+def is_result(name: str) -> bool:
+    """Whether an input is an output of another rule; others lie in the checkout."""
+    return Path(name).parts[:1] == checksums.MADE.parts
+
+
+def making(directory: Path, home: Path = HOME) -> Making:
+    """What made the outputs of a working directory that are there. Their content is not looked at: `checksums.damages` does.
+
+    home: the checkout whose rules made them. ValueError, in one line, for an output that Snakemake has no record of, that was
+    made from another input than the one that is there, or that another checkout made.
+    """
+    records = Records(directory)
+    there = _recorded(directory)
+    parameters: dict[str, str] = {}
+    sources: dict[str, str] = {}
+    alike: dict[tuple[str, str, tuple[str, ...]], dict[str, Mapping[str, str]]] = {}
+    for place, known in there.items():
+        done = records.read(place)
+        if done is None:
+            raise ValueError(f"{place}: Snakemake has no record of what made it; {_again(place)}")
+        for name, digest in known.inputs.items():
+            if name in there and there[name].files.get("", digest) != digest:
+                raise ValueError(f"{place}: is stale, it was made from another {name}; {_again(place)}")
+        inputs = tuple(sorted(_named(name, home, place) for name in done.inputs))
+        for name in inputs:
+            if not is_result(name) and name not in sources:
+                sources[name] = checksums.digest_of(home / name)
+        key = key_of(done.parameter)
+        parameters[key] = done.parameter
+        alike.setdefault((done.rule, key, inputs), {})[place] = known.files
+    jobs = [Made(*how, dict(sorted(outputs.items()))) for how, outputs in sorted(alike.items())]
+    return Making(dict(sorted(parameters.items())), dict(sorted(sources.items())), jobs)
+
+
+def _recorded(directory: Path) -> dict[str, checksums.Checksums]:
+    """The checksums of the outputs that are there, by path."""
+    folder = directory / checksums.FOLDER
+    found = {}
+    for path in sorted(folder.rglob("*.json")):
+        place = checksums.MADE / path.relative_to(folder).with_suffix("")
+        if (directory / place).exists():
+            found[place.as_posix()] = checksums.Checksums(**json.loads(path.read_bytes()))
+    return found
+
+
+def _again(place: str) -> str:
+    return f"make it again: snakemake --cores 2 --force -- {place}"
+
+
+def _named(name: str, home: Path, output: str) -> str:
+    """An input's path below the working directory or the checkout."""
+    path = Path(name)
+    if is_result(name):
+        return name
+    if not path.is_absolute() or not path.is_relative_to(home) or not path.is_file():
+        raise ValueError(f"{output}: was made from {name}, which is no file of this checkout; make it again here: make tables")
+    return path.relative_to(home).as_posix()
+
+
+def write(made: Making, folder: Path) -> list[Path]:
+    """Write what made the outputs into a folder; the files' names."""
+    texts = {key: json.loads(text) for key, text in made.parameters.items()}
+    parameters = json.dumps({"parameters": texts, "sources": made.sources}, indent=1, sort_keys=True)
+    (folder / PARAMETERS).write_text(f"{parameters}\n", encoding="utf-8")
+    lines = [json.dumps(vars(job), separators=(",", ":")) + "\n" for job in made.jobs]
+    (folder / JOBS).write_text("".join(lines), encoding="utf-8")
+    return [PARAMETERS, JOBS]
+
+
+def read(folder: Path) -> Making:
+    """What `write` wrote. FileNotFoundError where it is not there; ValueError where it is not what was written."""
+    for name in (PARAMETERS, JOBS):
+        if not (folder / name).is_file():
+            raise FileNotFoundError(f"{folder / name} is not there: this release does not say what made it; take another")
+    record = json.loads((folder / PARAMETERS).read_text(encoding="utf-8"))
+    parameters = {key: json.dumps(one, sort_keys=True, separators=(",", ":")) for key, one in record["parameters"].items()}
+    for key, text in parameters.items():
+        if key_of(text) != key:
+            raise ValueError(f"{folder / PARAMETERS}: the parameter {key} is not what was written; take the release anew")
+    return Making(parameters, record["sources"], [*_jobs(folder / JOBS)])
+
+
+def _jobs(path: Path) -> Iterator[Made]:
+    for line in path.read_text(encoding="utf-8").splitlines():
+        record = json.loads(line)
+        yield Made(record["rule"], record["parameter"], tuple(record["inputs"]), record["outputs"])
+
+
+def done(made: Making, job: Made, digests: Mapping[str, str], home: Path = HOME) -> tuple[Done, dict[str, str]]:
+    """A job as Snakemake knows it in a checkout, and the digests of its inputs by the names that it gives them.
+
+    digests: those of `made`.
+    """
+    named = {name: name if is_result(name) else str(home / name) for name in job.inputs}
+    known = {there: digests[name] for name, there in named.items() if name in digests}
+    return Done(job.rule, made.parameters[job.parameter], tuple(named.values())), known
