@@ -29,7 +29,8 @@ class Standing:
     """A submission that agrees.
 
     rates: by relation, then all. chance: of 1/n over all. reached_by: controls of the release whose success is no lower, with
-    it. where: its agent ran; None for predicted points. runs: seeds that were driven again, or runs that were judged.
+    it. where: its agent ran, and its body where that is not the benchmark's own; None for predicted points. runs: seeds that
+    were driven again, or runs that were judged.
     """
 
     name: str
@@ -90,10 +91,9 @@ def barred(one: Submission, manifest: Manifest, release: Release) -> Iterator[st
     wanted = list(release.settings.evaluation.seeds)
     if sorted(manifest.seeds) != sorted(wanted):
         yield f"{place}: seeds: {list(manifest.seeds)}; run it under {wanted}"
-    if manifest.budget is not None:
-        yield f"{place}: budget: {manifest.budget} actions; run it under the episodes' own"
-    if manifest.embodiment != "default":
-        yield f"{place}: embodiment: {manifest.embodiment}; run it with the benchmark's own body"
+    allowed = release.settings.primitives.action_budget
+    if manifest.budget is not None and manifest.budget > allowed:
+        yield f"{place}: budget: {manifest.budget} actions; run it under the episodes' own, {allowed}, or fewer"
     if manifest.handed and one.entry.role is not Role.DIAGNOSTIC:
         yield f"{place}: handed: {', '.join(manifest.handed)}; an agent that is handed truth is entered as {Role.DIAGNOSTIC}"
 
@@ -107,7 +107,8 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
         return Refusal(one.place, found.differences)
     episodes = read_recorded(one.directory, manifest, release, None).episodes
     summary = summary_of(found.runs, [*episodes.values()], manifest, release)
-    return _standing(one, summary.rates, summary.beside, str(manifest.where), len(manifest.seeds))
+    ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
+    return _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
 
 
 def _judged(one: Submission, release: Release) -> Standing | Refusal:

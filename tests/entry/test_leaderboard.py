@@ -132,7 +132,6 @@ def relabelled(source, to, **values):
         ({"asked": [of_scene(SCENE)[0].id]}, "asked: 1 of 2 episodes; run them all"),
         ({"seeds": [0]}, "seeds: [0]; run it under [0, 1, 2]"),
         ({"budget": 1000}, "budget: 1000 actions"),
-        ({"embodiment": "locobot"}, "embodiment: locobot"),
         ({"handed": ["answer"]}, "entered as diagnostic"),
         ({"split": None}, "split: "),
     ],
