@@ -51,9 +51,10 @@ def release(results: Path, output: Path, card: str, perceived: Path | None = Non
     names = [*sources, *made.write(making, output), layout.MEASUREMENTS]
     journals = (path for tree in layout.JOURNALS for path in (results / tree).rglob("*.jsonl"))
     kept = [(checksums.MADE / path.relative_to(results)).as_posix() for path in journals]
-    _pack(results.parent, [*filter(layout.measured, digests), *kept], digests, output / layout.MEASUREMENTS)
+    there = [name for name in digests if (results.parent / name).is_file()]
+    _pack(results.parent, [*filter(layout.measured, there), *kept], digests, output / layout.MEASUREMENTS)
     if perceived is not None:
-        _pack(results.parent, [name for name in digests if layout.within(name, layout.PERCEIVED)], digests, perceived)
+        _pack(results.parent, [name for name in there if layout.within(name, layout.PERCEIVED)], digests, perceived)
     (output / "README.md").write_text(card, encoding="utf-8")
     names.append(Path("README.md"))
     sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]

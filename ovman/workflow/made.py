@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from ovman.workflow.snakemake_records import Done, Records
 
 PARAMETERS, JOBS = Path("parameters.json"), Path("made.jsonl")
 """The two files, in the release."""
+TABLES = (checksums.MADE / "tables").as_posix()
 
 
 @dataclass(frozen=True)
@@ -62,43 +63,58 @@ def is_result(name: str) -> bool:
 
 
 def making(directory: Path, home: Path = HOME) -> Making:
-    """What made the outputs of a working directory that are there. Their content is not looked at: `checksums.damages` does.
+    """What made the outputs of a working directory that lead to its tables, and those that were made with them.
 
+    An output that was made and is no longer there is among them. The content of none is looked at: `checksums.damages` does.
     home: the checkout whose rules made them. ValueError, in one line, for an output that Snakemake has no record of, that was
-    made from another input than the one that is there, or that another checkout made.
+    made from another input than the one that is known, or that another checkout made.
     """
-    records = Records(directory)
-    there = _recorded(directory)
+    known = _known(directory)
+    done = _leading(directory, known)
     parameters: dict[str, str] = {}
     sources: dict[str, str] = {}
     alike: dict[tuple[str, str, tuple[str, ...]], dict[str, Mapping[str, str]]] = {}
-    for place, known in there.items():
-        done = records.read(place)
-        if done is None:
-            raise ValueError(f"{place}: Snakemake has no record of what made it; {_again(place)}")
-        for name, digest in known.inputs.items():
-            if name in there and there[name].files.get("", digest) != digest:
+    for place, one in done.items():
+        for name, digest in known[place].inputs.items():
+            if name in known and known[name].files.get("", digest) != digest:
                 raise ValueError(f"{place}: is stale, it was made from another {name}; {_again(place)}")
-        inputs = tuple(sorted(_named(name, home, place) for name in done.inputs))
+        inputs = tuple(sorted(_named(name, home, place) for name in one.inputs))
         for name in inputs:
             if not is_result(name) and name not in sources:
                 sources[name] = checksums.digest_of(home / name)
-        key = key_of(done.parameter)
-        parameters[key] = done.parameter
-        alike.setdefault((done.rule, key, inputs), {})[place] = known.files
+        key = key_of(one.parameter)
+        parameters[key] = one.parameter
+        alike.setdefault((one.rule, key, inputs), {})[place] = known[place].files
     jobs = [Made(*how, dict(sorted(outputs.items()))) for how, outputs in sorted(alike.items())]
     return Making(dict(sorted(parameters.items())), dict(sorted(sources.items())), jobs)
 
 
-def _recorded(directory: Path) -> dict[str, checksums.Checksums]:
-    """The checksums of the outputs that are there, by path."""
+def _known(directory: Path) -> dict[str, checksums.Checksums]:
+    """The checksums of all outputs by path."""
     folder = directory / checksums.FOLDER
-    found = {}
-    for path in sorted(folder.rglob("*.json")):
-        place = checksums.MADE / path.relative_to(folder).with_suffix("")
-        if (directory / place).exists():
-            found[place.as_posix()] = checksums.Checksums(**json.loads(path.read_bytes()))
-    return found
+    paths = {checksums.MADE / path.relative_to(folder).with_suffix(""): path for path in sorted(folder.rglob("*.json"))}
+    return {place.as_posix(): checksums.Checksums(**json.loads(path.read_bytes())) for place, path in paths.items()}
+
+
+def _leading(directory: Path, known: Iterable[str]) -> dict[str, Done]:
+    """Snakemake's records of the outputs that lead to the tables, and of all outputs of their jobs."""
+    records = Records(directory)
+    done = {place: one for place in known if (one := records.read(place)) is not None}
+    together: dict[tuple[str, str], list[str]] = {}
+    for place, one in done.items():
+        together.setdefault((one.rule, one.log or place), []).append(place)
+    found: dict[str, Done] = {}
+    waiting = [TABLES]
+    while waiting:
+        place = waiting.pop()
+        if place in found:
+            continue
+        if place not in done:
+            raise ValueError(f"{place}: there is no record of what made it; {_again(place)}")
+        for other in together[done[place].rule, done[place].log or place]:
+            found[other] = done[other]
+        waiting += filter(is_result, done[place].inputs)
+    return dict(sorted(found.items()))
 
 
 def _again(place: str) -> str:
@@ -151,4 +167,4 @@ def done(made: Making, job: Made, digests: Mapping[str, str], home: Path = HOME)
     """
     named = {name: name if is_result(name) else str(home / name) for name in job.inputs}
     known = {there: digests[name] for name, there in named.items() if name in digests}
-    return Done(job.rule, made.parameters[job.parameter], tuple(named.values())), known
+    return Done(job.rule, made.parameters[job.parameter], tuple(named.values()), ""), known

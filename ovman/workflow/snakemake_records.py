@@ -20,12 +20,14 @@ RECORDS = Path(".snakemake")
 class Done:
     """A job that is done, as one of its outputs knows it.
 
-    parameter: the canonical text of its constants and its code. inputs: names as the rule gives them, sorted.
+    parameter: the canonical text of its constants and its code. inputs: names as the rule gives them, sorted. log: its log, which
+    no other job has; "" for a rule without one.
     """
 
     rule: str
     parameter: str
     inputs: tuple[str, ...]
+    log: str
 
 
 class Records:
@@ -45,7 +47,7 @@ class Records:
             (parameter,) = (ast.literal_eval(text) for text in found.params)
         except (ValueError, SyntaxError, TypeError):
             raise ValueError(f"{output}: Snakemake's record of it has no one parameter; make it again") from None
-        return Done(found.rule, parameter, tuple(found.input))
+        return Done(found.rule, parameter, tuple(found.input), " ".join(found.log or ()))
 
     def write(self, output: str, done: Done, made: float, digests: Mapping[str, str]) -> None:
         """Record that a job made an output. made: seconds since the epoch; digests: SHA-256 of inputs that are files."""
@@ -54,7 +56,7 @@ class Records:
         record = MetadataRecord(
             rule=done.rule,
             input=sorted(done.inputs),
-            log=[],
+            log=done.log.split(),
             params=[repr(done.parameter)],
             record_format_version=RECORD_FORMAT_VERSION,
             starttime=made,

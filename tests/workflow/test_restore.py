@@ -230,7 +230,7 @@ def test_nothing_is_released_but_what_its_rule_wrote(world, tmp_path, fault):
         line = "results/admissible/FloorPlan227.jsonl: has changed since its rule wrote it"
     else:
         shutil.rmtree(tmp_path / "whole" / ".snakemake" / "metadata")
-        line = "Snakemake has no record of what made it"
+        line = "there is no record of what made it"
     with pytest.raises(ValueError, match=line):
         release(results, tmp_path / "release", "a card")
 
