@@ -52,7 +52,7 @@ def places(
     released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
     directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
     settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
-    results = Results(directory_of_results, arms_of(settings.arms), settings.splits)
+    results = Results(directory_of_results, arms_of(settings.arms), {name: split.arms for name, split in settings.splits.items()})
     directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES
     return settings, results, directory
 

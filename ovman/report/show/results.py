@@ -8,9 +8,10 @@ from __future__ import annotations
 import csv
 import difflib
 import fnmatch
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache, cached_property
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -36,11 +37,16 @@ class ShowError(ValueError):
 class Results:
     """The results in `directory`. Every reader but `episodes` and `scene` returns None or nothing for a missing file.
 
-    arms: of the settings. splits: their names for those beside the benchmark's own.
+    arms: of the settings. splits: those beside the benchmark's own, each with the names of the arms that answer it.
     """
 
-    def __init__(self, directory: Path, arms: Sequence[Arm], splits: Iterable[str] = ()) -> None:
-        self.directory, self.arms, self.splits = Path(directory), tuple(arms), tuple(splits)
+    def __init__(self, directory: Path, arms: Sequence[Arm], splits: Mapping[str, Sequence[str]] = MappingProxyType({})) -> None:
+        self.directory, self.arms, self.splits = Path(directory), tuple(arms), splits
+
+    def asked(self, split: str, kind: Kind) -> tuple[Arm, ...]:
+        """The arms of a kind that answer a split, in the order of the tables: controls last. All answer the benchmark's own."""
+        arms = sorted(of_kind(self.arms, kind), key=lambda arm: arm.control)
+        return tuple(arm for arm in arms if split == MAIN or arm.name in self.splits[split])
 
     @cached_property
     def episodes(self) -> Mapping[str, Episode]:
@@ -116,8 +122,8 @@ class Results:
         return {int(seed): row for (name, seed, id), row in rows.items() if (name, id) == (arm, episode)}
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
-        """The judged runs of an embodied arm by seed."""
-        scores = self.directory / "scores"
+        """The judged runs of an embodied arm by seed; a release has them in `runs`."""
+        scores = next((made for name in ("scores", "runs") if (made := self.directory / name).is_dir()), self.directory)
         files = [seed / f"{episode.scene}.jsonl" for seed in sorted((scores / arm).glob("seed*"))]
         if episode.split != MAIN:
             files = [scores / episode.split / f"{arm}.jsonl"]

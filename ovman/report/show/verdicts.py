@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from string import ascii_uppercase
 
 from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
 from ovman.models.run import Score
-from ovman.models.settings import Arm, Kind, of_kind
+from ovman.models.settings import Arm, Kind
 from ovman.report.show.results import MAKE, Results
 from ovman.task import Relation
 
 Point = tuple[float, float]
 FOUND, MISSED, CHANCE, ABSTAINED, UNKNOWN = "found", "missed", "chance", "abstained", "unknown"
 """Verdicts; CHANCE is that of a stochastic pick, UNKNOWN stands for a missing row of the metrics."""
-LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 REASONS: Mapping[str, str] = {
     "displacement_above_tau": "even the steadiest pair moved",
     "no_motion": "no track spreads far enough to be motion",
@@ -71,10 +71,10 @@ class EmbodiedRow:
 
 
 def static_rows(results: Results, episode: Episode) -> list[StaticRow]:
-    """The static arms in the order of the tables, those with several runs once a run."""
+    """The static arms that answer the episode's split, in the order of the tables, those with several runs once a run."""
     predictions, relation = results.predictions(episode.id), episode.relation
     rows = []
-    for letter, arm in zip(LETTERS, of_kind(results.arms, Kind.STATIC), strict=False):
+    for letter, arm in _lettered(results, episode.split, Kind.STATIC):
         runs = predictions.get(arm.name, {})
         if not runs:
             rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
@@ -88,16 +88,27 @@ def static_rows(results: Results, episode: Episode) -> list[StaticRow]:
 
 
 def embodied_rows(results: Results, episode: Episode) -> list[EmbodiedRow]:
-    """The embodied arms in the order of the tables; their letters follow those of the static arms."""
+    """The embodied arms that answer the episode's split, in the order of the tables; their letters follow the static arms'."""
     rows = []
-    for letter, arm in zip(
-        LETTERS[len(of_kind(results.arms, Kind.STATIC)) :], of_kind(results.arms, Kind.EMBODIED), strict=False
-    ):
+    for letter, arm in _lettered(results, episode.split, Kind.EMBODIED):
         verdicts = results.embodied_verdicts(arm.name, episode.id)
         runs = results.runs(arm.name, episode)
         stops = tuple(_stop(seed, run, verdicts.get(seed), episode.relation.past) for seed, run in runs.items())
         rows.append(EmbodiedRow(letter, arm, stops))
     return rows
+
+
+def letters(number: int) -> str:
+    """The name of the arm with a number, from 0: A to Z, then AA, AB and so on, as columns of a spreadsheet."""
+    before, last = divmod(number, len(ascii_uppercase))
+    return (letters(before - 1) if before else "") + ascii_uppercase[last]
+
+
+def _lettered(results: Results, split: str, kind: Kind) -> Iterator[tuple[str, Arm]]:
+    """The arms of a kind that answer a split, with their letters, which run through the static arms first."""
+    static, embodied = (results.asked(split, of) for of in (Kind.STATIC, Kind.EMBODIED))
+    named = [(letters(number), arm) for number, arm in enumerate([*static, *embodied])]
+    return (one for one in named if one[1].kind is kind)
 
 
 def answer_words(outcome: Predicted, relation: Relation) -> str:
