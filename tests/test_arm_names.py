@@ -126,6 +126,10 @@ def test_entries_keep_the_order_of_the_files_and_null_leaves_one_out():
         ({"pairings": {"a": {"arm": "two_visits_embodied", "baseline": "cow"}}}, "comparisons.pairings.a has an embodied arm;"),
         ({"pairs": {"a": {"arm": "two_visits"}}}, "comparisons.pairs.a.baseline (the arm that it is tested against) is missing"),
         (
+            {"overview": {"CoW": {"static": "cow"}}},
+            "comparisons.overview.CoW.static is cow, which is no arm of kind static; name one",
+        ),
+        (
             {"controls": {"two_visits": {"role": "depth"}}},
             "comparisons.controls.two_visits.role is depth, which is that of another entry, too; rename one",
         ),

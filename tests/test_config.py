@@ -142,7 +142,7 @@ def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owne
 
 def test_the_order_of_a_mapping_counts():
     mappings = [name for name, value in VALUES.items() if isinstance(value, list) and name not in ("arms", "splits")]
-    names = ("rungs", "pairs", "pairings", "readings", "difficulty", "shortcuts", "controls")
+    names = ("rungs", "pairs", "pairings", "readings", "difficulty", "shortcuts", "overview", "controls")
     assert mappings == [f"comparisons.{name}" for name in names] + ["paper.static", "paper.embodied"]
     for name in mappings:
         section, last = name.split(".")

@@ -54,6 +54,7 @@ METRICS: tuple[Metric, ...] = (
     Metric("scenes", table="scenes"),
     Metric("mover", table="mover", compared=True),
     Metric("controls", stage="controls", table="controls", compared=True, drawn=True),
+    Metric("overview", stage="controls", table="overview"),
     Metric("split_significance", stage="controls", table="split_significance", compared=True),
     Metric("coverage", stage="controls", table="coverage", drawn=True),
     Metric("language", stage="language", table="language", compared=True),

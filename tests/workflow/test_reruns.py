@@ -192,6 +192,7 @@ OTHER = {
     "comparisons.readings": {"single_visit": "another"},
     "comparisons.difficulty": {"single_visit": "another"},
     "comparisons.shortcuts": {"category_only": "another"},
+    "comparisons.overview": {"CoW": {"embodied": "oracle_check"}},
     "comparisons.controls": {"two_visits": {"means": "another"}},
     "paper.static": {"single_visit": "two"},
     "paper.embodied": {"cow": "one"},

@@ -1,4 +1,4 @@
-# Controls and the agents that they are set beside, of all splits of the main job in one file.
+# What is said of all splits of the main job in one file: who reaches what, controls beside agents, arm against arm.
 JUDGED = [kind.value for kind in Kind]
 for name in JOB_SPLITS[1:]:
     JUDGED += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
@@ -11,6 +11,7 @@ rule controls:
     output:
         controls="results/metrics/controls.csv",
         coverage="results/metrics/coverage.csv",
+        overview="results/metrics/overview.csv",
         split_significance="results/metrics/split_significance.csv",
     log:
         "logs/controls.log",

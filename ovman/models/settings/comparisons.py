@@ -60,6 +60,18 @@ Controls = Annotated[dict[str, Control], BeforeValidator(_named)]
 """By the name of an arm, in the order of the tables; an entry that is null is left out."""
 
 
+class System(Section):
+    """A row of the table of who reaches what: the arms of one system."""
+
+    name: str = Field(description="the key of its entry: the title of the row")
+    static: str | None = Field(None, description="its arm on the static gate")
+    embodied: str | None = Field(None, description="its arm that drives")
+
+
+Systems = Annotated[dict[str, System], BeforeValidator(_named)]
+"""By title, in the order of the table; an entry that is null is left out."""
+
+
 class Comparisons(Section):
     """Which arms are tested against each other, and which ones single tables are about.
 
@@ -78,6 +90,7 @@ class Comparisons(Section):
     )
     difficulty: ByArm = Field(description="static arms that the table of difficulty shows on a page, each with its title")
     shortcuts: ByArm = Field(description="arms that ignore the relation, each with what is said of it beside the chance of 1/n")
+    overview: Systems = Field(description="rows of the table of who reaches what on which split, by title")
     controls: Controls = Field(description="arms of the table of controls: agents, and the controls that are set beside them")
     ablation: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
         description="static arms that are asked what each setting of a split costs them; they need maps or tours at most"
@@ -125,6 +138,10 @@ def contradictions(comparisons: Comparisons, arms: Mapping[str, Arm]) -> Iterato
         for name in getattr(comparisons, section):
             if name in of_kind[Kind.EMBODIED]:
                 yield ("comparisons", section, name), "is an embodied arm; name a static one"
+    for title, system in comparisons.overview.items():
+        for kind, arm in ((Kind.STATIC, system.static), (Kind.EMBODIED, system.embodied)):
+            if arm is not None and arm in arms and arms[arm].kind is not kind:
+                yield ("comparisons", "overview", title, str(kind)), f"is {arm}, which is no arm of kind {kind}; name one"
     roles = [entry.role for entry in comparisons.controls.values() if entry.role]
     for name, entry in comparisons.controls.items():
         if roles.count(entry.role) > 1:

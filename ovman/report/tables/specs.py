@@ -19,6 +19,7 @@ from ovman.analysis.language import LanguageRate
 from ovman.analysis.localisation import Localised
 from ovman.analysis.mover import MoverDistance
 from ovman.analysis.navigation import Navigation
+from ovman.analysis.overview import Overview
 from ovman.analysis.own_task import OwnTask
 from ovman.analysis.pairings import Pairing
 from ovman.analysis.probes import GateRate, ReadAs
@@ -45,6 +46,7 @@ from ovman.report.tables.fragments import fragments_table
 from ovman.report.tables.language import language_table
 from ovman.report.tables.mover import mover_table
 from ovman.report.tables.navigation import navigation_table
+from ovman.report.tables.overview import overview_table
 from ovman.report.tables.own_task import own_task_table
 from ovman.report.tables.perception import perception_table
 from ovman.report.tables.probes import gate_sweep_table, read_as_table
@@ -91,6 +93,7 @@ SPECS: Mapping[str, TableSpec] = {
     "scenes": TableSpec(SceneRate, scenes_table),
     "mover": TableSpec(MoverDistance, mover_table),
     "controls": TableSpec(Controlled, controls_table),
+    "overview": TableSpec(Overview, overview_table),
     "split_significance": TableSpec(SplitComparison, split_significance_table),
     "coverage": TableSpec(Coverage, coverage_table),
     "language": TableSpec(LanguageRate, language_table),

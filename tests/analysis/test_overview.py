@@ -1,0 +1,57 @@
+"""Who reaches what: each rate is that of the split's own metrics, controls stand last, the README shows the release's table."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from ovman.analysis import frames, overview
+from ovman.analysis.overview import Overview
+from ovman.models.settings import MAIN, Kind
+from ovman.report.tables.overview import overview_table
+from ovman.report.tables.table import CONTROLS, SECTION, markdown_body
+from ovman.workflow.parameter import stage_settings
+from tests.arms import CONFIG
+from tests.episodes import DATA
+
+ROOT = Path(__file__).parents[2]
+FILES = ("static", "embodied", "multi", "multi_embodied", "everyday", "everyday_embodied")
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory):
+    output = tmp_path_factory.mktemp("overview") / "overview.csv"
+    rates, outcomes = ([DATA / "metrics" / f"{name}_{part}.csv" for name in FILES] for part in ("rates", "outcomes"))
+    overview.run(rates, outcomes, stage_settings(CONFIG, "controls"), output)
+    return frames.read(output, Overview)
+
+
+def test_every_rate_is_the_splits_own(rows):
+    met = 0
+    for name in FILES:
+        split = MAIN if name in set(Kind) else name.split("_")[0]
+        kind = Kind.EMBODIED if name.endswith("embodied") else Kind.STATIC
+        with (DATA / "metrics" / f"{name}_rates.csv").open(newline="") as file:
+            own = {row["arm"]: float(row["rate"]) for row in csv.DictReader(file) if row["relation"] == "all"}
+        for title, entry in CONFIG.comparisons.overview.items():
+            arm = entry.static if kind is Kind.STATIC else entry.embodied
+            shown = rows[(rows["title"] == title) & (rows["split"] == split) & (rows["kind"] == kind)]
+            assert shown["rate"].tolist() == [own[name] for name in (arm,) if name in own], (title, name)
+            met += len(shown)
+    assert met == len(rows) > 40
+
+
+def test_controls_stand_last_and_nothing_else_among_them(rows):
+    made = overview_table(rows, CONFIG).rows
+    control = [
+        all(CONFIG.arms[arm].control for arm in (entry.static, entry.embodied) if arm is not None)
+        for entry in (CONFIG.comparisons.overview[title] for title in made["system"])
+    ]
+    assert control == sorted(control) and any(control) and not all(control)
+    assert [section == CONTROLS for section in made[SECTION]] == control
+
+
+def test_the_readme_shows_the_table_of_the_release(rows):
+    assert markdown_body(overview_table(rows, CONFIG)) in (ROOT / "README.md").read_text(encoding="utf-8")
