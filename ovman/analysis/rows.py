@@ -1,4 +1,4 @@
-"""Rows of metrics read from csv files, without data frames: whoever needs a few rows does not import pandas."""
+"""Rows of metrics read from csv files, without data frames: a reader of a few rows does not import pandas."""
 
 from __future__ import annotations
 

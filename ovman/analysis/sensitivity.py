@@ -1,4 +1,4 @@
-"""The stage "sensitivity": how far the margin of memory hangs on the thresholds of admissibility.
+"""The stage "sensitivity": how far the margin of memory depends on the thresholds of admissibility.
 
 Admissibility is re-derived under every setting of section `sensitivity` (`ovman.generation.readmission`). The margin is the
 success of comparisons.memory's arm less that of its baseline, over the trials that a setting admits. Predictions are the same

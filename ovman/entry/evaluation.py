@@ -1,6 +1,6 @@
 """`ovman eval`: an embodied agent on released episodes, outside the workflow and by the same function.
 
-Every finished run is kept in a journal at once. Whoever kills an evaluation and starts it again loses the run that it was in.
+Every finished run is kept in a journal at once. An evaluation that is killed and started again loses the run that it was in.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ Drive = Callable[..., None]
 
 
 class Keeping(Protocol):
-    """What a journal is to whoever makes runs."""
+    """The part of a journal that a maker of runs uses."""
 
     def __contains__(self, key: str) -> bool: ...
 

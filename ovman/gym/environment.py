@@ -233,7 +233,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         return encoded(self._seen, self._reachable, self._attempt.episode.query) | self._tours_now(not self._told)
 
     def _tours_now(self, here: bool) -> dict[str, np.ndarray]:
-        # Whoever keeps an observation may change it.
+        # The caller may change an observation that it keeps.
         return {key: array.copy() for key, array in self._given.items()} if here else {}
 
     def _judged(self, attempt: Attempt, measured: Measured) -> Score:

@@ -19,7 +19,7 @@ from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, stage_settings
 
 AGENT = "ovman.gym.environment:Environment"
-"""In the place of an agent's function: whoever steps the environment is the agent."""
+"""In the place of an agent's function: the caller that steps the environment is the agent."""
 
 
 @cache

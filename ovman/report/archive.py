@@ -1,4 +1,4 @@
-"""An archive of results, .tar.xz: the same bytes for the same files, whoever writes it and when."""
+"""An archive of results, .tar.xz: the same bytes for the same files on every machine and day."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@
 `dynamem.similarity` is the cosine from which a detection is what a noun means, `react.appearance` the distance up to which two
 objects of a category look alike. Both are chosen on views from random places of the held-out floor plans, which neither the
 benchmark nor the trainings use. Looking alike is having the same asset: what one half of a floor plan's views shows is set beside
-what the other half shows of the category. Looks are means over views, so that the distance hangs on their number.
+what the other half shows of the category. Looks are means over views, so that the distance depends on their number.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class AlikeScore:
 
     @property
     def mean(self) -> float:
-        """Of both shares, so that it does not hang on how many pairs there are of either sort."""
+        """Of both shares, so that it does not depend on how many pairs there are of either sort."""
         return (self.alike + self.unlike) / 2
 
 

@@ -31,7 +31,7 @@ def matched(first: Instances, second: Instances, appearance: float) -> Associati
 
 
 def _by_place(visit: Instances, of: tuple[int, ...]) -> np.ndarray:
-    """Numbers (N,) of instances by their places: among equal optima the assignment does not hang on their numbers."""
+    """Numbers (N,) of instances by their places: among equal optima the assignment does not depend on their numbers."""
     numbers = np.array(of, np.int64)
     ordered: np.ndarray = numbers[np.lexsort(visit.place[numbers].T[::-1])]
     return ordered

@@ -1,4 +1,4 @@
-"""What is varied to see how much a result hangs on it: the thresholds of admissibility, and the association gate."""
+"""What is varied to see how much a result depends on it: the thresholds of admissibility, and the association gate."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far the margin of memory hangs on the thresholds of admissibility: its range with each value of each of them."""
+"""How far the margin of memory depends on the thresholds of admissibility: its range with each value of each of them."""
 
 from __future__ import annotations
 

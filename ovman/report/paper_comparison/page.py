@@ -197,7 +197,7 @@ def _table(group: Sequence[Judgement], numbers: Mapping[str, int], paper: Paper,
 
 
 def mark(judgement: Judgement) -> str:
-    """A verdict with its sign; where it hangs on the reading, with those under which the claim holds."""
+    """A verdict with its sign; where it depends on the reading, with those under which the claim holds."""
     words = str(judgement.verdict)
     if judgement.verdict is Verdict.SOME:
         under = judgement.under(Verdict.HOLDS)
@@ -210,7 +210,7 @@ def _some(under: int, of: int) -> str:
 
 
 def readings_of(judgement: Judgement) -> str | None:
-    """What a claim comes to under every reading of the definition that it hangs on, a list; None for one reading."""
+    """What a claim comes to under every reading of the definition that it depends on, a list; None for one reading."""
     if judgement.statement.readings is None:
         return None
     lines = []
@@ -218,7 +218,7 @@ def readings_of(judgement: Judgement) -> str | None:
         quantities = reading.statement.figures.items()
         figures = "; ".join(f"{quantity.label} {_here(reading, key)}" for key, quantity in quantities if quantity.decides)
         lines.append(f"- {_MARK[reading.verdict]} *{name}* – {reading.verdict}: {reading.missing or figures}")
-    return "\n".join([f"It hangs on a definition: {judgement.statement.readings.definition}.", "", *lines])
+    return "\n".join([f"It depends on a definition: {judgement.statement.readings.definition}.", "", *lines])
 
 
 def _here(judgement: Judgement, name: str) -> str:

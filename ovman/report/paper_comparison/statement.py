@@ -123,7 +123,7 @@ class Readings(BaseModel):
 class Statement(BaseModel):
     """claim: the paper's, in our words. rule: the test in words. holds: the test, an expression over the deciding figures.
 
-    readings: where the claim hangs on a definition that can be read in several ways.
+    readings: where the claim depends on a definition that can be read in several ways.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True)

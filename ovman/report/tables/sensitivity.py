@@ -43,7 +43,7 @@ def sensitivity_table(margins: pd.DataFrame, settings: Settings) -> Table:
     )
     arm, baseline = (settings.arms[name] for name in (memory.arm, memory.baseline))
     caption = (
-        f"How far the static margin of memory ({arm.memory} less {baseline.memory}, {arm.system}) hangs on the thresholds of "
+        f"How far the static margin of memory ({arm.memory} less {baseline.memory}, {arm.system}) depends on the thresholds of "
         f"admissibility. Every combination of two values of each is a setting, under which the verdict on every trial is derived "
         "again; the predictions stay the same. A row of a value has the least and the greatest margin of the settings with it: "
         "over all trials that a setting admits, of which those that the setting in force does not admit were not certified, and "

@@ -1,4 +1,4 @@
-"""Claims that hang on a definition are judged under each of its readings; a fabricated one here."""
+"""Claims that depend on a definition are judged under each of its readings; a fabricated one here."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_the_page_names_the_readings_under_which_a_claim_holds():
     assert page.mark(one) == "◐ holds under one reading only: loose"
     assert page.mark(two) == "◐ holds under 2 of 3 readings only: broad, loose"
     assert str(page.readings_of(two)).splitlines() == [
-        "It hangs on a definition: what helping is.",
+        "It depends on a definition: what helping is.",
         "",
         "- ✓ *broad* – holds: success 0.800",
         "- ✗ *narrow* – does not hold: success 0.200",
