@@ -19,15 +19,16 @@ def difficulty_table(rates: pd.DataFrame, settings: Settings) -> Table:
     here = {*rates["arm"]}
     arms = [arm.name for arm in of_kind(arms_of(settings.arms), Kind.STATIC) if arm.name in here]
     groups = pd.MultiIndex.from_frame(rates[["by", "group"]].drop_duplicates())
-    rows = rates.drop_duplicates(["by", "group"]).set_index(["by", "group"])[["n"]]
+    made = [rates.drop_duplicates(["by", "group"]).set_index(["by", "group"])[["n"]]]
     for arm in arms:
         of_arm = rates[rates["arm"] == arm].set_index(["by", "group"])
-        rows[[arm, f"{arm}_low", f"{arm}_high"]] = of_arm[["rate", "low", "high"]].reindex(groups)
+        figures = of_arm[["rate", "low", "high"]].set_axis([arm, f"{arm}_low", f"{arm}_high"], axis=1)
         if arm in titles:
             marks = of_arm["interval"].map(lambda interval: MARK if interval == Interval.POISSON_BINOMIAL else "")
             ranges = [span(*ends) for ends in zip(of_arm["low"], of_arm["high"], marks, strict=True)]
-            rows[f"{arm}_range"] = pd.Series(ranges, index=of_arm.index, dtype=object)
-    rows = rows.reset_index()
+            figures[f"{arm}_range"] = pd.Series(ranges, index=of_arm.index, dtype=object)
+        made.append(figures.reindex(groups))
+    rows = pd.concat(made, axis=1).reset_index()
     rows[SECTION] = [SECTIONS[By(by)] for by in rows["by"]]
     columns = (
         words("by", formats=CSV_AND_MARKDOWN),
