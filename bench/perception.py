@@ -27,6 +27,7 @@ from ovman.models.scene import Scene
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
+from ovman.perception.encoder import TOGETHER
 from ovman.perception.maps import mapped
 from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import ROOT, WeightsError
@@ -63,8 +64,6 @@ def record(scene: str, settings: Any, directory: Path) -> Path:
 
 def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[dict[str, Callable[[], object]], int]:
     """What is done to a tour, whole and in parts, and how many detections it has."""
-    import torch
-
     perception, field_of_view_deg = settings.perception, settings.camera.field_of_view_deg
     limits = perception.detector.min_mask_px, perception.encoder.crop_padding
     views = list(tour_files.tour(directory, field_of_view_deg))
@@ -73,8 +72,9 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
     masks = [seen.masks()[seen.view == number] for number in range(len(views))]
     shown = [(view, mask) for view, found in zip(views, masks, strict=True) for mask in found]
     crops = np.stack([crop(view.rgb, mask, perception.encoder.crop_padding, encoder.side_px) for view, mask in shown])
-    frames = torch.rand(len(views), 3, *[perception.detector.side_px] * 2)
-    squares = torch.rand(len(crops), 3, encoder.side_px, encoder.side_px)
+    rng = np.random.default_rng(0)
+    frames = rng.random((len(views), 1, 3, *[perception.detector.side_px] * 2), np.float32)
+    squares = rng.random((len(crops), 3, encoder.side_px, encoder.side_px), np.float32)
 
     def whole() -> None:
         found = tour.detections(list(tour_files.tour(directory, field_of_view_deg)), detector, encoder, *limits)
@@ -82,11 +82,10 @@ def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[
         write_maps(directory / "maps.npz", {"tour": mapped(found, settings.maps.cluster_radius_m)})
 
     def bare() -> None:
-        with torch.inference_mode():
-            for part in frames.split(networks.detector.TOGETHER):
-                detector.network(part)
-            for part in squares.split(networks.encoder.TOGETHER):
-                encoder.look(part)
+        for frame in frames:
+            detector.network(frame)
+        for start in range(0, len(squares), TOGETHER):
+            encoder.tower(squares[start : start + TOGETHER])
 
     return {
         "the networks alone": bare,
