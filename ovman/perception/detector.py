@@ -63,7 +63,8 @@ class Detector:
         return [self._detected(picture) for picture in pictures]
 
     def _detected(self, picture: np.ndarray) -> Detections:
-        letterbox = Letterbox.of(*picture.shape[:2], self.side_px, self._facts.stride)
+        height, width = picture.shape[:2]
+        letterbox = Letterbox.of(height, width, self.side_px, self._facts.stride)
         boxes, prototypes = (output[0] for output in self.network(letterbox.framed(picture)))
         corners, confidence, coefficients = self._kept(boxes, len(prototypes))
         found = masks(coefficients, prototypes, letterbox.boxes(corners), letterbox)
