@@ -125,7 +125,7 @@ $(READY): requirements.lock pyproject.toml
 		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
 		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
-	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; a minute, 1.3 GB)"
+	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; a minute, 1.2 GB)"
 	@echo "1 of 3  an empty environment"
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"

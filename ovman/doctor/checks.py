@@ -150,7 +150,7 @@ def perception(config: Path | None = None) -> Finding:
     """Both networks of the settings on one picture, within a time limit."""
     missing = [name for name in NETWORK_LIBRARIES if importlib.util.find_spec(name) is None]
     if missing:
-        remedy = "pip install 'ovman[benchmark]', or make setup"
+        remedy = "pip install ovman, or make setup"
         return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
     file = HOME / "config.yaml" if config is None else config
     if not file.exists():

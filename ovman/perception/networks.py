@@ -64,8 +64,8 @@ def detector_of(perception: Perception, confidence: float | None = None) -> Dete
         _on_processor(device, settings.weights, detector.KEY)
         network = _opened(path.read_bytes(), settings.weights, "detector")
     else:
-        load = cache(lambda: yolo.network_of(path, settings.architecture, perception.trust_pickles))
-        load = _needing_networks(load, settings.weights, detector.KEY)
+        network_of = cache(lambda: yolo.network_of(path, settings.architecture, perception.trust_pickles))
+        load = _needing_networks(network_of, settings.weights, detector.KEY)
         if device != "cpu":
             return loaded_detector(load(), path, settings.side_px, _threshold(settings.confidence, confidence), device)
         kept = _kept((yolo,), sha256(path), settings.architecture)
@@ -107,7 +107,11 @@ def encoder_of(perception: Perception) -> Encoder:
     file = located(settings.model)
     described = [settings.model, settings.weights] if file is None or not file.is_file() else sha256(file)
     kept = _kept((towers,), sha256(path), described)
-    tower = _opened(kept.content("images.onnx", lambda: exporting.encoder_graph(*load(), path)), settings.weights, "encoder")
+
+    def graph_of(loaded: tuple[Any, towers.Architecture]) -> bytes:
+        return exporting.encoder_graph(*loaded, path)
+
+    tower = _opened(kept.content("images.onnx", lambda: graph_of(load())), settings.weights, "encoder")
     return Encoder(tower, EncoderFacts(**tower.description.facts), partial(_read, load, kept))
 
 

@@ -45,12 +45,14 @@ def detect(made: Any, pictures: Sequence[np.ndarray]) -> list[Detections]:
 def shared(one: Detections, other: Detections, least_iou: float) -> int:
     """How many instances of `one` have a partner of their own in `other`: the best pairs first."""
     count = (len(one.masks), len(other.masks))
+    if 0 in count:
+        return 0
     flat = [found.masks.reshape(len(found.masks), -1).astype(np.float64) for found in (one, other)]
     inter = flat[0] @ flat[1].T
     iou = inter / np.maximum(flat[0].sum(axis=1)[:, None] + flat[1].sum(axis=1)[None] - inter, 1)
     taken: tuple[set[int], set[int]] = (set(), set())
     for index in np.argsort(-iou, axis=None, kind="stable"):
-        row, column = divmod(int(index), max(count[1], 1))
+        row, column = divmod(int(index), count[1])
         if iou[row, column] >= least_iou and row not in taken[0] and column not in taken[1]:
             taken[0].add(row)
             taken[1].add(column)
