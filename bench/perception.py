@@ -46,8 +46,8 @@ SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
 RELEASE = ROOT / "data" / "ovman-embedded-v2"
 EPISODE_S, BARE, START_S = 1.9, 1.75, 1.0
 """Seconds of one core an episode, which is the paper's figure on a GPU; the whole over its networks' bare passes, which was 1.5
-when torch ran them: what is beside them takes as long as it did, and they take two thirds; seconds of the processor from the start
-of a process to its first detections and embeddings."""
+when torch ran them: what is beside them takes as long as it did, and they take two thirds; processor seconds from the start of a
+process to its first detections and embeddings."""
 START = """
 import sys
 from pathlib import Path
