@@ -11,13 +11,15 @@ SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 WATCH = .venv/bin/python -m ovman.workflow.watch
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
 PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
+# What the benchmark imports; and with it what tests, measures, trains and exports.
 READY = .venv/ready
+FULL = .venv/ready-dev
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables restore static quick models show release leaderboard test soak mutants bench lint lock setup clean
+.PHONY: help tables restore static quick models show release leaderboard test soak mutants bench lint lock setup setup-dev clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
@@ -32,14 +34,15 @@ help:
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
-	@echo "make lock    requirements.lock from the newest releases that pyproject.toml allows"
-	@echo "make setup   .venv alone;  make clean: remove .venv and caches, keep results"
+	@echo "make lock    requirements.lock and requirements-dev.lock from the newest releases that pyproject.toml allows"
+	@echo "make setup   .venv alone, with what the benchmark imports;  make setup-dev: with PyTorch and the tests' packages"
+	@echo "make clean   remove .venv and caches, keep results"
 
 # Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
 # V=1 shows all that Snakemake says.
 tables: $(READY)
 	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- judged ::: $(SNAKEMAKE) -- results/tables \
-		:::: results/tables/static.md results/tables/embodied.md
+		:::: results/tables/static.md results/tables/embodied.md results/tables/overview.md
 
 restore: $(READY)
 	@.venv/bin/ovman restore $(if $(FROM),--from $(FROM))
@@ -49,16 +52,16 @@ static: $(READY)
 
 quick: $(READY)
 	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables \
-		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md
+		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/tables/overview.md
 
-models: $(READY)
+models: $(FULL)
 	@$(SNAKEMAKE) -- results/models
 
 show: $(READY)
 	@[ -n "$(EPISODE)" ] || { echo "Name an episode: make show EPISODE=FloorPlan201/moved/0001" >&2; exit 2; }
 	@.venv/bin/ovman show "$(EPISODE)"
 
-release: tables
+release: tables $(FULL)
 	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@mkdir -p dist
@@ -68,20 +71,20 @@ release: tables
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
-test: $(READY)
+test: $(FULL)
 	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
-soak: $(READY)
+soak: $(FULL)
 	@.venv/bin/python -m pytest -q -m soak
 	@$(MAKE) --no-print-directory mutants
 
-mutants: $(READY)
+mutants: $(FULL)
 	@.venv/bin/python tests/mutation/survivors.py --processes $(CORES)
 
-bench: $(READY)
+bench: $(FULL)
 	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
-lint: $(READY)
+lint: $(FULL)
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
 	@.venv/bin/snakefmt --check Snakefile workflow packages/ovman-released
@@ -89,27 +92,40 @@ lint: $(READY)
 	@.venv/bin/lint-imports --no-cache
 	@.venv/bin/python -m ovman.workflow.lint
 
+# All is resolved at once; of that, a second environment takes what the benchmark alone needs.
 # opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
+OWN = --editable ./packages/ovman-client --editable ./packages/ovman-engine
+FOUND = list --format=freeze --exclude pip --exclude ovman --exclude ovman-client --exclude ovman-engine --exclude ovman-released
 lock:
-	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; \
-	"$(PYTHON)" -m venv "$$directory"; \
-	"$$directory/bin/python" -m pip --quiet --disable-pip-version-check install --editable ./packages/ovman-engine --editable ".[dev]"; \
-	{ \
-		echo "# Exact versions of everything for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64; made by \`make lock\`:"; \
-		echo "# pip install .[dev] with the engine of this repository in a fresh environment, then pip list, with opencv-python replaced by its build without windows."; \
-		"$$directory/bin/python" -m pip list --format=freeze --exclude pip --exclude ovman --exclude ovman-engine --exclude ovman-released \
-			| sed 's/^opencv-python==/opencv-python-headless==/' | LC_ALL=C sort -f; \
-	} > "$$directory/lock"; \
-	cp "$$directory/lock" requirements.lock
+	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; touch "$$directory/dev"; \
+	for kind in dev core; do \
+		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
+		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
+		case $$kind in dev) of=".[dev]";; core) of=".";; esac; \
+		$$pip install --constraint "$$directory/dev" --upgrade setuptools; \
+		$$pip install --constraint "$$directory/dev" $(OWN) --editable "$$of"; \
+		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/found"; \
+		cp "$$directory/found" "$$directory/$$kind"; \
+	done; \
+	LC_ALL=C grep --invert-match --line-regexp --fixed-strings --file "$$directory/core" "$$directory/dev" > "$$directory/further"; \
+	locked() { \
+		echo "# Exact versions for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64 of $$2; made by \`make lock\`, opencv-python replaced by its build without windows."; \
+		sed 's/^opencv-python==/opencv-python-headless==/' "$$directory/$$1"; \
+	}; \
+	locked core "what the benchmark imports" > "$$directory/requirements.lock"; \
+	locked further "what the extras networks and dev bring beside requirements.lock" > "$$directory/requirements-dev.lock"; \
+	cp "$$directory/requirements.lock" "$$directory/requirements-dev.lock" .
 
 setup: $(READY)
+
+setup-dev: $(FULL)
 
 $(READY): requirements.lock pyproject.toml
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
 		echo "OVMAN needs Python 3.11 or newer, which $(or $(PYTHON),python3) is not. Name one: make $(MAKECMDGOALS) PYTHON=python3.11" >&2; \
 		exit 1; }
 	@[ -e $@ ] || rm -rf .venv; rm -f $@
-	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; two to five minutes, 7 GB, most of it PyTorch with its CUDA libraries)"
+	@echo "Setting up .venv with $$("$(PYTHON)" --version) (once; a minute, 1.2 GB)"
 	@echo "1 of 3  an empty environment"
 	@"$(PYTHON)" -m venv .venv
 	@$(PIP) install --no-deps "$$(grep '^setuptools==' requirements.lock)"
@@ -117,6 +133,14 @@ $(READY): requirements.lock pyproject.toml
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements.lock
 	@echo "3 of 3  the packages of this repository"
 	@$(PIP) install --no-deps --no-build-isolation --editable packages/ovman-client --editable packages/ovman-engine --editable . --editable packages/ovman-released
+	@touch $@
+
+# Into the same environment.
+$(FULL): requirements-dev.lock $(READY)
+	@rm -f $@
+	@echo "Adding to .venv what trains, exports and tests (once; two to five minutes, 6 GB, most of it PyTorch with its CUDA libraries)"
+	@echo "$$(grep -c '^[^#]' requirements-dev.lock) packages of requirements-dev.lock"
+	@$(PIP) install --no-deps --no-build-isolation --requirement requirements-dev.lock
 	@touch $@
 
 clean:

@@ -24,7 +24,8 @@ from ovman.agents.cow.agent import CowAgent
 from ovman.agents.cow.relevance import localiser
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.perception import networks
-from ovman.perception.weights import ROOT, WeightsError
+from ovman.perception.weights import WeightsError
+from ovman.shipped import HOME as ROOT
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.task import Query, Relation

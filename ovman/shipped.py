@@ -17,9 +17,9 @@ FILES = (
     "config.yaml",
     "CITATION.cff",
     "workflow/scripts",  # digests of a stage's code begin at its script
-    "models/detector.safetensors",
-    "models/encoder.safetensors",
-    "models/encoder.json",
+    "models/detector.onnx",
+    "models/encoder.onnx",
+    "models/encoder.phrases.npz",
     *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "metrics", "predictions", "scenes")),
 )
 """What a wheel has of them, files and folders."""

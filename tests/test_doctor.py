@@ -145,17 +145,17 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 500.0)
     from safetensors.torch import save_file
 
-    from ovman.perception import detector, encoder
+    from ovman.perception import towers, yolo
 
-    towers = {
+    sizes = {
         "embed_dim": 16,
         "vision_cfg": {"image_size": 32, "layers": 1, "width": 64, "patch_size": 16},
         "text_cfg": {"context_length": 16, "vocab_size": 49408, "width": 64, "heads": 1, "layers": 1},
     }
-    (tmp_path / "encoder.json").write_text(json.dumps(towers))
-    network = detector.empty_network("yolov8n-seg")
+    (tmp_path / "encoder.json").write_text(json.dumps(sizes))
+    network = yolo.empty_network("yolov8n-seg")
     save_file(network.state_dict(), tmp_path / "detector.safetensors")
-    network = encoder.empty_network(encoder.architecture(str(tmp_path / "encoder.json")))
+    network = towers.empty_network(towers.architecture(str(tmp_path / "encoder.json")))
     save_file(network.state_dict(), tmp_path / "encoder.safetensors")
     settings = yaml.safe_load((HOME / "config.yaml").read_text())
     settings["perception"]["detector"] |= {"weights": str(tmp_path / "detector.safetensors"), "sha256": ""}

@@ -5,7 +5,9 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"}
+EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"} | dict.fromkeys(
+    ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors"), "networks"
+)
 """The extra that brings a module, where it is not `benchmark`."""
 
 

@@ -24,8 +24,8 @@ from ovman.sim import unity
 FRAME_LIMIT_S = {"embedded": 120.0, "thor": 300.0}
 """Time limit for the first frames of a backend. The engine compiles kernels at first use, Unity's build shaders."""
 NETWORKS_LIMIT_S = 180.0
-"""Time limit for the first picture through the networks. Importing PyTorch from a cold disk takes half a minute."""
-NETWORK_LIBRARIES = ("torch", "ultralytics", "open_clip", "safetensors")
+"""Time limit for the first picture through the networks. PyTorch, where it opens them, takes half a minute from a cold disk."""
+NETWORK_LIBRARIES = ("onnxruntime", "cv2")
 SHORT_S = 30.0
 """Time limit for a small program."""
 
@@ -150,7 +150,7 @@ def perception(config: Path | None = None) -> Finding:
     """Both networks of the settings on one picture, within a time limit."""
     missing = [name for name in NETWORK_LIBRARIES if importlib.util.find_spec(name) is None]
     if missing:
-        remedy = "pip install 'ovman[benchmark]', or make setup"
+        remedy = "pip install ovman, or make setup"
         return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
     file = HOME / "config.yaml" if config is None else config
     if not file.exists():

@@ -1,6 +1,6 @@
 """One picture through both networks of the settings, in a process of its own: `python -m ovman.doctor.networks config.yaml`.
 
-Importing PyTorch takes seconds and memory, and a library that the processor does not support kills the importing process.
+A library that the processor does not support kills the importing process, and PyTorch, where it runs the networks, takes seconds.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
+LIBRARIES = ("onnxruntime", "torch", "ultralytics", "open_clip_torch")
+"""Those that the process has imported are named."""
 NOUN = "chair"
 SLACK = 1e-3
 """Tolerance of the length of a unit embedding."""
@@ -52,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "detector_ms": detector_ms,
         "encoder_ms": encoder_ms,
         "device": settings.perception.device,
-        "libraries": {name: version(name) for name in LIBRARIES},
+        "libraries": {name: version(name) for name in LIBRARIES if name.removesuffix("_torch") in sys.modules},
     }
     print(json.dumps(found))
     return 0

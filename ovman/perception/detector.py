@@ -1,27 +1,22 @@
-"""Class-agnostic instance masks of pictures, by ultralytics."""
+"""Class-agnostic instance masks of pictures: what stands around a network that gives boxes and mask prototypes."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from ovman.perception import predictor
-from ovman.perception.network_cache import NetworkCache
-from ovman.perception.weights import WeightsError, fitting, state
+from ovman.perception.graph import Network
+from ovman.perception.letterbox import Letterbox
+from ovman.perception.non_max_suppression import non_max_suppression
+from ovman.perception.prototypes import masks
 
 KEY = "perception.detector"
 AT_MOST = 100
 """Most instances of a picture."""
-TOGETHER = 8
-"""Batch size; larger batches do not fit the processor's cache."""
-_SCORES = re.compile(r"model\.\d+\.cv3\.0\.2\.bias")
-"""The bias of the class scores; its length is the number of classes."""
+OVERLAP = 0.7
+"""Greatest IoU of two boxes that both stay."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,73 +27,59 @@ class Detections:
     confidence: np.ndarray
 
 
-class Detector:
-    """A segmentation network of ultralytics, used class-agnostically.
+@dataclass(frozen=True, slots=True)
+class DetectorFacts:
+    """What preparing pictures and reading outputs needs of a network.
 
-    load: returns the network; on a processor it is called only to export a graph that the cache does not have. side_px: pictures
-    are scaled to this side; confidence: threshold of an instance. Non-maximum suppression runs over all classes together.
-    options: of ultralytics' predictor.
+    stride: divides the sides of its frames; end2end: it suppresses overlaps itself; classes: number of its scores.
     """
 
-    def __init__(
-        self, load: Callable[[], Any], side_px: int, confidence: float, device: str = "cpu", kept: NetworkCache | None = None
-    ) -> None:
-        self._load, self._confidence, self._device, self._kept = cache(load), confidence, device, kept or NetworkCache(None)
-        self._at = {side_px: self}
-        self.options = {
-            "imgsz": side_px,
-            "conf": confidence,
-            "max_det": AT_MOST,
-            "agnostic_nms": True,
-            "retina_masks": True,
-            "device": device,
-            "verbose": False,
-            "save": False,
-            "mode": "predict",
-        }
-        if device == "cpu":
-            self._predict = predictor.with_graphs(self.options, self._load, self._kept)
-        else:
-            self._predict = predictor.with_network(self.options, self._load())
+    stride: int
+    end2end: bool
+    classes: int
 
-    @property
-    def network(self) -> Callable[[Any], Any]:
-        """The network as it runs, for pictures (N, 3, side_px, side_px) in [0, 1]."""
-        inference: Callable[[Any], Any] = self._predict.inference
-        return inference
+
+class Detector:
+    """A segmentation network, used class-agnostically: overlaps are suppressed over all classes together.
+
+    network: for a frame (1, 3, H, W) it gives boxes and mask prototypes (1, C, H / 4, W / 4). Boxes are (1, 4 + classes + C, N):
+    centre, size, scores and mask coefficients; of a network that suppresses overlaps (1, N, 6 + C): corners, score, class and
+    coefficients.
+    side_px: pictures are scaled to this side; confidence: threshold of an instance.
+    """
+
+    def __init__(self, network: Network, facts: DetectorFacts, side_px: int, confidence: float) -> None:
+        self.network, self._facts, self.side_px, self._confidence = network, facts, side_px, np.float32(confidence)
+        self._at = {side_px: self}
 
     def at(self, side_px: int) -> Detector:
         """The same network with pictures scaled to another side, a multiple of 32."""
         if side_px not in self._at:
-            self._at[side_px] = Detector(self._load, side_px, self._confidence, self._device, self._kept)
+            self._at[side_px] = Detector(self.network, self._facts, side_px, float(self._confidence))
         return self._at[side_px]
 
     def detect(self, pictures: Sequence[np.ndarray]) -> list[Detections]:
-        """The instances of pictures (H, W, 3) uint8 RGB."""
-        found = []
-        for start in range(0, len(pictures), TOGETHER):
-            blue_first = [np.ascontiguousarray(picture[..., ::-1]) for picture in pictures[start : start + TOGETHER]]
-            for result in self._predict(blue_first, stream=False):
-                masks = np.zeros((0, *result.orig_shape), bool)
-                if result.masks is not None:
-                    masks = result.masks.data.cpu().numpy() > 0
-                found.append(Detections(masks, result.boxes.conf.cpu().numpy()))
-        return found
+        """The instances of pictures (H, W, 3) uint8 RGB; each goes through the network alone, so that none depends on another."""
+        return [self._detected(picture) for picture in pictures]
 
+    def _detected(self, picture: np.ndarray) -> Detections:
+        height, width = picture.shape[:2]
+        letterbox = Letterbox.of(height, width, self.side_px, self._facts.stride)
+        boxes, prototypes = (output[0] for output in self.network(letterbox.framed(picture)))
+        corners, confidence, coefficients = self._kept(boxes, len(prototypes))
+        found = masks(coefficients, prototypes, letterbox.boxes(corners), letterbox)
+        shown = found.any(axis=(1, 2))
+        return Detections(found[shown], confidence[shown])
 
-def empty_network(architecture: str, classes: int = 1) -> Any:
-    """A network of an architecture of ultralytics with random weights: "yolov8n-seg". WeightsError for an unknown one."""
-    from ultralytics.nn.tasks import SegmentationModel
-
-    try:
-        made: Callable[..., Any] = SegmentationModel  # ultralytics has no types
-        return made(f"{architecture}.yaml", nc=classes, verbose=False)
-    except (FileNotFoundError, KeyError, AttributeError):
-        raise WeightsError(f"{KEY}.architecture is {architecture}, which ultralytics does not have; yolov8n-seg is one") from None
-
-
-def network_of(weights: Path, architecture: str, trust_pickles: bool = False) -> Any:
-    """The network with the weights of a file, which determine its number of classes. WeightsError if they do not fit."""
-    tensors = state(weights, trust_pickles, KEY)
-    scores = [value for name, value in tensors.items() if _SCORES.fullmatch(name)]
-    return fitting(empty_network(architecture, len(scores[0]) if scores else 1), tensors, weights.name, KEY)
+    def _kept(self, boxes: np.ndarray, coefficients: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Corners (N, 4), confidence (N,) and mask coefficients (N, `coefficients`) of the boxes that stay."""
+        if self._facts.end2end:
+            sure = boxes[boxes[:, 4] > self._confidence][:AT_MOST]
+            return sure[:, :4], sure[:, 4], sure[:, 6:]
+        end = len(boxes) - coefficients
+        sure = boxes[:, boxes[4:end].max(axis=0) > self._confidence].T
+        half = sure[:, 2:4] / 2
+        corners = np.concatenate((sure[:, :2] - half, sure[:, :2] + half), axis=1)
+        confidence = sure[:, 4:end].max(axis=1)
+        stay = non_max_suppression(corners, confidence, OVERLAP, AT_MOST)
+        return corners[stay], confidence[stay], sure[stay, end:]

@@ -1,57 +1,108 @@
-"""Networks as ONNX graphs. ONNX Runtime takes half to two thirds of torch's time on a processor."""
+"""Networks as ONNX graphs: the one form in which a processor runs them.
+
+A graph describes itself: its metadata say what it is (`kind`), what pictures it takes (`facts`), which weights it was made of and
+with what. The file ends in the digest of all that stands before it. A file that is torn, changed or of somebody else is refused.
+"""
 
 from __future__ import annotations
 
-import io
-import warnings
-from collections.abc import Sequence
+import hashlib
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
-OPSET = 17
-NUMBER = "number"
-"""Name of the dynamic batch axis."""
+import numpy as np
+
+SUFFIX = ".onnx"
+SCHEMA = "ovman-graph/1"
+PICTURES = "pictures"
+"""Name of a graph's input."""
+DESCRIPTION = "ovman"
+"""Name of the description among a graph's metadata."""
+Network = Callable[[np.ndarray], "tuple[np.ndarray, ...]"]
+"""Runs pictures (N, 3, H, W) float32 through a network; its outputs in their order."""
+_PROPERTY, _TEXT = 0x72, (0x0A, 0x12)
+"""How ONNX writes metadata: field 14 of the file, and in it the fields 1 and 2, a name and its text."""
 
 
-def exported(network: Any, shape: Sequence[int]) -> bytes:
-    """A torch module, on the processor and in evaluation mode, as an ONNX file for pictures of one shape.
+class GraphError(ValueError):
+    """A file that is no graph of ours; says what it lacks."""
 
-    shape: (N, C, H, W) of the pictures; N of 0 makes the batch axis dynamic.
+
+@dataclass(frozen=True, slots=True)
+class Description:
+    """What a graph says of itself.
+
+    kind: "detector" or "encoder"; facts: what preparing its pictures and reading its outputs needs; source: SHA-256 of the
+    weights; made: versions of the libraries that made it.
     """
-    import torch
 
-    number, *picture = shape
-    file = io.BytesIO()
-    to: Any = file  # torch writes to one, and its types do not say so
-    fast = torch.backends.mha.get_fastpath_enabled()
-    torch.backends.mha.set_fastpath_enabled(False)  # an operation without an ONNX equivalent
-    try:
-        with torch.inference_mode(), warnings.catch_warnings(action="ignore"):
-            torch.onnx.export(
-                network,
-                (torch.zeros(number or 2, *picture),),
-                to,
-                dynamo=False,
-                opset_version=OPSET,
-                input_names=["pictures"],
-                dynamic_axes=None if number else {"pictures": {0: NUMBER}},
-            )
-    finally:
-        torch.backends.mha.set_fastpath_enabled(fast)
-    return file.getvalue()
+    kind: str
+    facts: Mapping[str, Any]
+    source: str
+    made: Mapping[str, str]
+
+    def text(self) -> str:
+        """As JSON."""
+        return json.dumps({"schema": SCHEMA, "kind": self.kind, "facts": self.facts, "source": self.source, "made": self.made})
+
+    @staticmethod
+    def read(text: str) -> Description:
+        """What `text` wrote. GraphError for anything else."""
+        try:
+            held = json.loads(text)
+            schema, found = held.pop("schema"), Description(**held)
+        except (ValueError, TypeError, KeyError, AttributeError):
+            raise GraphError("its description cannot be read") from None
+        if schema != SCHEMA:
+            raise GraphError(f"it is of schema {schema}, not {SCHEMA}")
+        return found
+
+
+def described(graph: bytes, description: Description) -> bytes:
+    """An ONNX file with a description, and with its digest at the end. Fields of ONNX's format may follow one another."""
+    whole = graph + _metadata(DESCRIPTION, description.text())
+    return whole + _metadata("sha256", hashlib.sha256(whole).hexdigest())
 
 
 class Graph:
-    """A graph of `exported`, run on one thread, so that its output does not depend on load. It equals torch's up to rounding."""
+    """A graph of `described`, run on one thread, so that its output does not depend on load.
+
+    Raises GraphError for a file that is none, or not as it was written.
+    """
 
     def __init__(self, file: bytes) -> None:
         from onnxruntime import InferenceSession, SessionOptions
 
         options = SessionOptions()
         options.intra_op_num_threads = options.inter_op_num_threads = 1
-        self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
+        try:
+            self._session = InferenceSession(file, options, providers=["CPUExecutionProvider"])
+        except Exception:  # of onnxruntime's own classes, one for each way of being no graph
+            raise GraphError("it is no ONNX graph, or not all of one") from None
+        metadata = self._session.get_modelmeta().custom_metadata_map
+        if DESCRIPTION not in metadata:
+            raise GraphError("it has no description of what it is")
+        digest = hashlib.sha256(file[: -len(_metadata("sha256", "0" * 64))]).hexdigest()
+        if metadata.get("sha256") != digest:
+            raise GraphError("it is not as it was written")
+        self.description = Description.read(metadata[DESCRIPTION])
 
-    def __call__(self, pictures: Any) -> tuple[Any, ...]:
-        """The outputs of the network for a tensor of pictures of the graph's shape."""
-        import torch
+    def __call__(self, pictures: np.ndarray) -> tuple[np.ndarray, ...]:
+        """The outputs of the network for pictures (N, 3, H, W) float32."""
+        return tuple(self._session.run(None, {PICTURES: pictures}))
 
-        return tuple(map(torch.from_numpy, self._session.run(None, {"pictures": pictures.contiguous().numpy()})))
+
+def _metadata(name: str, text: str) -> bytes:
+    parts = b"".join(bytes([field]) + _sized(part.encode()) for field, part in zip(_TEXT, (name, text), strict=True))
+    return bytes([_PROPERTY]) + _sized(parts)
+
+
+def _sized(content: bytes) -> bytes:
+    """A content after its length, seven bits a byte, the lowest first."""
+    length, size = len(content), bytearray()
+    while length > 127:
+        size.append(length & 127 | 128)
+        length >>= 7
+    return bytes([*size, length]) + content

@@ -1,7 +1,7 @@
-"""Weights: files, or releases that are downloaded. A pickle is opened only if the user trusts it.
+"""Weights: graphs, files of tensors, or releases that are downloaded. A pickle is opened only if the user trusts it.
 
-Opening a pickle can run code of its author; a .safetensors file cannot. Network libraries are imported when a file is opened, so
-that the Snakefile can ask which weights are files.
+Opening a pickle can run code of its author; a .onnx or a .safetensors file cannot. Network libraries are imported when a file is
+opened, so that the Snakefile can ask which weights are files.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import hashlib
+import importlib.util
 import io
 import os
 from collections.abc import Mapping
@@ -18,8 +19,13 @@ from typing import Any
 from ovman.perception.libraries import cache
 from ovman.shipped import HOME
 
-FILES = frozenset({".safetensors", ".json"})
 SAFE = ".safetensors"
+GRAPH = ".onnx"
+PHRASES = ".phrases.npz"
+"""How the file of embedded phrases beside the graph of an image tower ends."""
+FILES = frozenset({SAFE, GRAPH, ".json"})
+EXTRA = ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors")
+"""The modules of the extra `networks`, which opens what is no graph."""
 ASSETS_RELEASE = "v8.4.0"
 """The release of ultralytics' assets that weights are taken from."""
 SHA256: Mapping[str, str] = {
@@ -37,10 +43,29 @@ class WeightsError(ValueError):
 def located(name: str) -> Path | None:
     """The file that a setting names, relative to `ovman.shipped.HOME` unless absolute; None for the name of something released.
 
-    A name is a file's if it has a folder in it ("./mine.pt") or ends in .safetensors or .json.
+    A name is a file's if it has a folder in it ("./mine.pt") or ends in .onnx, .safetensors or .json.
     """
     path = Path(name)
     return HOME / path if len(Path(name).parts) > 1 or name.startswith("./") or path.suffix in FILES else None
+
+
+def is_graph(name: str) -> bool:
+    """Whether a setting names a graph, which runs without the extra `networks`."""
+    return name.endswith(GRAPH)
+
+
+def beside(graph: Path) -> Path:
+    """The embedded phrases of the graph of an image tower: encoder.phrases.npz of encoder.onnx."""
+    return graph.with_suffix(PHRASES)
+
+
+def need_networks(name: str, key: str) -> None:
+    """WeightsError where a library that opens the weights `name` is not installed. None is imported."""
+    missing = [module for module in EXTRA if importlib.util.find_spec(module) is None]
+    if missing:
+        raise WeightsError(
+            f"{key}.weights is {name}, which needs {', '.join(missing)}; pip install 'ovman[networks]', or name a graph ({GRAPH})"
+        )
 
 
 def sha256(path: Path) -> str:
@@ -57,7 +82,7 @@ def detector_file(name: str, trust_pickles: bool, expected: str = "", key: str =
     path = located(name)
     if path is None and not name.endswith(".pt"):
         raise WeightsError(
-            f"{key}.weights is {name}; it must be a file (.safetensors, or .pt with its folder) or an asset's name (.pt)"
+            f"{key}.weights is {name}; it must be a file (.onnx, .safetensors, or .pt with its folder) or an asset's name (.pt)"
         )
     _allow((path or Path(name)).name, trust_pickles, key)
     return _checked(_asset(name, key) if path is None else _present(path, name, key), name, expected, key)
@@ -125,16 +150,19 @@ def _difference(expected: Mapping[str, tuple[int, ...]], tensors: Mapping[str, A
 
 
 def _allow(name: str, trust_pickles: bool, key: str) -> None:
-    if not name.endswith(SAFE) and not trust_pickles:
+    if not name.endswith((SAFE, GRAPH)) and not trust_pickles:
         raise WeightsError(
             f"{key}.weights: {name} is a pickle, which can run code of its author when it is opened; "
-            f"set perception.trust_pickles to true if you trust it, or give a {SAFE} file"
+            f"set perception.trust_pickles to true if you trust it, or give a {SAFE} or {GRAPH} file"
         )
 
 
 def _present(path: Path, name: str, key: str) -> Path:
     if not path.is_file():
-        raise WeightsError(f"{key}.weights: the file {name} is missing; `make models` makes the default's, or name another")
+        raise WeightsError(
+            f"{key}.weights: the file {name} is missing; "
+            "`make models` makes the default's, `ovman export` a graph of weights, or name another"
+        )
     return path
 
 
@@ -147,11 +175,12 @@ def _checked(path: Path, name: str, expected: str, key: str) -> Path:
 
 def _asset(name: str, key: str) -> Path:
     """One of ultralytics' assets, kept in the user's cache."""
-    os.environ.setdefault("YOLO_AUTOINSTALL", "false")
-    from ultralytics.utils.downloads import attempt_download_asset
-
     kept = cache() / ASSETS_RELEASE / name
     if not kept.is_file():
+        need_networks(name, key)
+        os.environ.setdefault("YOLO_AUTOINSTALL", "false")
+        from ultralytics.utils.downloads import attempt_download_asset
+
         kept.parent.mkdir(parents=True, exist_ok=True)
         reason = "the release has no such asset"
         try:
@@ -166,6 +195,7 @@ def _asset(name: str, key: str) -> Path:
 
 def _tagged(model: str, tag: str, key: str) -> Path:
     """Released weights of a model of open_clip, as .safetensors, kept in the hub's own cache."""
+    need_networks(tag, key)
     from open_clip.pretrained import download_pretrained_from_hf, get_pretrained_cfg, list_pretrained_tags_by_model
 
     if located(model) is not None:

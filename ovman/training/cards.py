@@ -18,7 +18,9 @@ from typing import Any
 from ovman.analysis.frames import read_rows
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE, Score
 from ovman.models.settings import Settings
+from ovman.perception.graph import Graph
 from ovman.perception.overlap import LEAST_IOU
+from ovman.perception.phrases import Phrases
 from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
 from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.training import captions, crops, detector, outlines, pictures
@@ -161,7 +163,11 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "augmentation": detector.AUGMENTATION,
         "model": json.loads((models / "encoder.json").read_text(encoding="utf-8")),
         "weights": {name: weights(models / f"{name}.safetensors") for name in CURVES},
-        "files": sorted(path.name for path in models.iterdir() if path.suffix in (".safetensors", ".json", ".jsonl")),
+        "files": sorted(
+            path.name for path in models.iterdir() if path.suffix in (".safetensors", ".onnx", ".npz", ".json", ".jsonl")
+        ),
+        "graphs": {name: Graph((models / f"{name}.onnx").read_bytes()).description.made for name in CURVES},
+        "phrases": len(Phrases.read(models / "encoder.phrases.npz").phrases),
         "sha256": lambda name: hashlib.sha256((models / name).read_bytes()).hexdigest(),
         "bytes": lambda name: f"{(models / name).stat().st_size:,}",
         "least_iou": LEAST_IOU,

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from ovman.models.settings import Settings
+from ovman.perception import networks, yolo
 from ovman.perception.crop import crop
-from ovman.perception.detector import Detector, network_of
 from ovman.perception.overlap import LEAST_IOU
 from ovman.perception.protocols import Segmenter
 from ovman.training.picture_files import read, recorded
@@ -79,7 +79,8 @@ def run_detected(folders: Sequence[Path], weights: Path, constants: Settings, ou
     torch.set_num_threads(1)
     settings, padding = constants.perception.detector, constants.perception.encoder.crop_padding
     training = constants.training.encoder
-    detector = Detector(lambda: network_of(weights, settings.architecture), settings.side_px, settings.confidence)
+    network = yolo.network_of(weights, settings.architecture)
+    detector = networks.loaded_detector(network, weights, settings.side_px, settings.confidence)
     for folder, output in zip(folders, outputs, strict=True):
         made = detected_crops(folder, detector, settings.min_mask_px, padding, training.crop_px, training.detected_one_in)
         made.write(output)

@@ -6,11 +6,11 @@ import json
 import math
 import time
 from collections.abc import Sequence
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 from ovman.models.settings import Settings
+from ovman.perception import networks
 from ovman.perception.detector import Detector
 from ovman.perception.overlap import Found, found
 from ovman.training.picture_files import recorded
@@ -140,7 +140,8 @@ class _Watch:
         state = {name: value.half().contiguous() for name, value in trainer.ema.ema.state_dict().items()}
         save_file(state, self._weights)
         perception = self._constants.perception.detector
-        detector = Detector(lambda: deepcopy(trainer.ema.ema), perception.side_px, perception.confidence, str(trainer.device))
+        average, seen_at = trainer.ema.ema, (perception.side_px, perception.confidence)
+        detector = networks.loaded_detector(average, self._weights, *seen_at, str(trainer.device))
         total = judged(detector, self._held_out, perception.min_mask_px, 1 if last else settings.look_at_one_in)
         losses = {} if trainer.tloss is None else {name: round(float(value), 4) for name, value in trainer.tloss.items()}
         record = {

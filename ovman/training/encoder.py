@@ -21,7 +21,7 @@ from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
 
 from ovman.language.vocabulary import SYNONYMS, nouns
 from ovman.models.settings import Settings
-from ovman.perception.encoder import Architecture, empty_network
+from ovman.perception.towers import Architecture, empty_network
 from ovman.training.augmentation import augmented
 from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
 from ovman.training.crops import Crops
@@ -43,7 +43,7 @@ SMALL_PX, SMALL_SHARE = 600, 0.3
 """Crops of masks below SMALL_PX are sampled less often, down to this share."""
 CHUNK = 512
 TOWERS = Architecture("encoder.json", MODEL, OPENAI_DATASET_MEAN, OPENAI_DATASET_STD)
-"""The architecture as `ovman.perception.encoder` reads it from a file."""
+"""The architecture as `ovman.perception.towers` reads it from a file."""
 
 
 @dataclass(frozen=True, slots=True)

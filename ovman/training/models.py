@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from importlib.metadata import version
 from pathlib import Path
 
+from ovman.perception.weights import GRAPH, SAFE, beside
 from ovman.training.crops import Crops
 from ovman.training.encoder import MODEL
 from ovman.training.floorplans import floor_plans
@@ -20,15 +21,17 @@ LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
 def run(
     files: Mapping[str, Path], pictures: Sequence[Path], crops: Sequence[Path], constants: StageSettings, output: Path
 ) -> None:
-    """Write the folder `output`: detector.safetensors, encoder.safetensors and .json (its architecture), the four curves and
-    training.json with data, settings and libraries.
+    """Write the folder `output`: detector and encoder as .safetensors and as .onnx, encoder.phrases.npz, encoder.json (its
+    architecture), the four curves and training.json with data, settings and libraries.
 
-    files: "detector", "encoder" (weights), "detector_first_curve", "detector_curve",
-    "encoder_true_curve", "encoder_curve".
+    files: "detector", "encoder" (weights), "detector_graph", "encoder_graph", "phrases", "detector_first_curve",
+    "detector_curve", "encoder_true_curve", "encoder_curve".
     """
     output.mkdir(parents=True, exist_ok=True)
     for name in ("detector", "encoder"):
-        shutil.copyfile(files[name], output / f"{name}.safetensors")
+        shutil.copyfile(files[name], output / f"{name}{SAFE}")
+        shutil.copyfile(files[f"{name}_graph"], output / f"{name}{GRAPH}")
+    shutil.copyfile(files["phrases"], beside(output / f"encoder{GRAPH}"))
     for name in ("detector_first_curve", "detector_curve", "encoder_true_curve", "encoder_curve"):
         shutil.copyfile(files[name], output / f"{name}.jsonl")
     (output / "encoder.json").write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")

@@ -89,6 +89,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "training.encoder.detected_one_in",
     ),
     "encoder": ("training.seed", "training.encoder.*"),
+    "graphs": ("perception.detector.architecture",),
     "models": ("training.*", "benchmark.scenes"),
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "cues": (

@@ -28,11 +28,14 @@ def hook(event, arguments):
 
 
 sys.addaudithook(hook)
-import ovman.perception.detector
+from pathlib import Path
+
 import numpy as np
 
-network = ovman.perception.detector.empty_network("yolov8n-seg")
-(found,) = ovman.perception.detector.Detector(lambda: network, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
+from ovman.perception import networks, yolo
+
+network, weights = yolo.empty_network("yolov8n-seg"), Path(sys.argv[1])
+(found,) = networks.loaded_detector(network, weights, 64, 0.25).detect([np.zeros((64, 64, 3), np.uint8)])
 assert found.masks.shape[1:] == (64, 64)
 import open_clip
 
@@ -48,7 +51,13 @@ def test_nothing_is_asked_for_and_nothing_of_the_users_is_written(tmp_path: Path
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("YOLO_", "HF_", "XDG_", "PYTEST"))}
     # Not in offline mode because nothing can be reached: what is asked for is seen before it fails.
     environment = kept | {"HOME": str(home), "PYTHONPATH": str(ROOT), "PYTHONDONTWRITEBYTECODE": "1"}
-    done = subprocess.run([sys.executable, "-c", PROBE], cwd=place, env=environment, capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-c", PROBE, str(ROOT / "models" / "detector.safetensors")],
+        cwd=place,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout.splitlines()[-1])
     assert seen["asked"] == []

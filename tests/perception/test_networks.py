@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
 import json
-import subprocess
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -15,10 +12,11 @@ import torch
 import yaml
 from safetensors.torch import save_file
 
-from ovman.perception import detector, encoder, networks, predictor
+from ovman.perception import detector, encoder, networks, towers, yolo
 from ovman.perception.weights import WeightsError
 from ovman.shipped import HOME
 from ovman.workflow.config import load
+from tests.perception import ultralytics_own
 from tests.workflow.test_reruns import merged
 
 TOWERS = {
@@ -48,7 +46,7 @@ def perception(detector_weights: Path, encoder_weights: Path, model: str, archit
 def seeing(architecture: str, path: Path, classes: int = 1) -> Path:
     """Weights drawn at random of a network that finds something in everything."""
     torch.manual_seed(0)
-    network = detector.empty_network(architecture, classes)
+    network = yolo.empty_network(architecture, classes)
     for scores in network.model[-1].cv3:
         torch.nn.init.normal_(scores[-1].weight, std=0.5)
         torch.nn.init.constant_(scores[-1].bias, 0.0)
@@ -59,7 +57,7 @@ def seeing(architecture: str, path: Path, classes: int = 1) -> Path:
 def drawn(model: str, path: Path) -> Path:
     """Random weights of towers."""
     torch.manual_seed(0)
-    network = encoder.empty_network(encoder.architecture(model))
+    network = towers.empty_network(towers.architecture(model))
     save_file({name: value.half().contiguous() for name, value in network.state_dict().items()}, path)
     return path
 
@@ -95,19 +93,6 @@ def test_a_small_detector_finds_masks_of_the_pictures_size_surest_first_and_the_
     )
 
 
-def test_a_busy_machine_finds_no_less(small, monkeypatch):
-    """Whatever the clock says in between: where torch runs the network, ultralytics has an eye on it."""
-    looks = networks.detector_of(small)
-    network = detector.network_of(Path(small.detector.weights), small.detector.architecture)
-    looks._predict, detect = predictor.with_network(looks.options, network), looks.detect
-    calm = detect(FRAMES)
-    hours = itertools.count(0, 3600)
-    monkeypatch.setattr("ultralytics.utils.nms.time", SimpleNamespace(time=lambda: next(hours)))
-    busy = detect(FRAMES)
-    assert next(hours) > 0 and all(len(one.masks) for one in calm)
-    assert all(np.array_equal(a.masks, b.masks) for a, b in zip(calm, busy, strict=True))
-
-
 def test_no_pictures_no_detections(small):
     assert networks.detector_of(small).detect([]) == []
 
@@ -115,35 +100,35 @@ def test_no_pictures_no_detections(small):
 def test_classes_are_not_told_apart(tmp_path):
     """Of boxes that overlap one stays, whatever their classes are."""
     path = seeing("yolov8n-seg", tmp_path / "many.safetensors", classes=7)
-    network = detector.network_of(path, "yolov8n-seg")
+    network = yolo.network_of(path, "yolov8n-seg")
     assert network.model[-1].nc == 7
     for box in network.model[-1].cv2:  # all boxes of a scale have one form
         torch.nn.init.zeros_(box[-1].weight)
-    found = detector.Detector(lambda: network, 64, 0.25)
-    agnostic = found.detect(FRAMES[:1])[0]
-    found._predict = predictor.with_network(found.options | {"agnostic_nms": False}, network)
-    assert 0 < len(agnostic.masks) < len(found.detect(FRAMES[:1])[0].masks)
+    (agnostic,) = networks.loaded_detector(network, path, 64, 0.25).detect(FRAMES[:1])
+    told_apart = ultralytics_own.predictor(network, 64, 0.25, agnostic_nms=False)
+    (more,) = ultralytics_own.detect(told_apart, FRAMES[:1])
+    assert 0 < len(agnostic.masks) < len(more.masks)
 
 
 def test_embeddings_are_unit_vectors_one_for_each_and_the_same_in_any_company(small):
-    towers = networks.encoder_of(small)
-    assert (towers.side_px, towers.size) == (32, 8)
+    both = networks.encoder_of(small)
+    assert (both.side_px, both.size) == (32, 8)
     crops = np.random.default_rng(0).integers(0, 256, (encoder.TOGETHER + 2, 32, 32, 3), np.uint8)
-    images = towers.images(crops)
-    texts = towers.texts(["chair", "house plant", "chair"])
+    images = both.images(crops)
+    texts = both.texts(["chair", "house plant", "chair"])
     for found in (images, texts):
         assert found.dtype == np.float32 and np.linalg.norm(found, axis=1) == pytest.approx(np.ones(len(found)), abs=1e-5)
     assert images.shape == (len(crops), 8) and np.array_equal(texts[0], texts[2]) and not np.allclose(texts[0], texts[1])
-    assert towers.images(crops[:1]) == pytest.approx(images[:1], abs=1e-5)
-    assert np.array_equal(towers.images(crops), images)
-    assert towers.images(crops[:0]).shape == (0, 8) and towers.texts([]).shape == (0, 8)
+    assert both.images(crops[:1]) == pytest.approx(images[:1], abs=1e-5)
+    assert np.array_equal(both.images(crops), images)
+    assert both.images(crops[:0]).shape == (0, 8) and both.texts([]).shape == (0, 8)
 
 
 def seen(settings: SimpleNamespace) -> list[bytes]:
     """All numbers that both networks give for the pictures."""
-    towers = networks.encoder_of(settings)
+    both = networks.encoder_of(settings)
     crops = np.stack([frame[:32, :32] for frame in FRAMES])
-    arrays = [towers.images(crops), towers.texts(["chair"]), towers.texts(["sofa", "chair"])]
+    arrays = [both.images(crops), both.texts(["chair"]), both.texts(["sofa", "chair"])]
     for looks in (networks.detector_of(settings), networks.detector_of(settings).at(96)):
         arrays += [array for found in looks.detect(FRAMES) for array in (found.masks, found.confidence)]
     return [array.tobytes() for array in arrays]
@@ -151,8 +136,8 @@ def seen(settings: SimpleNamespace) -> list[bytes]:
 
 def test_what_is_kept_gives_the_same_numbers_and_no_network_is_made_for_it(small, monkeypatch, kept):
     first = seen(small)
-    assert sorted(path.suffix for path in kept.glob("*/*")) == [".json"] * 2 + [".onnx"] * 3 + [".phrases"] * 2
-    for module in (detector, encoder):
+    assert sorted(path.suffix for path in kept.glob("*/*")) == [".onnx"] * 2 + [".phrases"] * 2
+    for module in (yolo, towers):
         monkeypatch.setattr(module, "empty_network", lambda *_: pytest.fail("a network was made"))
     assert seen(small) == first
 
@@ -183,28 +168,6 @@ def test_what_was_kept_of_others_is_not_taken(small, tmp_path, monkeypatch, kept
     assert not any(same) if change == "weights" else all(same)
 
 
-PROBE = """
-import sys
-from pathlib import Path
-import numpy as np
-from ovman.workflow.config import load
-from ovman.perception.networks import detector_of, encoder_of
-settings = load(Path(sys.argv[1])).perception
-detector_of(settings).detect([np.zeros((300, 300, 3), np.uint8)])
-towers = encoder_of(settings)
-towers.images(np.zeros((1, towers.side_px, towers.side_px, 3), np.uint8)), towers.texts(["chair"])
-print([name for name in ("open_clip", "torchvision", "torch._dynamo", "onnx") if name in sys.modules])
-"""
-
-
-def test_a_job_that_finds_all_kept_imports_no_more_than_it_runs():
-    """The others take four seconds in each of the jobs that look."""
-    for expected in ("open_clip", "[]"):
-        done = subprocess.run([sys.executable, "-c", PROBE, str(HOME / "config.yaml")], capture_output=True, text=True, cwd=HOME)
-        assert done.returncode == 0, done.stderr
-        assert expected in done.stdout
-
-
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
     overlay = yaml.safe_load((HOME / "overlays" / "thor.yaml").read_text())
     named = load(merged(yaml.safe_load((HOME / "config.yaml").read_text()), overlay)).perception
@@ -220,10 +183,10 @@ def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
     )
     (found,) = networks.detector_of(large).detect(FRAMES[:1])
     assert len(found.masks) > 0 and found.masks.shape[1:] == (90, 120)
-    towers = networks.encoder_of(large)
-    assert (towers.side_px, towers.size) == (224, 512)
-    assert np.linalg.norm(towers.images(np.zeros((1, 224, 224, 3), np.uint8))) == pytest.approx(1.0, abs=1e-5)
-    assert np.linalg.norm(towers.texts(["chair"])) == pytest.approx(1.0, abs=1e-5)
+    both = networks.encoder_of(large)
+    assert (both.side_px, both.size) == (224, 512)
+    assert np.linalg.norm(both.images(np.zeros((1, 224, 224, 3), np.uint8))) == pytest.approx(1.0, abs=1e-5)
+    assert np.linalg.norm(both.texts(["chair"])) == pytest.approx(1.0, abs=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -242,26 +205,26 @@ def test_a_configuration_that_is_none_is_one_line(tmp_path, content, says):
     if content is not None:
         path.write_text(content)
     with pytest.raises(WeightsError, match=says) as caught:
-        encoder.architecture(str(path))
+        towers.architecture(str(path))
     assert "\n" not in str(caught.value) and str(caught.value).startswith("perception.encoder.model")
 
 
 @pytest.mark.parametrize("name", ["yolov8q-seg", "resnet50"])
 def test_an_architecture_that_there_is_not_is_one_line(name):
     with pytest.raises(WeightsError, match=f"architecture is {name}"):
-        detector.empty_network(name)
+        yolo.empty_network(name)
 
 
 def test_a_model_that_there_is_not_is_one_line():
     with pytest.raises(WeightsError, match="no model of open_clip"):
-        encoder.architecture("ViT-Q-16")
+        towers.architecture("ViT-Q-16")
 
 
 def test_weights_of_other_towers_do_not_fit(small, tmp_path):
     other = tmp_path / "other.json"
     other.write_text(json.dumps(TOWERS | {"embed_dim": 16}))
     with pytest.raises(WeightsError, match="does not fit perception.encoder.model"):
-        encoder.network_of(Path(small.encoder.weights), encoder.architecture(str(other)))
+        towers.network_of(Path(small.encoder.weights), towers.architecture(str(other)))
 
 
 def test_who_looks_is_told_by_bytes_and_constants_not_by_names(small, tmp_path):

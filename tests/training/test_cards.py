@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from safetensors.numpy import save_file
 
 from ovman.analysis.frames import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
+from ovman.shipped import HOME
 from ovman.training import cards
 from ovman.workflow.config import load
 from ovman.workflow.parameter import canonical
@@ -35,6 +37,8 @@ def models(tmp_path):
         {"a.weight": np.zeros((3, 4), np.float16), "a.running_mean": np.zeros(5, np.float16)}, folder / "detector.safetensors"
     )
     save_file({"b.weight": np.zeros((1000, 7), np.float16)}, folder / "encoder.safetensors")
+    for name in ("detector.onnx", "encoder.onnx", "encoder.phrases.npz"):
+        shutil.copy2(HOME / "models" / name, folder / name)
     towers = {"vision_cfg": {"image_size": 64, "layers": [2, 2], "width": 24}, "text_cfg": {"width": 64, "layers": 3}}
     (folder / "encoder.json").write_text(json.dumps({"embed_dim": 128} | towers))
     (folder / "detector_first_curve.jsonl").write_text(looks(*range(500, 15001, 500)))
@@ -79,7 +83,7 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
     assert "crops of detected masks top-1 0.431" in encoder
     assert "| 0.870 | ≥ 0.880 | not met" in encoder and "top-1 0.400" in encoder
     assert encoder.index("| Vase") < encoder.index("| Sofa")
-    for name in ("detector.safetensors", "encoder.safetensors", "training.json"):
+    for name in ("detector.safetensors", "encoder.safetensors", "training.json", "detector.onnx", "encoder.phrases.npz"):
         assert cards.hashlib.sha256((models / name).read_bytes()).hexdigest() in readme
 
 

@@ -20,7 +20,7 @@ from ovman.models.variant import VARIANTS
 from ovman.workflow.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
-from ovman.perception.weights import located
+from ovman.perception.weights import beside, is_graph, located
 from ovman.workflow.snakefile import check_agents, prepare, print_deaths
 from ovman.workflow.snakemake_internals import lift_rate_limit, overlays
 
@@ -182,6 +182,12 @@ def network_gpu(wildcards):
 
 
 def weights(*names):
-    """The files that settings of section perception name, as inputs; the job reports a missing one."""
+    """The files that settings of section perception name, as inputs; the job reports a missing one.
+
+    Beside the graph of an image tower lie the phrases. A graph needs no description of its towers.
+    """
+    graph = is_graph(settings.perception.encoder.weights)
+    names = [name for name in names if not (graph and name == "encoder.model")]
     files = [located(functools.reduce(getattr, name.split("."), settings.perception)) for name in names]
+    files += [beside(file) for name, file in zip(names, files) if graph and name == "encoder.weights"]
     return [str(file) for file in files if file is not None and file.is_file()]
