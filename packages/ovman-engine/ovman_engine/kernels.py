@@ -15,6 +15,7 @@ import platform
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
@@ -24,6 +25,17 @@ ROOMS = "paint", "picture"
 """Packages with compiled functions."""
 SIDE_PX = 48
 KINDS = ("renderDepthImage", "renderInstanceSegmentation", "renderSemanticSegmentation", "renderNormalsImage")
+
+
+def without_blas() -> None:
+    """Lets numba start without SciPy's linear algebra, which takes 0.13 s of the processor. No kernel multiplies matrices."""
+    if "numba.np.arraymath" in sys.modules or "scipy.linalg" in sys.modules:
+        return
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]  # numba takes it for not installed
+    try:
+        import_module("numba.np.arraymath")
+    finally:
+        del sys.modules["scipy.linalg"]
 
 
 def ready() -> bool:
