@@ -45,8 +45,7 @@ def _postponed() -> Iterator[None]:
 
 
 def _stand_in(name: str, of: str | None) -> ModuleType:
-    """A module whose attributes are those of the module `name`, loaded at the first of them, and whose class `of` makes objects of
-    that module's."""
+    """A module with the attributes of the module `name`, loaded at the first. Its class `of` makes that module's objects."""
     module = ModuleType(name)
 
     def attribute(wanted: str) -> Any:
