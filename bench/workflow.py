@@ -3,7 +3,7 @@
 It runs the jobs of `make quick` in a temporary directory, then again with full journals, so that no simulator starts: that run
 is the overhead (pure stages included). CPU time is that of all processes.
 
---growth measures growth alone: scenes of the tiny world one by one, and then together. Time that grows in proportion costs together
+--growth measures growth alone: scenes of the tiny world one by one, then together. Time that grows in proportion costs together
 what it costs one by one, or less, as Snakemake starts once.
 """
 

@@ -27,7 +27,8 @@ def controller() -> type[Controller]:
             import_module("ai2thor.controller")
     from ai2thor.controller import Controller
 
-    return Controller
+    found: type[Controller] = Controller
+    return found
 
 
 @contextmanager

@@ -286,3 +286,19 @@ def test_layouts_are_told_apart_by_every_part_and_pieces_are_digested_once(monke
     for _ in range(4):
         layout_of((("box", np.ones(3), np.ones(3), np.eye(3)),))._digest()
     assert len(layout._digests) == 2 and layout_of(shared)._digest() == before
+
+
+def test_worlds_of_a_plan_share_pieces_and_a_part_that_is_gone_takes_its_own_along():
+    plan = PLANS["FloorPlan201"]
+    world, other = World(plan), World(plan)
+    pieces = world._dynamics._pieces
+    assert len(pieces) > 20 and all(other._dynamics._pieces[name] is own for name, own in pieces.items())
+    static = world._dynamics._static
+    carrier, part = next((b.carrier, b.object_id) for b in world.bodies.values() if b.carrier is not None)
+    parts = [b.obj for b in world.bodies.values() if b.carrier == carrier]
+    assert static.pieces_with(world.bodies[carrier].obj, parts) is pieces[carrier]
+    before = len(pieces[carrier])
+    world.set_active(part, False)
+    assert len(world._dynamics._pieces[carrier]) < before == len(other._dynamics._pieces[carrier])
+    world.set_active(part, True)
+    assert world._dynamics._pieces[carrier] is pieces[carrier]
