@@ -1,7 +1,10 @@
-"""Overhead of the workflow, and the cost of a changed threshold. `python bench/workflow.py`.
+"""Overhead of the workflow, the cost of a changed threshold, and growth with scenes. `python bench/workflow.py [--growth]`.
 
 It runs the jobs of `make quick` in a temporary directory, then again with full journals, so that no simulator starts: that run
 is the overhead (pure stages included). CPU time is that of all processes.
+
+--growth measures growth alone: scenes of the tiny world one by one, then together. Time that grows in proportion costs together
+what it costs one by one, or less, as Snakemake starts once.
 """
 
 from __future__ import annotations
@@ -20,6 +23,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 QUICK = ROOT / "overlays" / "quick.yaml"
+TINY = ROOT / "overlays" / "tiny.yaml"
+GROWING = ("FloorPlan227", "FloorPlan7", "FloorPlan330")
 
 
 def snakemake(directory: str, files: list[Path], *arguments: str, target: str = "results/tables") -> tuple[float, float, str]:
@@ -65,10 +70,29 @@ def row(name: str, wall: float | None, cpu: float, note: str = "") -> None:
     print(f"{name:<46}" + (f"{wall:8.1f} s wall" if wall is not None else " " * 15) + f"{cpu:8.1f} s CPU  {note}")
 
 
+def growth(target: str) -> None:
+    """Print the cost of a target for each scene alone, and for all of them."""
+    alone = []
+    for scenes in (*([scene] for scene in GROWING), GROWING):
+        with tempfile.TemporaryDirectory() as directory:
+            change = Path(directory, "scenes.yaml")
+            change.write_text(f"benchmark: {{scenes: [{', '.join(scenes)}], allow_short_split: true}}\n")
+            wall, cpu, _ = snakemake(directory, [TINY, change], target=target)
+        together = len(scenes) > 1
+        note = f"{cpu / sum(alone):.2f} of what they cost one by one" if together else ""
+        row(f"{target}, {len(scenes)} scenes" if together else f"{target}, {scenes[0]}", wall, cpu, note)
+        alone.append(cpu)
+
+
 def main() -> None:
     """Measure and print."""
-    argparse.ArgumentParser(description=str(__doc__).splitlines()[0]).parse_args()
+    parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
+    parser.add_argument("--growth", metavar="TARGET", nargs="?", const="results/tables", help="how this target grows with scenes")
+    asked = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
+    if asked.growth is not None:
+        growth(asked.growth)
+        return
     with tempfile.TemporaryDirectory() as directory:
         wall, cpu, said = snakemake(directory, [QUICK])
         count = jobs(said)

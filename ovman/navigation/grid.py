@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
@@ -18,6 +17,8 @@ LATTICE_TOLERANCE_M = 1e-3
 
 _ORIGIN_DECIMALS = 4
 _TIE_DECIMALS = 9
+_MAY_WIN = (1.0 + 1e-12, 1e-6)
+"""A squared distance, in steps, above the least one by this factor and this sum is above it also when both are rounded."""
 
 
 @dataclass(frozen=True)
@@ -69,10 +70,10 @@ class Grid:
     def component(self, cell: Cell) -> frozenset[Cell]:
         """The cells that can be reached from `cell`, itself among them. Raises ValueError for a cell that is not in the grid."""
         self.require(cell)
-        reached, queue = {cell}, deque([cell])
-        while queue:
-            for neighbour in self.neighbours(queue.popleft()):
-                if neighbour not in reached:
+        cells, reached, queue = self.cells, {cell}, [cell]
+        for i, j in queue:  # grows meanwhile; the neighbours are written out, as most of the time went into asking for them
+            for neighbour in ((i + 1, j), (i, j + 1), (i - 1, j), (i, j - 1)):
+                if neighbour in cells and neighbour not in reached:
                     reached.add(neighbour)
                     queue.append(neighbour)
         return frozenset(reached)
@@ -98,7 +99,13 @@ class Grid:
             return here
         if not among:
             raise ValueError(f"no cell to be nearest to ({x:.4f}, {z:.4f}): the set of cells is empty")
-        return min(among, key=lambda cell: (round((cell[0] - u) ** 2 + (cell[1] - v) ** 2, _TIE_DECIMALS), cell))
+        # Rounding is most of the time, so only what may win is rounded.
+        away = {(i, j): (i - u) * (i - u) + (j - v) * (j - v) for i, j in among}
+        most = min(away.values()) * _MAY_WIN[0] + _MAY_WIN[1]
+        return min(
+            (cell for cell, square in away.items() if square <= most),
+            key=lambda cell: (round((cell[0] - u) ** 2 + (cell[1] - v) ** 2, _TIE_DECIMALS), cell),
+        )
 
     def require(self, cell: Cell) -> None:
         """Raises ValueError for a cell that is not in the grid."""

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ovman.sim import client
 from ovman.sim.embodiment import Embodiment
 
 if TYPE_CHECKING:
@@ -33,10 +34,8 @@ NONSENSE = bytes(5)
 
 def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
     """A running ai2thor Controller on `scene` with the body and camera of `embodiment`. backend, errors: as for `launched`."""
-    from ai2thor.controller import Controller
-
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
-    made = launched(Controller, backend, scene=scene, **sizes, **embodiment.initialization())
+    made = launched(client.controller(), backend, scene=scene, **sizes, **embodiment.initialization())
     if backend == "thor":
         _lengthen_depth(made)
     return made

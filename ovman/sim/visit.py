@@ -23,6 +23,7 @@ from ovman.models.visit import Present, SensedPose, View, ViewPose, Visit
 from ovman.models.visit_files import MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.light import illuminate
+from ovman.sim.masks import indexed
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow import journal, seeds
@@ -55,23 +56,6 @@ def write_png(path: Path, image: np.ndarray) -> None:
     """Write an image (H, W), or (H, W, 3) in the order blue, green, red, of 8 or 16 bit. OSError if that fails."""
     if not cv2.imwrite(str(path), image, PNG):
         raise OSError(f"{path}: could not be written; is the disk full?")
-
-
-def _seen(event: Any, min_mask_px: int) -> tuple[np.ndarray, list[str], dict[str, int]]:
-    """Index image (0 nothing, k the k-th name), the names of the instances in it, and the sizes of their masks by name.
-
-    Masks of fewer than `min_mask_px` pixels have no size.
-    """
-    names = sorted(event.instance_masks.keys())
-    index = np.zeros(event.depth_frame.shape, np.uint16)
-    sizes = {}
-    for k, name in enumerate(names, start=1):
-        mask = event.instance_masks[name]
-        index[mask] = k
-        size = int(np.count_nonzero(mask))
-        if size >= min_mask_px:
-            sizes[name] = size
-    return index, names, sizes
 
 
 def views(tour: Tour) -> list[AgentPose]:
@@ -126,7 +110,7 @@ def record(
     for i, view in enumerate(views):
         pose = view if standing is None else standing(view)
         event = look(session, world, pose)
-        index, names, sizes = _seen(event, min_mask_px)
+        index, names, sizes = indexed(event.instance_masks, event.depth_frame.shape, min_mask_px)
         now = {k: position(o) for k, o in there().items()}
         camera = event.metadata["cameraPosition"]
         recorded.append(

@@ -9,7 +9,7 @@ ends in the state that the recorded visit ended in.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from ovman.navigation import Grid, shortest_path
 from ovman.perception.backprojection import Camera
 from ovman.sim import visit
 from ovman.sim.change import World, position
+from ovman.sim.masks import coloured
 from ovman.sim.session import AgentPose, Session, bearing_deg
 
 SAME_M, SAME_DEG = 1e-3, 1e-3
@@ -52,14 +53,10 @@ class Frame:
 def instances(masks: Any) -> tuple[np.ndarray, dict[int, str]]:
     """(H, W) int64 of a frame's instance masks: a number a pixel; and the ids of the instances by these numbers.
 
-    The room's shell has numbers without an id. No mask is made of any instance, which takes longer than drawing the frame.
+    Of ids that share a number the last is given.
     """
-    numbers = masks.instance_segmentation_frame_uint32.astype(np.int64) & _COLOUR
-    colours: Mapping[str, Sequence[int]] = masks.instance_colors
-    return numbers, {red | green << 8 | blue << 16: name for name, (red, green, blue, *_) in colours.items()}
-
-
-_COLOUR = 0xFFFFFF
+    numbers, colours = coloured(masks)
+    return numbers, {number: name for name, number in colours.items()}
 
 
 def frames(
@@ -79,7 +76,8 @@ def frames(
         event = session.teleport(pose, image=True) if number is None else visit.look(session, world, pose)
         at = session.camera
         camera = Camera((at["x"], at["y"], at["z"]), pose.yaw_deg, pose.horizon_deg, field_of_view_deg)
-        return Frame(event.frame, event.depth_frame, camera, pose, number, event.instance_masks or None)
+        masks = event.instance_masks if session.embodiment.instances else None
+        return Frame(event.frame, event.depth_frame, camera, pose, number, masks)
 
     first = before = views[0]
     for number, pose in enumerate(views):

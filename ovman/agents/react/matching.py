@@ -6,6 +6,7 @@ import numpy as np
 
 from ovman.agents.react.clusters import clusters
 from ovman.agents.react.instances import Instances
+from ovman.agents.reference.assignment import assigned
 from ovman.agents.reference.association import Association, distances
 
 
@@ -14,13 +15,11 @@ def matched(first: Instances, second: Instances, appearance: float) -> Associati
 
     In a cluster as many instances are matched as there are in the visit with fewer, so that they travelled least in all.
     """
-    from scipy.optimize import linear_sum_assignment  # loaded where visits are matched: it takes half a second
-
     pairs: list[tuple[int, int]] = []
     for cluster in clusters(first, second, appearance):
         old, new = (_by_place(visit, of) for visit, of in ((first, cluster.first), (second, cluster.second)))
         if len(old) and len(new):
-            rows, columns = linear_sum_assignment(distances(first.place[old], second.place[new]))
+            rows, columns = assigned(distances(first.place[old], second.place[new]))
             pairs += zip(old[rows].tolist(), new[columns].tolist(), strict=True)
     known, seen_again = {i for i, _ in pairs}, {j for _, j in pairs}
     return Association(

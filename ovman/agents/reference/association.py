@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ovman.agents.reference.assignment import assigned
+
 
 @dataclass(frozen=True, slots=True)
 class Association:
@@ -69,10 +71,7 @@ def associate(
             feature_scale_m=feature_scale_m,
             disagreement=None if unlike is None else unlike[np.ix_(order_1, order_2)],
         )
-        # Imported where it is needed: most jobs that import this module associate nothing, and it takes half a second.
-        from scipy.optimize import linear_sum_assignment
-
-        rows, columns = linear_sum_assignment(padded(cost, gate_m))
+        rows, columns = assigned(padded(cost, gate_m))
         pairs = sorted(
             (int(order_1[i]), int(order_2[j]))
             for i, j in zip(rows, columns, strict=True)

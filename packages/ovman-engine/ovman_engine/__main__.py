@@ -49,6 +49,7 @@ def _serve(wire: Wire, width: int, height: int) -> None:
     from ovman_engine import kernels
     from ovman_engine.engine import Engine
 
+    kernels.without_blas()
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
     if draws and not kernels.ready():
         log.note("ovman-engine: compiling the rendering kernels, once on this machine, in about half a minute")

@@ -259,3 +259,46 @@ def test_a_kept_scene_moves_like_a_freshly_compiled_one(monkeypatch):
     assert kept == fresh and kept[0] == kept[2] != kept[1]
     assert len(set(kept[0])) > 4
     assert 2 * once == len(compiled) - once
+
+
+def test_layouts_are_told_apart_by_every_part_and_pieces_are_digested_once(monkeypatch):
+    piece = ("box", np.zeros(3), np.full(3, 0.1), np.eye(3))
+    wider = ("box", np.zeros(3), np.array([0.1, 0.1, 0.2]), np.eye(3))
+    box = Box(np.zeros(3), np.full(3, 0.1), np.eye(3))
+
+    def layout_of(pieces=(piece,), name="body", mass=1.0, moving=True, at=box, free=frozenset()):
+        return Layout([Solid(name, pieces, mass, moving)], {name: at}, free, {}, 0.0, (0.2, 1.8))
+
+    raised = Box(np.array([0.0, 0.3, 0.0]), box.half, box.rotation)
+    different = [{}, {"pieces": (wider,)}, {"pieces": (piece, piece)}, {"name": "other"}, {"mass": 2.0}, {"moving": False}]
+    different += [{"at": raised}, {"free": frozenset({"body"})}]
+    assert len({layout_of(**one)._digest() for one in different}) == len(different)
+    equal = ("box", np.zeros(3), np.full(3, 0.1), np.eye(3))
+    assert layout_of((equal,))._digest() == layout_of()._digest()
+    monkeypatch.setattr(layout, "KEPT_PIECES", 2)
+    shared, looked_at = (piece,), []
+    original = layout._content
+    monkeypatch.setattr(layout, "_content", lambda value: looked_at.append(value) or original(value))
+    before = layout_of(shared)._digest()
+    first = sum(value is shared for value in looked_at)
+    assert [layout_of(shared)._digest() for _ in range(3)] == [before] * 3
+    assert first == sum(value is shared for value in looked_at) == 1
+    for _ in range(4):
+        layout_of((("box", np.ones(3), np.ones(3), np.eye(3)),))._digest()
+    assert len(layout._digests) == 2 and layout_of(shared)._digest() == before
+
+
+def test_worlds_of_a_plan_share_pieces_and_a_part_that_is_gone_takes_its_own_along():
+    plan = PLANS["FloorPlan201"]
+    world, other = World(plan), World(plan)
+    pieces = world._dynamics._pieces
+    assert len(pieces) > 20 and all(other._dynamics._pieces[name] is own for name, own in pieces.items())
+    static = world._dynamics._static
+    carrier, part = next((b.carrier, b.object_id) for b in world.bodies.values() if b.carrier is not None)
+    parts = [b.obj for b in world.bodies.values() if b.carrier == carrier]
+    assert static.pieces_with(world.bodies[carrier].obj, parts) is pieces[carrier]
+    before = len(pieces[carrier])
+    world.set_active(part, False)
+    assert len(world._dynamics._pieces[carrier]) < before == len(other._dynamics._pieces[carrier])
+    world.set_active(part, True)
+    assert world._dynamics._pieces[carrier] is pieces[carrier]

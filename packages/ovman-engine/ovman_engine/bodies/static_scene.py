@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ovman_engine.bodies.carrying import carriers
 from ovman_engine.bodies.embodiment import DEFAULT, Embodiment
 from ovman_engine.bodies.footprint import Boxes
-from ovman_engine.bodies.forms import within
+from ovman_engine.bodies.forms import feet, transferred, within
 from ovman_engine.bodies.passage import DEEPER_M
 from ovman_engine.plan.facing import open_yaw, seen_yaw
 from ovman_engine.plan.floorplan import Box, FloorPlan, SimObject
@@ -53,6 +53,7 @@ class StaticScene:
         self.walls = Boxes.of([w.box for w in self.room.walls])
         self.carriers = carriers(plan)
         self._clearances: dict[Embodiment, dict[str, np.ndarray]] = {}
+        self._compounds: dict[tuple[str, ...], tuple] = {}
         self._hollow = {o.object_id: _pieces(o, plan) for o in plan.objects if _is_hollow(o)}
         self._hollow |= {o.object_id: _stairs(o) for o in plan.objects if _is_round(o, plan)}
 
@@ -118,6 +119,16 @@ class StaticScene:
     def pieces(self) -> Mapping[str, tuple]:
         """Convex pieces of every object, by objectId, in the frames of their boxes."""
         return {o.object_id: _pieces(o, self.plan) for o in self.plan.objects}
+
+    def pieces_with(self, obj: SimObject, parts: Sequence[SimObject]) -> tuple:
+        """Convex pieces of an object with these parts and with feet, in the frame of its box. Equal ones are one object."""
+        key = (obj.object_id, *(part.object_id for part in parts))
+        if key not in self._compounds:
+            own = list(self.pieces[obj.object_id])
+            for part in parts:
+                own += transferred(self.pieces[part.object_id], part.box, obj.box)
+            self._compounds[key] = (*own, *feet(own, obj.box.half))
+        return self._compounds[key]
 
 
 def _pieces(obj: SimObject, plan: FloorPlan) -> tuple:

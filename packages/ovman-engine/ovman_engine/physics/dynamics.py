@@ -10,7 +10,7 @@ import numpy as np
 
 from ovman_engine.bodies.body import Agent, Body, Pose
 from ovman_engine.bodies.carrying import RESTS_M
-from ovman_engine.bodies.forms import AGENT, BOUNDS, feet, transferred, within
+from ovman_engine.bodies.forms import AGENT, BOUNDS, within
 from ovman_engine.bodies.static_scene import StaticScene
 from ovman_engine.physics.waking import OVERLAP_M, lift, supported
 from ovman_engine.plan.floorplan import Box
@@ -48,6 +48,7 @@ class Dynamics:
         self._written: dict[str, Pose] = {}
         self._owed_s = 0.0
         self._agent_at: np.ndarray | None = None
+        self._reached: dict[str, tuple[Pose, bool]] = {}
 
     def parts(self, object_id: str) -> list[Body]:
         """The fixed parts of a body."""
@@ -60,16 +61,11 @@ class Dynamics:
 
     @cached_property
     def _pieces(self) -> dict[str, tuple]:
-        made = self._static.pieces
         out = {}
         for name, body in self._bodies.items():
             if body.carrier is None and body.obj.type != "Floor":
-                own = list(made[body.obj.object_id])
-                for part in self.parts(name):
-                    if part.removed or (body.present and not part.active):
-                        continue
-                    own += transferred(made[part.obj.object_id], part.obj.box, body.obj.box)
-                out[name] = (*own, *feet(own, body.obj.box.half))
+                there = [p.obj for p in self.parts(name) if not p.removed and (p.active or not body.present)]
+                out[name] = self._static.pieces_with(body.obj, there)
         return out
 
     def bodies_changed(self) -> None:
@@ -146,7 +142,8 @@ class Dynamics:
             if not self.awake:
                 break
             model.tick()
-            struck = model.struck([n for n, b in self._bodies.items() if n in self._pieces and self._can_wake(b)])
+            others = self._pieces.keys() - self.awake - self._held
+            struck = model.struck([n for n, b in self._bodies.items() if n in others and self._can_wake(b)])
             if struck:
                 model.undo()
                 self._read(model)
@@ -174,10 +171,14 @@ class Dynamics:
         return moved
 
     def _can_wake(self, body: Body) -> bool:
-        """Whether an impact can wake a body. A body that is awake, or known to be held, is not hit twice."""
+        """Whether an impact can wake a body that is neither awake nor known to be held: those are not hit twice."""
         if not body.dynamic or not body.present or body.kinematic:
             return False
-        return body.object_id not in self.awake | self._held and self._reaches(body.box.centre)
+        pose, there = self._reached.get(body.object_id, (None, False))
+        if pose is not body.pose:  # most bodies stay where they are while others fall
+            there = self._reaches(body.box.centre)
+            self._reached[body.object_id] = body.pose, there
+        return there
 
     def _fall_asleep(self, name: str) -> None:
         """Puts a body to sleep where it is, or at its former pose if it has only settled there again."""

@@ -22,7 +22,12 @@ AGENT_GROUP = 3
 KEPT = 64
 """Number of cached scenes, about a megabyte each."""
 
+KEPT_PIECES = 2048
+"""Number of bodies whose pieces' digests are cached."""
+
 _kept: OrderedDict[bytes, mujoco.MjModel] = OrderedDict()
+_digests: OrderedDict[int, tuple[tuple[Piece, ...], bytes]] = OrderedDict()
+"""By the identity of the pieces, which are kept with their digest"""
 
 
 @dataclass(frozen=True)
@@ -65,8 +70,9 @@ class Layout:
     def _digest(self) -> bytes:
         found = hashlib.blake2b(digest_size=16)
         boxes = [self.boxes[solid.name] for solid in self.solids]
+        solids = [(solid.name, _digest_of(solid.pieces), solid.mass, solid.moving) for solid in self.solids]
         others = (sorted(self.free), self.walls, self.floor_y, self.capsule, sorted(self.strangers), self.bounds)
-        for part in _content((self.solids, boxes, *others)):
+        for part in _content((solids, boxes, *others)):
             found.update(part)
         return found.digest()
 
@@ -115,13 +121,25 @@ class Layout:
         return spec.compile()
 
 
+def _digest_of(pieces: tuple[Piece, ...]) -> bytes:
+    """Digest of the pieces of a body. They never change, and bodies of one floor plan share them: most scenes are digested more
+    often than compiled."""
+    kept = _digests.get(id(pieces))
+    if kept is None:
+        found = hashlib.blake2b(digest_size=16)
+        for part in _content(pieces):
+            found.update(part)
+        kept = _digests[id(pieces)] = pieces, found.digest()
+        while len(_digests) > KEPT_PIECES:
+            _digests.popitem(last=False)
+    return kept[1]
+
+
 def _content(value: Any) -> Iterator[bytes]:
     """Bytes that are equal only for equal values."""
     if isinstance(value, np.ndarray):
         yield f"{value.dtype.str}{value.shape}".encode()
         yield value.tobytes()
-    elif isinstance(value, Solid):
-        yield from _content((value.name, value.pieces, value.mass, value.moving))
     elif isinstance(value, Box):
         yield from _content((value.centre, value.half, value.rotation))
     elif isinstance(value, Mapping):
