@@ -27,7 +27,7 @@ PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").r
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
 
-EXTRAS = {"ovman": ("dataset", "gym", "rerun")}
+EXTRAS = {"ovman": ("dataset", "gym", "networks", "rerun")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
 
 SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", "examples", ".ci")
@@ -52,8 +52,13 @@ def declared() -> list[tuple[str, Requirement]]:
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
-def locked() -> dict[str, str]:
-    lines = [line for line in (ROOT / "requirements.lock").read_text().splitlines() if not line.startswith("#")]
+LOCKS = ("requirements.lock", "requirements-dev.lock")
+"""What the benchmark imports, and what the extras bring beside it."""
+
+
+def locked(*names: str) -> dict[str, str]:
+    """The versions that locks name, of both without `names`."""
+    lines = [line for name in names or LOCKS for line in (ROOT / name).read_text().splitlines() if not line.startswith("#")]
     pairs = [line.split("==") for line in lines]
     return {SAME_MODULE.get(canonicalize_name(name), canonicalize_name(name)): version for name, version in pairs}
 
@@ -74,9 +79,20 @@ def test_locked_version_is_in_the_declared_range(project: str, requirement: Requ
 
 
 def test_lock_names_exact_versions_and_no_place_to_fetch_them_from() -> None:
-    lines = (ROOT / "requirements.lock").read_text().splitlines()
+    lines = [line for name in LOCKS for line in (ROOT / name).read_text().splitlines()]
     assert [line for line in lines if not re.fullmatch(r"#[^:/@]*:?|[A-Za-z0-9._-]+==[A-Za-z0-9.!+]+", line)] == []
     assert len(locked()) == sum(not line.startswith("#") for line in lines), "one version of each package, one cv2"
+
+
+def test_the_benchmark_s_lock_has_what_it_imports_and_no_network_library() -> None:
+    """`make tables` installs nothing else."""
+    small = locked(LOCKS[0])
+    own = [r for p in PROJECTS for r in required(p) if canonicalize_name(r.name) not in PROJECTS]
+    assert {canonicalize_name(one.name) for one in own} <= small.keys()
+    heavy = {canonicalize_name(r.name) for r in required("ovman", "networks")} - {
+        canonicalize_name(r.name) for r in required("ovman")
+    }
+    assert heavy and not heavy & small.keys() and "statsmodels" not in small and not [n for n in small if n.startswith("nvidia")]
 
 
 def third_party(path: Path) -> set[str]:

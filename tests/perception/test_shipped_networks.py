@@ -120,6 +120,7 @@ def test_detections_are_ultralytics_own():
 
 
 @pytest.mark.soak
+@pytest.mark.timeout(3600)
 def test_detections_are_ultralytics_own_on_300_held_out_views():
     plans = list(floor_plans(CONFIG.benchmark.scenes).held_out)
     same(plans, -(-300 // len(plans)))

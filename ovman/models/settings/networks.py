@@ -14,8 +14,8 @@ Sha256 = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
 class DetectorNetwork(Section):
     """The class-agnostic detector."""
 
-    architecture: str = Field(min_length=1, description="segmentation network by ultralytics' name")
-    weights: str = Field(min_length=1, description="file of weights, or ultralytics' name of released ones")
+    architecture: str = Field(min_length=1, description="segmentation network by ultralytics' name, of weights that are no graph")
+    weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or ultralytics' name of released ones")
     sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
     side_px: Annotated[Whole, Field(ge=32, le=4096, multiple_of=32)] = Field(
         description="pixels, side that pictures are scaled to"
@@ -27,8 +27,11 @@ class DetectorNetwork(Section):
 class EncoderNetwork(Section):
     """The image and text towers."""
 
-    model: str = Field(min_length=1, description="open_clip's name of a model, or the file of its configuration (.json)")
-    weights: str = Field(min_length=1, description="file of weights, or open_clip's tag of released ones")
+    model: str = Field(
+        min_length=1,
+        description="open_clip's name of a model, or the file of its configuration (.json), of weights that are no graph",
+    )
+    weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or open_clip's tag of released ones")
     sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
     crop_padding: Annotated[float, Field(ge=0)] = Field(description="share of a mask's longer side that is added around it")
 

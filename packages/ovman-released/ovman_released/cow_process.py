@@ -147,9 +147,7 @@ def parameters(settings: Path) -> dict[str, Any]:
 
 
 def _device(name: str) -> Any:
-    import torch
-
-    return torch.device("cuda:0" if name == "cuda" else "cpu")
+    return import_module("torch").device("cuda:0" if name == "cuda" else "cpu")
 
 
 def _end_with_parent() -> None:
