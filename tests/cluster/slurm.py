@@ -95,12 +95,14 @@ class Slurm:
 
 
 @contextmanager
-def running(folder: Path, cpus: int = 2, memory_mb: int = 16_000) -> Iterator[Slurm]:
+def running(folder: Path) -> Iterator[Slurm]:
     """SLURM with its files in `folder`; all of it has ended, and its jobs with it, when the block ends."""
     host = socket.gethostname().split(".")[0]
     for name in ("state", "spool", "bin"):
         (folder / name).mkdir(parents=True)
     folder.chmod(0o755)  # munged asks for it
+    cpus = min(os.cpu_count() or 1, 2)
+    memory_mb = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 1_100_000  # slurmd refuses more than there is
     values = {"host": host, "folder": folder, "user": getpass.getuser(), "cpus": cpus, "memory_mb": memory_mb}
     ports = dict(zip(("ctld_port", "slurmd_port"), free_ports(2), strict=True))
     (folder / "slurm.conf").write_text(CONF.format(**values, **ports))

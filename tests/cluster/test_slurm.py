@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 import subprocess
+import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -126,3 +127,45 @@ def test_preempted_and_killed_it_finishes_with_the_bytes_of_the_local_run(slurm,
     }, "a unit was made twice"
     assert not list(again.directory.rglob("*.partial"))
     assert again.planned() == {}
+
+
+GPUS = """
+import sys
+
+sys.path.insert(0, {root!r})
+from ovman.workflow.snakemake_internals import limit_gpu
+
+limit_gpu(workflow)
+
+
+rule all:
+    input:
+        expand("{{n}}.done", n=range(2)),
+
+
+rule work:
+    output:
+        "{{n}}.done",
+    resources:
+        gpu=1,
+        mem_mb=200,
+        runtime=5,
+    shell:
+        "date +%s >> {{output}}; {python} -c 'from ovman.workflow.locks import gpu_lock; print(gpu_lock())' >> {{output}};"
+        " sleep 15; date +%s >> {{output}}"
+"""
+
+
+@pytest.mark.parametrize(("given", "at_once"), [((), False), (("--set-resource-scopes", "gpu=local"), True)], ids=["one", "all"])
+def test_gpu_jobs_run_one_at_a_time_or_as_many_as_slurm_has_gpus(slurm, tmp_path, given, at_once):
+    """SLURM lends each another GPU, whose lock is another one."""
+    (tmp_path / "Snakefile").write_text(GPUS.format(root=str(ROOT), python=sys.executable))
+    command = [*SNAKEMAKE, "--executor", "slurm", "--jobs", "2", *QUICK, *given, "--", "all"]
+    environment = dict(slurm.environment) | {"PYTHONPATH": str(ROOT)}
+    said = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=STAGE_S)
+    assert said.returncode == 0, said.stdout + said.stderr
+    (began, lock, ended), (other_began, other_lock, other_ended) = (
+        (tmp_path / f"{n}.done").read_text().split() for n in range(2)
+    )
+    overlap = min(int(ended), int(other_ended)) > max(int(began), int(other_began))
+    assert overlap is at_once and (lock != other_lock) is at_once
