@@ -19,7 +19,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 unexport PYTHONPATH PYTHONHOME
 .DELETE_ON_ERROR:
-.PHONY: help tables restore static quick models show release leaderboard test soak mutants bench lint lock setup setup-dev clean
+.PHONY: help tables restore static quick models show release leaderboard test soak cluster-test mutants bench lint lock setup setup-dev clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
@@ -31,6 +31,7 @@ help:
 	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture, and into dataset/ as Parquet"
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
 	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
+	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
@@ -77,6 +78,13 @@ test: $(FULL)
 soak: $(FULL)
 	@.venv/bin/python -m pytest -q -m soak
 	@$(MAKE) --no-print-directory mutants
+
+cluster-test: $(FULL)
+	@for program in munged slurmctld slurmd sbatch; do \
+		PATH="$$PATH:/usr/sbin" command -v $$program > /dev/null || { \
+			echo "There is no $$program here: sudo apt install slurmctld slurmd slurm-client munge" >&2; exit 2; }; \
+	done
+	@.venv/bin/python -m pytest -q -m soak tests/cluster
 
 mutants: $(FULL)
 	@.venv/bin/python tests/mutation/survivors.py --processes $(CORES)

@@ -1,33 +1,44 @@
 """Atomic writes: a file or folder is complete or absent, also after a kill.
 
-Content is written beside its place under a name with the id of this process, and renamed when it is complete. Imports nothing
-heavy.
+Content is written beside its place under a name with this machine and the id of this process, and renamed when it is complete:
+two machines that share the folder may have processes of the same id. Imports nothing heavy.
 """
 
 from __future__ import annotations
 
 import os
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from ovman.processes import alive
+from ovman.processes import HOST, alive
 
 SUFFIX = ".partial"
+ABANDONED_S = 86_400.0
+"""After this long without a change, what another machine was writing is taken for left behind: its processes cannot be seen."""
 
 
 def partial_path(place: Path) -> Path:
     """Where this process writes what will be at `place`: beside it, hidden."""
-    return place.with_name(f".{place.name}.{os.getpid()}{SUFFIX}")
+    return place.with_name(f".{place.name}.{HOST}.{os.getpid()}{SUFFIX}")
 
 
 def clear_partials(place: Path) -> None:
     """Remove what killed processes left of `place`; what living ones are writing stays."""
     for left in place.parent.glob(f".{place.name}.*{SUFFIX}"):
-        process = left.name.removesuffix(SUFFIX).rpartition(".")[2]
-        if not process.isdigit() or not alive(int(process)):
+        *_, host, process = left.name.removesuffix(SUFFIX).split(".")
+        if _abandoned(left) if host != HOST else not process.isdigit() or not alive(int(process)):
             remove(left)
+
+
+def _abandoned(left: Path) -> bool:
+    """Whether what a process of another machine was writing has not changed for long."""
+    try:
+        return time.time() - left.stat().st_mtime > ABANDONED_S
+    except FileNotFoundError:
+        return False
 
 
 def put(partial: Path, place: Path) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from ovman.processes import HOST
 from ovman.workflow import at_work
 
 ROOT = Path(__file__).parents[1]
@@ -49,10 +50,10 @@ def test_a_job_that_ends_by_itself_leaves_nothing(directory, end):
 
 def test_a_living_process_is_not_dead_and_one_that_said_nothing_is(directory):
     with at_work.job_at_work("scenes", "logs/b.log"):
-        assert at_work.dead(directory) == [] and (directory / at_work.FOLDER / str(os.getpid())).exists()
+        assert at_work.dead(directory) == [] and (directory / at_work.FOLDER / f"{HOST}.{os.getpid()}").exists()
     gone = subprocess.Popen([sys.executable, "-c", ""])
     gone.wait()
-    path = directory / at_work.FOLDER / str(gone.pid)
+    path = directory / at_work.FOLDER / f"{HOST}.{gone.pid}"
     path.write_text('{"rule": "scenes", "log": "logs/b.log", "doing": ""}')
     (said,) = at_work.dead(directory)
     assert said.startswith("rule scenes: the process ended (killed, ")

@@ -26,7 +26,7 @@ def run(scene: str, episode_files: Sequence[Path], constants: StageSettings, vis
     SimulatorError where the simulator refuses.
     """
     tours: dict[str, str] = {}
-    episodes = [episode for file in episode_files for episode in Episode.load(file) if episode.scene == scene]
+    episodes = [episode for file in episode_files for episode in Episode.load(file, scene)]
     if episodes:
         with Session(scene, episodes[0].settings) as session:
             for episode in episodes:

@@ -87,7 +87,7 @@ def run(
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
     perceived, as for `ovman.evaluation.predictions.run`.
     """
-    episodes = [episode for episode in Episode.load(episodes_file) if episode.scene == scene]
+    episodes = Episode.load(episodes_file, scene)
     sightings = sightings_of(arm, sightings_file)
     stores: dict[tuple[str, float], ObservationStore] = {}
     kept = Journal(journal)

@@ -22,7 +22,7 @@ def run(detections: Path, episodes_files: Sequence[Path], visits: Path, constant
     detections: of the scene, which the file is named after; episodes_files: of the splits that have it; visits: directory of all
     scenes' recorded visits.
     """
-    episodes = [e for file in episodes_files for e in Episode.load(file) if e.scene == detections.stem]
+    episodes = [episode for file in episodes_files for episode in Episode.load(file, detections.stem)]
     pairs = {(e.visits.first, e.visits.second): e.protocol.camera.field_of_view_deg for e in episodes}
     seen = read_detections(detections)
     began = time.process_time()

@@ -108,13 +108,17 @@ class Episode(Record):
         return self
 
     @classmethod
-    def load(cls, path: Path) -> list[Self]:
-        """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice."""
+    def load(cls, path: Path, scene: str | None = None) -> list[Self]:
+        """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice.
+
+        scene: those of this scene alone; no other is looked into, so that the job of a scene does not pay for all of them.
+        """
         episodes: dict[str, Self] = {}
-        for place, episode in cls.read_with_places(path):
+        for place, episode in cls.read_with_places(path, None if scene is None else ("scene", scene)):
             if episode.id in episodes:
                 raise RecordError(f"{place}: id: {episode.id} is in the file already; remove one of the two")
-            episodes[episode.id] = episode
+            if scene is None or episode.scene == scene:
+                episodes[episode.id] = episode
         return list(episodes.values())
 
     @property

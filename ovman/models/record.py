@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import json
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Self
@@ -75,10 +76,12 @@ def read_records(path: Path) -> list[Any]:
     return [record for _, record in records(path)]
 
 
-def _texts(path: Path) -> Iterator[tuple[str, str]]:
-    """The lines of a JSONL file that are not empty, each with its place."""
+def _texts(path: Path, having: re.Pattern[bytes] | None = None) -> Iterator[tuple[str, str]]:
+    """The lines of a JSONL file that are not empty, each with its place; of these the ones that a pattern is found in."""
     with Path(path).open("rb") as file:
         for number, line_bytes in enumerate(file, start=1):
+            if having is not None and not having.search(line_bytes):
+                continue
             place = f"{path}:{number}"
             try:
                 text = line_bytes.decode("utf-8")
@@ -130,9 +133,14 @@ class Record(BaseModel):
         return [record for _, record in cls.read_with_places(path)]
 
     @classmethod
-    def read_with_places(cls, path: Path) -> Iterator[tuple[str, Self]]:
-        """The records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`."""
-        for place, text in _texts(path):
+    def read_with_places(cls, path: Path, having: tuple[str, str] | None = None) -> Iterator[tuple[str, Self]]:
+        """The records of a JSONL file, each with its place, "file:line". Raises RecordError as `read`.
+
+        having: a key and a text; a line that nowhere has this text under this key is passed over and not looked into. A record
+        that comes through may have it elsewhere than at its top.
+        """
+        pattern = re.compile(rb"%s\s*:\s*%s" % tuple(re.escape(json.dumps(part).encode()) for part in having)) if having else None
+        for place, text in _texts(path, pattern):
             yield place, cls.parse(text, place)
 
     def to_json(self) -> dict[str, Any]:

@@ -13,10 +13,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.processes import alive
+from ovman.processes import HOST, alive
 
 FOLDER = Path(".snakemake", "ovman.at_work")
-"""One file a job that runs, named by the id of its process, in the working directory."""
+"""One file a job that runs, named by its machine and the id of its process, in the working directory."""
 
 
 @dataclass
@@ -35,7 +35,7 @@ _current = _Current()
 @contextmanager
 def job_at_work(rule: str, log: str) -> Iterator[None]:
     """This process runs a job of `rule` whose log is the file `log`; forgotten at the end, however the block ends."""
-    _current.path, _current.rule, _current.log = FOLDER.absolute() / str(os.getpid()), rule, log
+    _current.path, _current.rule, _current.log = FOLDER.absolute() / f"{HOST}.{os.getpid()}", rule, log
     _current.path.parent.mkdir(parents=True, exist_ok=True)
     try:
         note("")
@@ -55,10 +55,14 @@ def note(doing: str) -> None:
 
 
 def dead(directory: Path) -> list[str]:
-    """One line about every job in a working directory whose process ended without finishing the job; they are forgotten."""
+    """One line about every job in a working directory whose process ended without finishing the job; they are forgotten.
+
+    Processes of other machines cannot be seen. They are taken for dead: Snakemake asks when its jobs have ended.
+    """
     lines = []
     for path in sorted((directory / FOLDER).glob("*")):
-        if alive(int(path.name)):
+        host, _, process = path.name.rpartition(".")
+        if host == HOST and alive(int(process)):
             continue
         with suppress(OSError, ValueError, KeyError):
             found = json.loads(path.read_text())

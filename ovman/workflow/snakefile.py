@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from ovman.models.settings import Settings
-from ovman.workflow import at_work, provenance
+from ovman.workflow import at_work, provenance, runs
 from ovman.workflow.config import ConfigError, file_with
 from ovman.workflow.job import AGENTS, WORKFLOW_PID
+from ovman.workflow.locks import NoLocksError
 from ovman.workflow.snakemake_internals import alone, limit_gpu, overlays
 
 SOURCES = Path(".snakemake", "ovman.sources.json")
@@ -40,8 +41,16 @@ def prepare(workflow: Any) -> None:
     limit_gpu(workflow)
     if workflow.is_main_process:
         check_writable(Path.cwd(), () if workflow.dryrun else WRITTEN)
-        if alone(Path.cwd()):
+        try:
+            no_other = alone(Path.cwd())
+        except NoLocksError as error:
+            raise SystemExit(str(error)) from None
+        if no_other:
             at_work.dead(Path.cwd())
+            if not workflow.dryrun:
+                runs.begin(Path.cwd())
+    else:
+        runs.follow(Path.cwd())
 
 
 def check_writable(directory: Path, folders: Sequence[str]) -> None:

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TextIO
 
+from ovman.workflow.locks import flock
+
 USED: Mapping[str, str] = {
     "Workflow.register_resource": "a limit of one GPU job, which a user's --resources cannot raise; a profile's limit it can",
     "Workflow.overwrite_configfiles": "the overlays of --configfile, beside which agents lie and which messages name",
@@ -54,19 +56,19 @@ def alone(directory: Path) -> bool:
     """Say from now on that this process works in `directory`; whether no other living Snakemake does.
 
     Removes Snakemake's locks on the directory where no other does: a killed Snakemake leaves them, and the next one would refuse
-    to start. filelock has no shared locks, so this is the kernel's flock.
+    to start. NoLocksError.
     """
     path = directory / ALIVE
     path.parent.mkdir(parents=True, exist_ok=True)
     file = path.open("a")
     _open_files.append(file)
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         found = False
     else:
         found = True
         for lock in (directory / LOCKS).glob("*.lock"):
             lock.unlink(missing_ok=True)
-    fcntl.flock(file, fcntl.LOCK_SH)
+    flock(file, fcntl.LOCK_SH)
     return found

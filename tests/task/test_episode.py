@@ -363,3 +363,25 @@ def test_every_reason_has_a_stage_and_every_stage_a_reason():
 def test_reasons_are_listed_stage_by_stage():
     stages = [reason.stage for reason in Rejection]
     assert [stage for stage, _ in itertools.groupby(stages)] == list(RejectionStage)
+
+
+def test_the_episodes_of_a_scene_are_those_of_all_that_are_of_it(tmp_path):
+    every = Episode.load(EPISODES / "main.jsonl")
+    for scene in {episode.scene for episode in every}:
+        assert Episode.load((EPISODES / "main.jsonl"), scene) == [episode for episode in every if episode.scene == scene]
+    spaced = tmp_path / "spaced.jsonl"  # by another's hand
+    spaced.write_text(
+        "".join(json.dumps(json.loads(line), separators=(" , ", " : ")) + "\n" for line in (EPISODES / "main.jsonl").open())
+    )
+    assert Episode.load(spaced, "FloorPlan201") == Episode.load((EPISODES / "main.jsonl"), "FloorPlan201") != []
+    assert Episode.load((EPISODES / "main.jsonl"), "FloorPlan20") == []
+
+
+def test_the_job_of_a_scene_looks_into_no_other(tmp_path):
+    lines = (EPISODES / "main.jsonl").read_text().splitlines(keepends=True)
+    others = [line.replace('"relation":', '"relatoin":') for line in lines if '"scene":"FloorPlan201"' not in line]
+    mixed = tmp_path / "mixed.jsonl"
+    mixed.write_text("".join(others + [line for line in lines if '"scene":"FloorPlan201"' in line]))
+    assert Episode.load(mixed, "FloorPlan201") == Episode.load((EPISODES / "main.jsonl"), "FloorPlan201")
+    with pytest.raises(RecordError, match=r"mixed\.jsonl:1: relation"):
+        Episode.load(mixed)

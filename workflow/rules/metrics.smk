@@ -2,7 +2,8 @@ rule metrics:
     input:
         episodes="results/episodes/main.jsonl",
         predictions=expand("results/predictions/{arm}.jsonl", arm=STATIC),
-        scores=expand("results/scores/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
+        # A function: of many scenes every Snakemake that reads the rules would make a list that is longer than all others together.
+        scores=lambda wildcards: expand("results/scores/{arm}/seed{seed}/{scene}.jsonl", arm=EMBODIED, seed=SEEDS, scene=SCENES),
     output:
         expand("results/metrics/{name}.csv", name=of_stage("metrics")),
     log:

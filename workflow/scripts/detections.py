@@ -9,8 +9,7 @@ from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 
 with job(snakemake) as work:
-    episodes = [episode for file in work.inputs("episodes") for episode in Episode.load(file)]
-    visits = [episode.visits for episode in episodes if episode.scene == work.scene]
+    visits = [episode.visits for file in work.inputs("episodes") for episode in Episode.load(file, work.scene)]
     names = sorted({name for pair in visits for name in (pair.first, pair.second)})
     (manifest,) = VisitManifest.read(work.input("visits"))
     detections.run(

@@ -3,18 +3,20 @@
 from pathlib import Path
 
 from ovman.models.episode import Episode
+from ovman.models.sighting import VisitPair
 from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections, readmitted_maps
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 
 with job(snakemake) as work:
-    episodes = Episode.load(work.input("episodes"))
+    pairs: dict[str, list[VisitPair[str]]] = {}
+    for episode in Episode.load(work.input("episodes")):
+        pairs.setdefault(episode.scene, []).append(episode.visits)
     visits = []
     for file in work.inputs("visits"):
         (manifest,) = VisitManifest.read(file)
-        pairs = [episode.visits for episode in episodes if episode.scene == manifest.scene]
-        names = sorted({name for pair in pairs for name in (pair.first, pair.second)})
+        names = sorted({name for pair in pairs.get(manifest.scene, ()) for name in (pair.first, pair.second)})
         visits.append({name: manifest.directory(Path("results/visits"), name) for name in names})
     readmitted_maps.run(
         visits,

@@ -7,7 +7,7 @@ from ovman.models.episode import Episode
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    episodes = [episode for episode in Episode.load(work.input("episodes")) if episode.scene == work.scene]
+    episodes = Episode.load(work.input("episodes"), work.scene)
     walks.run(
         work.input("scene"),
         walks.assigned(episodes, Path("results", "visits", work.scene)),

@@ -43,9 +43,11 @@ class Benchmark(Section):
     @field_validator("scenes")
     @classmethod
     def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
+        seen: set[str] = set()
         for scene in scenes:
-            if scenes.count(floor_plan(scene)) > 1:
+            if floor_plan(scene) in seen:
                 raise ValueError(f"{scene} is there twice")
+            seen.add(scene)
         return scenes
 
 
