@@ -22,8 +22,33 @@ settings.register_profile("same", derandomize=True)
 settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
 
-LONGEST = ()
-"""Files of some ten seconds of two cores and more, the longest first."""
+LONGEST = (
+    "tests/workflow/test_restored_tables.py",
+    "tests/entry/test_apart.py",
+    "tests/workflow/test_kill.py",
+    "tests/entry/test_wheel.py",
+    "tests/workflow/test_splits.py",
+    "tests/gym/test_environment.py",
+    "tests/workflow/test_pictures.py",
+    "tests/workflow/test_reruns.py",
+    "tests/entry/test_merge.py",
+    "tests/entry/test_eval.py",
+    "tests/workflow/test_declared_inputs.py",
+    "tests/entry/test_verify.py",
+    "tests/workflow/test_restore.py",
+    "tests/workflow/test_errors.py",
+    "tests/workflow/test_agents.py",
+    "tests/gym/test_score.py",
+    "tests/test_config.py",
+    "tests/agents/dynamem/test_dynamem_answers.py",
+    "tests/dataset/test_dataset.py",
+    "tests/workflow/test_gpu.py",
+    "tests/agents/joint/test_joint_answers.py",
+    "tests/workflow/test_judgement.py",
+    "tests/entry/test_leaderboard.py",
+    "tests/workflow/test_plugins.py",
+)
+"""Files of some ten seconds of a processor and more, the longest first: the first makes the world."""
 
 
 @pytest.fixture(scope="session")

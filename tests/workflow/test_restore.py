@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -54,11 +54,18 @@ def test_the_overlay_of_maps_leaves_out_whoever_needs_more_than_maps():
     assert {arm.kind for arm in left} == {*Kind}
 
 
+GATED: Mapping[str, Any] = {"association": {"gate_m": 1.3}}
+
+
+@pytest.fixture(scope="module")
+def of_whole(world):
+    """What the changed gate makes again in the whole world."""
+    return world.planned(GATED)
+
+
 @pytest.mark.parametrize("perceived", [False, True])
-def test_what_is_not_there_is_planned_where_a_change_needs_it(world, released, tmp_path, perceived):
-    overlay: dict[str, Any] = {"association": {"gate_m": 1.3}}
-    again = restored(released, tmp_path / "again", perceived)
-    planned, of_whole = again.planned(overlay), world.planned(overlay)
+def test_what_is_not_there_is_planned_where_a_change_needs_it(of_whole, released, tmp_path, perceived):
+    planned = restored(released, tmp_path / "again", perceived).planned(GATED)
     assert of_whole.keys() <= planned.keys() and "trials" in planned and "trials" not in of_whole
 
 
