@@ -17,7 +17,8 @@ FULL = .venv/ready-dev
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
-unexport PYTHONPATH PYTHONHOME
+# Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
+unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
 .PHONY: help tables restore static quick models show release leaderboard test soak cluster-test mutants bench lint lock setup setup-dev clean
 

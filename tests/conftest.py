@@ -1,7 +1,7 @@
 """How tests are shared out among processes (`make test` runs two): by file, because fixtures last as long as a module.
 
-All that runs Snakemake or waits for the one lock of the GPU stays in one process: it shares one finished world, and no lock is
-waited for by two. That is the longest share, so it comes first.
+What takes long to make and is of use to several files, such as the finished world of the workflow's tests, is made by the first
+process that needs it (tests/shared.py).
 
 Examples are drawn in the same way every time, so that a change fails for what it does; `pytest --hypothesis-profile default`
 draws others. Mutation testing takes `mutants`, which does not look for the smallest example of what fails.
@@ -11,23 +11,50 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Generator
-from pathlib import PurePosixPath
+from pathlib import Path
 
 import pytest
 from hypothesis import Phase, settings
+
+from tests import shared
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
 
-WORKFLOW = "workflow"
-TOGETHER = frozenset({"test_job.py"})
+LONGEST = (
+    "tests/workflow/test_restored_tables.py",
+    "tests/entry/test_apart.py",
+    "tests/workflow/test_kill.py",
+    "tests/entry/test_wheel.py",
+    "tests/workflow/test_splits.py",
+    "tests/gym/test_environment.py",
+    "tests/workflow/test_pictures.py",
+    "tests/workflow/test_reruns.py",
+    "tests/entry/test_merge.py",
+    "tests/entry/test_eval.py",
+    "tests/workflow/test_declared_inputs.py",
+    "tests/entry/test_verify.py",
+    "tests/workflow/test_restore.py",
+    "tests/workflow/test_errors.py",
+    "tests/workflow/test_agents.py",
+    "tests/gym/test_score.py",
+    "tests/test_config.py",
+    "tests/agents/dynamem/test_dynamem_answers.py",
+    "tests/dataset/test_dataset.py",
+    "tests/workflow/test_gpu.py",
+    "tests/agents/joint/test_joint_answers.py",
+    "tests/workflow/test_judgement.py",
+    "tests/entry/test_leaderboard.py",
+    "tests/workflow/test_plugins.py",
+)
+"""Files of some ten seconds of a processor and more, the longest first: the first makes the world."""
 
 
-def share(nodeid: str) -> str:
-    """What one process runs of the tests, by a test's name: its file, or all that runs Snakemake."""
-    file = PurePosixPath(nodeid.partition("::")[0])
-    return WORKFLOW if WORKFLOW in file.parts or file.name in TOGETHER else str(file)
+@pytest.fixture(scope="session")
+def tours(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder that recorded tours are kept in. Processes may share it, so each tour is recorded once."""
+    return shared.folder(tmp_path_factory) / "tours"
 
 
 @pytest.hookimpl(wrapper=True)
@@ -42,20 +69,6 @@ def pytest_collection() -> Generator[None, object, object]:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The longest share to the beginning."""
-    items.sort(key=lambda item: share(item.nodeid) != WORKFLOW)
-
-
-@pytest.hookimpl(optionalhook=True)
-def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
-    """xdist's shares by file, with those that run Snakemake as one.
-
-    Not by its marks for groups: xdist 3.8 writes them into what pytest 9.2 no longer reads, and shares out test by test.
-    """
-    from xdist.scheduler import LoadScopeScheduling
-
-    class Shares(LoadScopeScheduling):
-        def _split_scope(self, nodeid: str) -> str:
-            return share(nodeid)
-
-    return Shares(config, log)
+    """The longest files to the beginning, so that no process is left with one of them at the end."""
+    places = {name: place for place, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: places.get(item.nodeid.partition("::")[0], len(places)))

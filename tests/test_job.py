@@ -9,9 +9,8 @@ import sys
 import textwrap
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 import pytest
 
@@ -19,29 +18,22 @@ from ovman.workflow.config import load
 from ovman.workflow.job import UNWRITABLE, WORKFLOW_PID, job
 from ovman.workflow.parameter import canonical
 from ovman.workflow.snakefile import WRITTEN, check_writable
+from tests import jobs
+from tests.jobs import Named
 
 ROOT = Path(__file__).parents[1]
 PARAMETER = canonical(load(ROOT / "config.yaml"), "scenes")
+rule = partial(jobs.rule, PARAMETER)
 BEGINNING = """
 import os, sys, time
 from pathlib import Path
 sys.path.insert(0, {root!r})
-from tests.test_job import Named, rule
+from functools import partial
+from tests import jobs
+from tests.jobs import Named
 from ovman.workflow.job import job
+rule = partial(jobs.rule, {parameter!r})
 """
-
-
-class Named(dict):
-    """Snakemake's named lists: iterating gives the values."""
-
-    def __iter__(self) -> Any:
-        return iter(self.values())
-
-
-def rule(**parts: Any) -> SimpleNamespace:
-    """What Snakemake gives to a script."""
-    empty = {"input": Named(), "output": Named(), "wildcards": Named(scene="FloorPlan1"), "log": "", "resources": {}}
-    return SimpleNamespace(rule="scenes", params=SimpleNamespace(constants=PARAMETER), **(empty | parts))
 
 
 @pytest.fixture(autouse=True)
@@ -53,7 +45,7 @@ def directory(tmp_path, monkeypatch):
 
 
 def start(code: str, **environment: str) -> subprocess.Popen:
-    text = BEGINNING.format(root=str(ROOT)) + textwrap.dedent(code)
+    text = BEGINNING.format(root=str(ROOT), parameter=PARAMETER) + textwrap.dedent(code)
     return subprocess.Popen([sys.executable, "-c", text], env=os.environ | environment)
 
 

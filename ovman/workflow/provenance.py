@@ -121,6 +121,7 @@ class _Sources:
         self._packages, self._boundary = set(PACKAGES), set(BOUNDARY)
         self._places: dict[str, Path | None] = {}
         self._read: dict[Path, Parsed] = {}
+        self._imported: dict[tuple[Path, str, frozenset[str]], tuple[str, ...]] = {}
 
     def digest(self, entry: Path) -> str:
         return self._digest([self._parsed(entry)[0]], self.modules(entry))
@@ -136,7 +137,7 @@ class _Sources:
     def module_digest(self, name: str) -> str | None:
         packages, self._packages = self._packages, self._packages | {name.split(".")[0]}
         try:
-            found = self._reached(_with_parents(name))
+            found = self._reached([*_with_parents(name)])
             return self._digest([name], found) if name in found else None
         finally:
             self._packages = packages
@@ -145,7 +146,7 @@ class _Sources:
         return self._place(name)
 
     def modules(self, entry: Path) -> dict[str, Path]:
-        return self._reached(self._imports(entry, ""))
+        return self._reached([*self._imports(entry, "")])
 
     def _digest(self, parts: list[str], found: dict[str, Path]) -> str:
         parts = parts + [f"{name}:{self._parsed(path)[0]}" for name, path in sorted(found.items())]
@@ -156,7 +157,7 @@ class _Sources:
         found: dict[str, Path] = {}
         while waiting:
             name = waiting.pop()
-            if name in found or any(part in self._boundary for part in _with_parents(name)):
+            if name in found or not self._boundary.isdisjoint(_with_parents(name)):
                 continue
             path = self._place(name)
             if path is None:
@@ -169,10 +170,14 @@ class _Sources:
                 waiting.append(f"{name}.__main__")
         return found
 
-    def _imports(self, path: Path, package: str) -> list[str]:
+    def _imports(self, path: Path, package: str) -> tuple[str, ...]:
         """What a file imports of the package, and the packages around that. For an attribute there is no file."""
-        names = {_absolute(name, level, package) for name, level in self._parsed(path)[1]}
-        return [part for name in names if name.split(".")[0] in self._packages for part in _with_parents(name)]
+        key = path, package, frozenset(self._packages)
+        if key not in self._imported:
+            names = {_absolute(name, level, package) for name, level in self._parsed(path)[1]}
+            parts = (part for name in names if name.split(".")[0] in self._packages for part in _with_parents(name))
+            self._imported[key] = tuple(dict.fromkeys(parts))
+        return self._imported[key]
 
     def _place(self, name: str) -> Path | None:
         if name not in self._places:
@@ -190,10 +195,11 @@ class _Sources:
         return self._read[path]
 
 
-def _with_parents(name: str) -> list[str]:
+@cache
+def _with_parents(name: str) -> tuple[str, ...]:
     """a.b.c is a, a.b and a.b.c."""
     parts = name.split(".")
-    return [".".join(parts[:k]) for k in range(1, len(parts) + 1)]
+    return tuple(".".join(parts[:k]) for k in range(1, len(parts) + 1))
 
 
 def _elsewhere(top: str) -> list[Path]:

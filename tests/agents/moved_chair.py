@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from ovman.agents.interface import Visit
 from ovman.evaluation.recorded_tour import recorded
@@ -22,6 +23,7 @@ from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
+from tests.shared import made_once
 
 SCENE, CHAIR, LENS = "FloorPlan16", "Chair", CONFIG.camera.field_of_view_deg
 WIDE = 2.0
@@ -58,7 +60,19 @@ class Home:
     chair: np.ndarray
 
 
-def home(directory: Path) -> Home:
+def home(factory: pytest.TempPathFactory) -> Home:
+    """The tours, recorded once."""
+    directory = made_once(factory, "moved_chair", _record)
+    with np.load(directory / "places.npz") as places:
+        cells, old, new, chair = (places[name] for name in ("cells", "old", "new", "chair"))
+    names = sorted(
+        {name for which in ("before", "after") for view in Record.load(directory / which).views for name in view.instances}
+    )
+    before, after = (_toured(directory / which, names, cells) for which in ("before", "after"))
+    return Home(before, after, tuple(old.tolist()), tuple(new.tolist()), np.eye(len(names))[names.index(str(chair))])
+
+
+def _record(directory: Path) -> None:
     """The tours go around the chair's old place and its new one, near enough for points of it."""
     mover = Mover(step_m=0.1, pause_probability=0.0, turn_probability=0.0)
     with Session(SCENE, stage_settings(CONFIG, "trials")) as session:
@@ -80,11 +94,7 @@ def home(directory: Path) -> Home:
             views = [AgentPose(float(x), float(z), 90.0 * k) for x, z in stands for k in range(4)]
             visit.record(session, world, name, alterations, views, 1, directory / name, name)
         now = position(session.objects[chair])
-    names = sorted(
-        {name for which in ("before", "after") for view in Record.load(directory / which).views for name in view.instances}
-    )
-    before, after = (_toured(directory / which, names, cells) for which in ("before", "after"))
-    return Home(before, after, (old.x, old.z), (now.x, now.z), np.eye(len(names))[names.index(chair)])
+    np.savez(directory / "places.npz", cells=cells, old=(old.x, old.z), new=(now.x, now.z), chair=chair)
 
 
 def _toured(directory: Path, names: list[str], cells: np.ndarray) -> Toured:

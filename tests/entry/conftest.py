@@ -1,4 +1,4 @@
-"""What the tests of evaluations have in common: recorded tours, and one evaluation that nothing disturbs."""
+"""What the tests of evaluations have in common: evaluations that nothing disturbs."""
 
 from __future__ import annotations
 
@@ -6,18 +6,26 @@ import pytest
 
 from ovman.models.settings import MAIN
 from tests.entry.evaluations import DEPTH, SCENE, command
+from tests.shared import made_once
 
 
-@pytest.fixture(scope="session")
-def tours(tmp_path_factory):
-    """The folder of recorded tours."""
-    return tmp_path_factory.mktemp("tours")
+def driven(factory, tours, name, *seeds):
+    """The evaluation of a control on two episodes of main under some seeds."""
+
+    def make(out):
+        options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", *seeds]
+        assert command("eval", "--out", out, "--cache", tours, *options) == 0
+
+    return made_once(factory, name, make)
 
 
 @pytest.fixture(scope="session")
 def depth_driving(tmp_path_factory, tours):
-    """The evaluation of a control on two episodes of main under two seeds."""
-    out = tmp_path_factory.mktemp("evaluation") / "out"
-    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "1"]
-    assert command("eval", "--out", out, "--cache", tours, *options) == 0
-    return out
+    """Under two seeds. No test writes into it."""
+    return driven(tmp_path_factory, tours, "depth_driving", 0, 1)
+
+
+@pytest.fixture(scope="session")
+def by_seed(tmp_path_factory, tours):
+    """The same, a folder for each seed."""
+    return [driven(tmp_path_factory, tours, f"seed{seed}", seed) for seed in (0, 1)]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import itertools
 import json
 import os
 import re
@@ -25,25 +28,18 @@ from ovman_client import Action as ClientAction
 from ovman_client import Server
 from tests.arms import CONFIG
 from tests.entry.test_eval import ARM, SCENE, lines
-from tests.episodes import DATA, ROOT, of_scene, released
+from tests.episodes import DATA, ROOT, of_scene
 from tests.remote.plain_agent import PlainServer
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-def evaluated(out, cache, *options):
-    return main(["eval", "--out", str(out), "--cache", str(cache), "--seeds", "0", *options])
+def evaluated(out, tours, *options):
+    return main(["eval", "--out", str(out), "--cache", str(tours), "--seeds", "0", *options])
 
 
 @pytest.fixture(scope="module")
-def beside(tmp_path_factory, cache):
+def beside(by_seed):
     """The evaluation of an arm in the evaluator's process."""
-    out = tmp_path_factory.mktemp("beside") / "out"
-    assert evaluated(out, cache, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
-    return out
+    return by_seed[0]
 
 
 @pytest.fixture
@@ -62,11 +58,11 @@ def served(arm):
     return process, int(found[1])
 
 
-def test_a_served_arm_makes_the_runs_that_it_makes_beside_the_evaluator(beside, tmp_path, cache):
+def test_a_served_arm_makes_the_runs_that_it_makes_beside_the_evaluator(beside, tmp_path, tours):
     process, port = served(ARM)
     try:
         options = ["--arm", ARM, "--server", f"ws://127.0.0.1:{port}", "--split", MAIN, "--scenes", SCENE]
-        assert evaluated(tmp_path / "out", cache, *options) == 0
+        assert evaluated(tmp_path / "out", tours, *options) == 0
     finally:
         process.kill()
         process.wait()
@@ -76,10 +72,10 @@ def test_a_served_arm_makes_the_runs_that_it_makes_beside_the_evaluator(beside, 
     assert Manifest.read(beside / "manifest.json")[0].where is Where.EVALUATOR
 
 
-def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, cache):
+def test_the_reference_agent_makes_its_maps_of_what_comes_over_the_line(tmp_path, tours):
     """It runs in a process of its own, and its runs are those that the workflow made of stored detections."""
     arm = next(name for name, arm in CONFIG.arms.items() if arm.executes == CONFIG.comparisons.agent)
-    assert evaluated(tmp_path / "out", cache, "--arm", arm, "--split", MAIN, "--scenes", SCENE) == 0
+    assert evaluated(tmp_path / "out", tours, "--arm", arm, "--split", MAIN, "--scenes", SCENE) == 0
     runs = [run.model_copy(update={"trace": None}) for run in Score.read(tmp_path / "out" / "runs.jsonl")]
     wanted = Score.read(DATA / "runs" / arm / "seed0" / f"{SCENE}.jsonl")
     assert [(run.episode, run.outcome, run.success) for run in runs] == [
@@ -101,9 +97,9 @@ def texts(value):
             yield from texts(inner)
 
 
-def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, cache, monkeypatch):
+def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tours, monkeypatch):
     """Each text is a word of the protocol, the category or a digest; no number is the answer. Of an episode of each relation."""
-    chosen = [next(one for one in released() if one.relation is relation) for relation in Relation]
+    chosen = [next(one for one in of_scene("FloorPlan7") if one.relation is relation) for relation in Relation]
     (tmp_path / "six.jsonl").write_text("".join(one.to_line() for one in chosen))
     said, ask = [], Line.ask
 
@@ -129,7 +125,7 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, cac
 
     with Server(Agent, "three", port=0) as server:
         options = ["--server", f"ws://127.0.0.1:{server.port}", "--name", "three", "--episodes", str(tmp_path / "six.jsonl")]
-        assert evaluated(tmp_path / "out", cache, *options) == 0
+        assert evaluated(tmp_path / "out", tours, *options) == 0
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
     digests = re.compile(r"[0-9a-f]{64}")
@@ -157,7 +153,7 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, cac
         assert [message["type"] for message in messages] == ["begin", "familiarise", "revisit", "ask", "act", "act", "act"]
 
 
-def test_an_agent_can_be_written_from_the_document_alone(tmp_path, cache):
+def test_an_agent_can_be_written_from_the_document_alone(tmp_path, tours):
     (tmp_path / "one.jsonl").write_text(of_scene(SCENE)[0].to_line())
     moves = iter(["RotateLeft", "MoveAhead", "Stop"])
 
@@ -170,7 +166,7 @@ def test_an_agent_can_be_written_from_the_document_alone(tmp_path, cache):
 
     with PlainServer(answer) as server:
         options = ["--server", f"ws://127.0.0.1:{server.port}", "--name", "plain", "--episodes", str(tmp_path / "one.jsonl")]
-        assert evaluated(tmp_path / "out", cache, *options) == 0
+        assert evaluated(tmp_path / "out", tours, *options) == 0
     (run,) = Score.read(tmp_path / "out" / "runs.jsonl")
     assert (run.trace, run.outcome) == ("LFS", "stopped")
     tour = next(message["visit"] for message in server.messages if message["type"] == "familiarise")
@@ -210,10 +206,10 @@ class Agent:
 """
 
 
-def test_an_agent_that_looks_around_finds_no_truth(tmp_path, cache, module, monkeypatch, capsys):
+def test_an_agent_that_looks_around_finds_no_truth(tmp_path, tours, module, monkeypatch, capsys):
     monkeypatch.setenv("MY_SECRET", "answer")
     module("snoop", SNOOP)
-    assert evaluated(tmp_path / "out", cache, "--agent", "snoop:Agent", "--needs", "--split", MAIN, "--scenes", SCENE) == 1
+    assert evaluated(tmp_path / "out", tours, "--agent", "snoop:Agent", "--needs", "--split", MAIN, "--scenes", SCENE) == 1
     assert "act raised LookupError in snoop.py, line 28: {}; mend the agent" in capsys.readouterr().err
 
 
@@ -226,11 +222,10 @@ class Agent:
     def __init__(self, context): pass
     def familiarise(self, visit): pass
     def revisit(self, visit): pass
-    def ask(self, query): self.relation = query.relation
+    def ask(self, query): self.asked = query.relation, query.category
     def act(self, observation):
-        if self.relation != "moved":
-            return Action.STOP
-        WHAT
+        ILLS
+        return Action.STOP
 """
 ILLS = {
     "dies": ("os._exit(3)", "act: the agent is gone"),
@@ -239,28 +234,64 @@ ILLS = {
     "eats": ("self.eaten = [bytes(10**8) for _ in range(10**3)]", "act raised MemoryError"),
     "writes": ("open('large', 'wb').write(bytes(2 * 10**8))", "act raised OSError|act: the agent is gone"),
     "exits": ("raise SystemExit(0)", "act raised SystemExit"),
-    "is no action": ("return 7", "act raised TypeError in server.py, line \\\\d+: act returned 7"),
+    "is no action": ("return 7", r"act raised TypeError in server.py, line \d+: act returned 7"),
 }
 
 
-@pytest.mark.parametrize(("what", "said"), ILLS.values(), ids=ILLS.keys())
-def test_an_ill_agent_costs_its_own_episode(tmp_path, cache, module, capsys, what, said):
+def ill(asked):
+    """An agent that does what `asked` says where it is asked that relation and category, and stops at once elsewhere."""
+    cases = "".join(f"        if self.asked == {key}:\n            {what}\n" for key, what in asked.items())
+    return ILL.replace("        ILLS\n", cases)
+
+
+def in_sickness_and_in_health():
+    """Episodes of one scene, no two asked alike, each with the name of an illness or none: as far as they reach, every illness is
+    followed by an episode in which the agent is well."""
+    by_scene = [{(one.relation, one.category): one for one in of_scene(scene)} for scene in CONFIG.benchmark.scenes]
+    some = [*max(by_scene, key=len).values()]
+    pairs = itertools.zip_longest(zip(some, ILLS, strict=False), ((one, None) for one in some[len(ILLS) :]))
+    return [one for pair in pairs for one in pair if one is not None]
+
+
+@pytest.fixture(scope="module")
+def endured(tmp_path_factory, tours):
+    """An evaluation of an agent with every illness: what is ill in which episode, its folder, and what was said."""
+    place, episodes = tmp_path_factory.mktemp("endured"), in_sickness_and_in_health()
     text = (ROOT / "config.yaml").read_text()
     for key, value in {"act_s": "2.0", "memory_gb": "3.0", "file_gb": "0.1"}.items():
         text = re.sub(rf"^  {key}: \S+", f"  {key}: {value}", text, flags=re.MULTILINE)
-    (tmp_path / "config.yaml").write_text(text)
-    module("ill", ILL.replace("WHAT", what))
-    options = ["--agent", "ill:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--config", "config.yaml"]
-    assert evaluated(tmp_path / "out", cache, *options, "--failures", "abstain") == 0
-    by_relation = {run.episode.split("/")[1]: run for run in Score.read(tmp_path / "out" / "runs.jsonl")}
-    assert (by_relation["moved"].outcome, by_relation["moved"].trace) == ("abstained", "A")
-    assert by_relation["stable"].outcome == "stopped"
-    (noted,) = map(json.loads, lines(tmp_path / "out" / "failures.jsonl"))
-    assert re.search(said.replace("\\\\", "\\"), noted["error"]) and noted["episode"].startswith(f"{SCENE}/moved")
-    assert "counted as an abstention" in capsys.readouterr().out
+    (place / "config.yaml").write_text(text)
+    asked = {(str(one.relation), one.category): ILLS[name][0] for one, name in episodes if name}
+    (place / "ill.py").write_text(ill(asked))
+    (place / "some.jsonl").write_text("".join(one.to_line() for one, _ in episodes))
+    said = io.StringIO()
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(said):
+        patch.chdir(place)
+        patch.setattr(sys, "path", list(sys.path))
+        options = ["--agent", "ill:Agent", "--needs", "--episodes", "some.jsonl", "--config", "config.yaml"]
+        assert evaluated(place / "out", tours, *options, "--failures", "abstain") == 0
+    return {one.id: name for one, name in episodes}, place / "out", said.getvalue()
 
 
-def test_a_server_that_is_killed_and_comes_back_loses_nothing(beside, tmp_path, cache):
+@pytest.mark.parametrize("name", ILLS)
+def test_an_ill_agent_costs_its_own_episode(endured, name):
+    ills, out, said = endured
+    (episode,) = (one for one, of in ills.items() if of == name)
+    (run,) = (run for run in Score.read(out / "runs.jsonl") if run.episode == episode)
+    assert (run.outcome, run.trace) == ("abstained", "A")
+    (noted,) = (one for one in map(json.loads, lines(out / "failures.jsonl")) if one["episode"] == episode)
+    assert re.search(ILLS[name][1], noted["error"])
+    assert said.count("counted as an abstention") == len(ILLS)
+
+
+def test_an_agent_that_was_ill_goes_on_with_the_next_episode(endured):
+    ills, out, _ = endured
+    well = [run.outcome for run in Score.read(out / "runs.jsonl") if ills[run.episode] is None]
+    assert well == ["stopped"] * (len(ills) - len(ILLS)) and well
+    assert len(lines(out / "failures.jsonl")) == len(ILLS)
+
+
+def test_a_server_that_is_killed_and_comes_back_loses_nothing(beside, tmp_path, tours):
     """Killed before its first answer to `act`; the one that is dialled again makes the run from its beginning."""
     process, port = served(ARM)
     killed, dialled = threading.Event(), Line.__init__
@@ -286,7 +317,7 @@ def test_a_server_that_is_killed_and_comes_back_loses_nothing(beside, tmp_path, 
         patch.setattr(Line, "ask", ask)
         try:
             options = ["--arm", ARM, "--server", f"ws://127.0.0.1:{port}", "--split", MAIN, "--scenes", SCENE]
-            assert evaluated(tmp_path / "out", cache, *options) == 0
+            assert evaluated(tmp_path / "out", tours, *options) == 0
         finally:
             for one in others:
                 one.kill()
@@ -295,9 +326,10 @@ def test_a_server_that_is_killed_and_comes_back_loses_nothing(beside, tmp_path, 
     assert (tmp_path / "out" / "runs.jsonl").read_bytes() == (beside / "runs.jsonl").read_bytes()
 
 
-def test_the_agents_process_ends_with_an_evaluator_that_is_killed(tmp_path, cache, module):
-    module("sleeper", ILL.replace("WHAT", "open('/proc/self/fd/2', 'w').write(f'pid {os.getpid()}\\\\n'); time.sleep(100)"))
-    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(cache), "--seeds", "0"]
+def test_the_agents_process_ends_with_an_evaluator_that_is_killed(tmp_path, tours, module):
+    sleeps = "open('/proc/self/fd/2', 'w').write(f'pid {os.getpid()}\\n'); time.sleep(100)"
+    module("sleeper", ill({(str(one.relation), one.category): sleeps for one in of_scene(SCENE)}))
+    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(tours), "--seeds", "0"]
     options = ["--agent", "sleeper:Agent", "--needs", "--split", MAIN, "--scenes", SCENE]
     log = tmp_path / "out" / "agent.log"
     with subprocess.Popen([*command, *options], cwd=tmp_path, stdout=subprocess.DEVNULL) as process:

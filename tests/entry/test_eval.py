@@ -35,8 +35,8 @@ SEEDS = CONFIG.evaluation.seeds
 FILES = {"journal.jsonl", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
 
 
-def evaluated(out, cache, *options):
-    return main(["eval", "--out", str(out), "--cache", str(cache), *options])
+def evaluated(out, tours, *options):
+    return main(["eval", "--out", str(out), "--cache", str(tours), *options])
 
 
 def lines(path):
@@ -53,15 +53,10 @@ def untraced(path):
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory, cache):
+def whole(tmp_path_factory, tours):
     """The evaluation of the arm on the scene, never disturbed."""
     out = tmp_path_factory.mktemp("whole") / "out"
-    assert evaluated(out, cache, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
+    assert evaluated(out, tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
     return out
 
 
@@ -77,18 +72,18 @@ def test_a_part_of_a_split_is_no_score(whole):
     assert "PARTIAL, 2 of 219 episodes, no score" in lines(whole / "summary.md")[0]
 
 
-def test_what_is_there_is_not_made_again(whole, cache, capsys):
+def test_what_is_there_is_not_made_again(whole, tours, capsys):
     before = {path.name: path.read_bytes() for path in whole.iterdir()}
-    assert evaluated(whole, cache, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
+    assert evaluated(whole, tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE) == 0
     said = capsys.readouterr().out.splitlines()
     assert said[0] == "6 of 6 runs are there already" and not [line for line in said if "recording" in line or "left" in line]
     assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
 
 
 @pytest.mark.parametrize("moment", ["recording the second", "2/6 "])
-def test_killed_it_goes_on_where_it_was(whole, cache, tmp_path, capsys, moment):
+def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys, moment):
     """SIGKILL while a tour is recorded into a cache of its own, and after two runs."""
-    here = tmp_path / "cache" if "recording" in moment else cache
+    here = tmp_path / "cache" if "recording" in moment else tours
     options = ["--arm", ARM, "--split", MAIN, "--scenes", SCENE]
     command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(here), *options]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True, start_new_session=True) as process:
@@ -105,20 +100,20 @@ def test_killed_it_goes_on_where_it_was(whole, cache, tmp_path, capsys, moment):
     assert (tmp_path / "out" / "summary.json").read_bytes() == (whole / "summary.json").read_bytes()
 
 
-def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, cache):
+def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours):
     """Of the split with other light and sensors that err, and an episode in which the answer moves."""
-    assert evaluated(tmp_path / "days", cache, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
+    assert evaluated(tmp_path / "days", tours, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
     theirs = [run for run in Score.read(DATA / "runs" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
     ours = [run.model_copy(update={"trace": None}) for run in Score.read(tmp_path / "days" / "runs.jsonl")]
     assert ours == [run for run in theirs if run.seed == 0] and len(ours) == 4
     moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
     (tmp_path / "one.jsonl").write_text(moving.to_line())
-    assert evaluated(tmp_path / "moving", cache, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
+    assert evaluated(tmp_path / "moving", tours, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
     runs = untraced(tmp_path / "moving" / "runs.jsonl")
     assert runs == [line for line in released_lines("FloorPlan7") if f'"{moving.id}"' in line] and len(runs) == 3
 
 
-def test_the_agent_of_the_page_runs(tmp_path, cache, whole, monkeypatch, capsys):
+def test_the_agent_of_the_page_runs(tmp_path, tours, whole, monkeypatch, capsys):
     """As the reader writes it, in a directory of the reader's; the tours are those that are there."""
     page = (ROOT / "docs" / "agents.md").read_text(encoding="utf-8")
     (tmp_path / "frame_difference.py").write_text(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1])
@@ -126,7 +121,7 @@ def test_the_agent_of_the_page_runs(tmp_path, cache, whole, monkeypatch, capsys)
     monkeypatch.setattr(sys, "path", list(sys.path))
     (tmp_path / "two.jsonl").write_text("".join(episode.to_line() for episode in of_scene(SCENE)))
     options = ["--agent", "frame_difference:FrameDifference", "--episodes", "two.jsonl", "--seeds", "0"]
-    assert evaluated(tmp_path / "out", cache, *options) == 0
+    assert evaluated(tmp_path / "out", tours, *options) == 0
     said = capsys.readouterr().out
     assert "recording" not in said and "PARTIAL" not in said
     runs = Score.read(tmp_path / "out" / "runs.jsonl")
@@ -148,12 +143,12 @@ class Agent:
 """
 
 
-def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, cache, monkeypatch, capsys):
+def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, tours, monkeypatch, capsys):
     (tmp_path / "broken.py").write_text(BROKEN)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     options = ["--agent", "broken:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "--seeds", "0"]
-    assert evaluated(tmp_path / "out", cache, *options) == 1
+    assert evaluated(tmp_path / "out", tours, *options) == 1
     last = capsys.readouterr().err.splitlines()[-1]
     assert last == (
         "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 10: division by zero; "
@@ -231,17 +226,17 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
         (["--arm", ARM, "--split", MAIN, "--shard", "0/3"], "--shard: '0/3' is no part"),
     ],
 )
-def test_a_wrong_command_is_one_line(tmp_path, cache, capsys, options, said):
-    assert evaluated(tmp_path / "out", cache, *options) == 1
+def test_a_wrong_command_is_one_line(tmp_path, tours, capsys, options, said):
+    assert evaluated(tmp_path / "out", tours, *options) == 1
     err = capsys.readouterr().err
     assert re.search(said, err) and err.count("\n") == 1 and not (tmp_path / "out").exists()
 
 
-def test_a_folder_of_something_else_is_left_alone(tmp_path, cache, whole, capsys):
+def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys):
     (tmp_path / "letters.txt").write_text("dear")
-    assert evaluated(tmp_path, cache, "--arm", ARM, "--split", MAIN) == 1
+    assert evaluated(tmp_path, tours, "--arm", ARM, "--split", MAIN) == 1
     assert "holds something else than an evaluation" in capsys.readouterr().err
-    assert evaluated(whole, cache, "--arm", ARM, "--split", "everyday") == 1
+    assert evaluated(whole, tours, "--arm", ARM, "--split", "everyday") == 1
     assert "holds an evaluation whose split is main, not everyday; name another folder" in capsys.readouterr().err
 
 

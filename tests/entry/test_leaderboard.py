@@ -42,11 +42,16 @@ def enter(release, tmp_path):
     return lambda *options: command("enter", *options, "--release", release, "--leaderboard", tmp_path / "board")
 
 
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory):
+    """The folder in which the command keeps what it drives again."""
+    return tmp_path_factory.mktemp("driven")
+
+
 @pytest.fixture
-def board(release, tmp_path, tmp_path_factory):
+def board(release, tmp_path, driven):
     """Makes the pages, and returns the exit status."""
-    cache = tmp_path_factory.mktemp("driven")
-    return lambda: command("leaderboard", tmp_path / "board", "--release", release, "--cache", cache)
+    return lambda: command("leaderboard", tmp_path / "board", "--release", release, "--cache", driven)
 
 
 def points(path, found):

@@ -17,33 +17,23 @@ from tests.entry.evaluations import DEPTH, SCENE, command, lines
 from tests.episodes import ROOT
 
 
-@pytest.fixture(scope="module")
-def shards(tmp_path_factory, tours, depth_driving):
-    """The same evaluation by seeds: each seed in a folder of its own."""
-    folders = [tmp_path_factory.mktemp("shard") / f"seed{seed}" for seed in (0, 1)]
-    for seed, out in enumerate(folders):
-        options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", seed]
-        assert command("eval", "--out", out, "--cache", tours, *options) == 0
-    return folders
-
-
 def files(directory):
     return {path.name: path.read_bytes() for path in directory.iterdir() if path.name != ".lock"}
 
 
-def test_shards_come_to_what_one_run_leaves(shards, depth_driving, tmp_path, capsys):
-    assert command("merge", tmp_path / "out", *shards) == 0
+def test_shards_come_to_what_one_run_leaves(by_seed, depth_driving, tmp_path, capsys):
+    assert command("merge", tmp_path / "out", *by_seed) == 0
     made, wanted = files(tmp_path / "out"), files(depth_driving)
     assert {name: made[name] for name in wanted if name != "journal.jsonl"} == {
         name: content for name, content in wanted.items() if name != "journal.jsonl"
     }
     assert sorted(made["journal.jsonl"].splitlines()) == sorted(wanted["journal.jsonl"].splitlines())
-    assert command("merge", tmp_path / "again", tmp_path / "out", shards[0]) == 0
+    assert command("merge", tmp_path / "again", tmp_path / "out", by_seed[0]) == 0
     assert files(tmp_path / "again") == made
 
 
-def test_an_evaluation_goes_on_in_what_was_merged(shards, tours, depth_driving, tmp_path, capsys):
-    assert command("merge", tmp_path / "out", *shards) == 0
+def test_an_evaluation_goes_on_in_what_was_merged(by_seed, tours, depth_driving, tmp_path, capsys):
+    assert command("merge", tmp_path / "out", *by_seed) == 0
     options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "--seeds", "0", "1"]
     capsys.readouterr()
     assert command("eval", "--out", tmp_path / "out", "--cache", tours, *options) == 0
@@ -60,38 +50,38 @@ def test_an_evaluation_goes_on_in_what_was_merged(shards, tours, depth_driving, 
         ("runs.jsonl", lambda text: text.replace('"seed":1', '"seed":0'), "seed: recorded, not among [1]"),
     ],
 )
-def test_what_is_not_one_evaluation_is_one_line(shards, tmp_path, capsys, name, change, said):
-    other = shutil.copytree(shards[1], tmp_path / "other")
+def test_what_is_not_one_evaluation_is_one_line(by_seed, tmp_path, capsys, name, change, said):
+    other = shutil.copytree(by_seed[1], tmp_path / "other")
     text = (other / name).read_text()
     assert change(text) != text
     (other / name).write_text(change(text))
-    assert command("merge", tmp_path / "out", shards[0], other) == 1
+    assert command("merge", tmp_path / "out", by_seed[0], other) == 1
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"ovman merge: {other}") and said in line
     assert not (tmp_path / "out").exists()
 
 
-def test_runs_that_differ_are_refused(shards, tmp_path, capsys):
-    other = shutil.copytree(shards[1], tmp_path / "other")
+def test_runs_that_differ_are_refused(by_seed, tmp_path, capsys):
+    other = shutil.copytree(by_seed[1], tmp_path / "other")
     runs = [json.loads(line) for line in lines(other / "runs.jsonl")]
     runs[0]["spl"] -= 0.25
     (other / "runs.jsonl").write_text("".join(json.dumps(run, separators=(",", ":")) + "\n" for run in runs))
-    assert command("merge", tmp_path / "out", *shards, other) == 1
+    assert command("merge", tmp_path / "out", *by_seed, other) == 1
     assert f"{other}: {runs[0]['episode']}, seed 1: spl: {runs[0]['spl']}, another folder has" in capsys.readouterr().err
 
 
-def test_a_gap_is_refused(tours, shards, tmp_path, capsys):
+def test_a_gap_is_refused(tours, by_seed, tmp_path, capsys):
     """A scene under one seed and another under both are no evaluation of both scenes under both seeds."""
     options = ["--arm", DEPTH, "--split", MAIN, "--scenes", "FloorPlan7", "--seeds", "0"]
     assert command("eval", "--out", tmp_path / "one", "--cache", tours, *options) == 0
-    assert command("merge", tmp_path / "out", *shards, tmp_path / "one") == 1
+    assert command("merge", tmp_path / "out", *by_seed, tmp_path / "one") == 1
     assert "seed 1 in none with it; run it under seed 1, too" in capsys.readouterr().err
 
 
-def test_a_folder_that_holds_something_is_left_alone(shards, tmp_path, capsys):
+def test_a_folder_that_holds_something_is_left_alone(by_seed, tmp_path, capsys):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine").write_text("mine")
-    assert command("merge", tmp_path / "out", *shards) == 1
+    assert command("merge", tmp_path / "out", *by_seed) == 1
     assert "is there already" in capsys.readouterr().err and (tmp_path / "out" / "mine").read_text() == "mine"
 
 

@@ -5,11 +5,15 @@ from __future__ import annotations
 import gzip
 import json
 import shutil
+from functools import partial
 
 import pytest
 
+from ovman.entry import command as entry
+from ovman.entry.verification import verify
 from ovman.models.run import Score
 from ovman.models.settings import MAIN
+from ovman.workflow.journal import Journal
 from tests.entry.evaluations import ORACLE, SCENE, WANDERER, command, lines, moving
 
 
@@ -17,6 +21,18 @@ from tests.entry.evaluations import ORACLE, SCENE, WANDERER, command, lines, mov
 def copy(depth_driving, tmp_path):
     """The evaluation, to be changed."""
     return shutil.copytree(depth_driving, tmp_path / "copy")
+
+
+@pytest.fixture(scope="module")
+def journal(tmp_path_factory):
+    """What was driven again, as `ovman leaderboard` keeps it."""
+    return Journal(tmp_path_factory.mktemp("driven") / "journal.jsonl")
+
+
+@pytest.fixture
+def remembering(journal, monkeypatch):
+    """Verification drives what it has not driven before: of changed files, the actions that were changed."""
+    monkeypatch.setattr(entry, "verify", partial(verify, journal=journal))
 
 
 def changed(directory, number, **values):
@@ -58,7 +74,7 @@ def test_an_agent_that_draws_and_looks_agrees_where_things_move(tmp_path, tours,
     assert command("verify", "out", "--episodes", "moving.jsonl") == 0
 
 
-def test_runs_that_are_compressed_agree(copy):
+def test_runs_that_are_compressed_agree(copy, remembering):
     (copy / "runs.jsonl.gz").write_bytes(gzip.compress((copy / "runs.jsonl").read_bytes()))
     (copy / "runs.jsonl").unlink()
     assert command("verify", copy) == 0
@@ -68,7 +84,7 @@ def test_runs_that_are_compressed_agree(copy):
     ("key", "value"),
     [("success", None), ("trace", "S"), ("actions", 3), ("path_length_m", 0.25), ("answer_distance_m", 0.1), ("spl", 0.123)],
 )
-def test_a_changed_run_is_found_with_its_line_and_key(copy, capsys, key, value):
+def test_a_changed_run_is_found_with_its_line_and_key(copy, remembering, capsys, key, value):
     run = json.loads(lines(copy / "runs.jsonl")[2])
     changed(copy, 2, **{key: not run["success"] if key == "success" else value})
     assert command("verify", copy) == 1
@@ -97,7 +113,7 @@ def test_a_changed_run_is_found_with_its_line_and_key(copy, capsys, key, value):
         ("summary.json", lambda text: text[:-3], "is no JSON"),
     ],
 )
-def test_a_changed_file_is_found(copy, capsys, name, change, said):
+def test_a_changed_file_is_found(copy, remembering, capsys, name, change, said):
     text = (copy / name).read_text()
     assert change(text) != text
     (copy / name).write_text(change(text))

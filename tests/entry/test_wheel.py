@@ -7,10 +7,12 @@ import os
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 from ovman.shipped import FILES
+from ovman_engine import kernels
 from tests.entry.evaluations import DEPTH, SCENE
 from tests.episodes import DATA, ROOT
 
@@ -35,7 +37,25 @@ def installed(tmp_path_factory):
         subprocess.run(done, check=True, capture_output=True, text=True)
     names = [str(wheel) for wheel in sorted(wheels.glob("*.whl"))]
     subprocess.run([*pip, "install", *offline, "--target", str(target), *names], check=True, capture_output=True, text=True)
+    lay_kernels(target / "ovman_engine")
     return target
+
+
+def lay_kernels(package):
+    """Lay the kernels that the checkout's engine has compiled beside the sources of the wheel's, where these are the same bytes.
+
+    Compiling them takes a minute of the processor. They are known by the time and the size of a source.
+    """
+    kernels.compile_once()
+    here = Path(kernels.__file__).parent
+    for kept in [*here.rglob("*.nbi"), *here.rglob("*.nbc"), *here.glob("__pycache__/kernels-*")]:
+        place = package / kept.relative_to(here)
+        place.parent.mkdir(exist_ok=True)
+        shutil.copy2(kept, place)
+    for source in here.rglob("*.py"):
+        inside = package / source.relative_to(here)
+        if inside.read_bytes() == source.read_bytes():
+            shutil.copystat(source, inside)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +64,6 @@ def away(installed, tmp_path_factory):
     here = tmp_path_factory.mktemp("away")
     environment = {name: value for name, value in os.environ.items() if name in ("PATH", "LANG", "OMP_NUM_THREADS")}
     environment |= {"HOME": str(here), "PYTHONPATH": str(installed), "PYTHONNOUSERSITE": "1"}
-    environment["NUMBA_CACHE_DIR"] = str(here / "numba")
 
     def run(*options):
         command = [sys.executable, "-m", "ovman.cli", *map(str, options)]

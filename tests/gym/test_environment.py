@@ -38,11 +38,6 @@ MOVING = next(episode for episode in of_scene("FloorPlan7") if episode.relation 
 
 
 @pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
-@pytest.fixture(scope="module")
 def two(tmp_path_factory):
     """A file of two episodes of one scene."""
     path = tmp_path_factory.mktemp("episodes") / "two.jsonl"
@@ -51,12 +46,12 @@ def two(tmp_path_factory):
 
 
 @pytest.fixture
-def made(cache, two):
+def made(tours, two):
     """Makes environments, of two episodes where nothing is said, and closes them."""
     every = []
 
     def make(**options):
-        every.append(gymnasium.make(ovman.gym.ID, **({"episodes": two, "cache": cache} | options)))
+        every.append(gymnasium.make(ovman.gym.ID, **({"episodes": two, "cache": tours} | options)))
         return every[-1]
 
     yield make
@@ -65,9 +60,9 @@ def made(cache, two):
 
 
 @pytest.fixture(scope="module")
-def small(cache, two):
+def small(tours, two):
     """An environment without pictures, in which a step is quick."""
-    with gymnasium.make(ovman.gym.ID, episodes=two, cache=cache, looks=False, tours="reset") as env:
+    with gymnasium.make(ovman.gym.ID, episodes=two, cache=tours, looks=False, tours="reset") as env:
         yield env
 
 
@@ -119,7 +114,7 @@ def walked(env, seed, episode, actions):
 WALK = [FORWARD, LEFT, FORWARD, FORWARD, RIGHT, FORWARD, STOP]
 
 
-def test_a_seed_says_all(made, tmp_path, cache):
+def test_a_seed_says_all(made, tmp_path, tours):
     (tmp_path / "moving.jsonl").write_text(MOVING.to_line())
     env = made(episodes=tmp_path / "moving.jsonl", looks=False, tours="reset")
     once = walked(env, 7, MOVING.id, WALK)
@@ -257,9 +252,9 @@ def test_a_wrong_environment_is_one_line(made, options, said):
 
 
 @pytest.mark.parametrize("mode", ["sync", "async"])
-def test_two_beside_each_other_are_two_alone(small, two, cache, mode):
+def test_two_beside_each_other_are_two_alone(small, two, tours, mode):
     """Their seeds follow one another, and the one that ends begins again; in one process and in two that share memory."""
-    options = {"episodes": two, "cache": cache, "looks": False, "tours": "reset"}
+    options = {"episodes": two, "cache": tours, "looks": False, "tours": "reset"}
     envs = gymnasium.make_vec(ovman.gym.ID, num_envs=2, vectorization_mode=mode, **options)
     both, info = envs.reset(seed=4)
     assert both["pose"].shape == (2, 5) and info["seed"].tolist() == [4, 5]

@@ -22,19 +22,14 @@ REFERENCE = next(name for name, arm in CONFIG.arms.items() if arm.executes == CO
 SCENE = "FloorPlan10"
 
 
-@pytest.fixture(scope="module")
-def cache(tmp_path_factory):
-    return tmp_path_factory.mktemp("cache")
-
-
 def file_of(path, episodes):
     path.write_text("".join(episode.to_line() for episode in episodes))
     return path
 
 
-def evaluated(out, cache, episodes, *options):
+def evaluated(out, tours, episodes, *options):
     """The runs, by seed, in the order of the episodes."""
-    told = ["eval", "--out", str(out), "--cache", str(cache), "--episodes", str(episodes), *options]
+    told = ["eval", "--out", str(out), "--cache", str(tours), "--episodes", str(episodes), *options]
     assert main(told) == 0
     return Score.read(out / "runs.jsonl")
 
@@ -47,27 +42,27 @@ def examples(monkeypatch):
     return import_module("gymnasium_agents")
 
 
-def test_a_control_drives_as_it_does_outside(tmp_path, cache):
+def test_a_control_drives_as_it_does_outside(tmp_path, tours):
     """Where the answer moves and sensors err. It takes no pictures, and here they are drawn."""
     of_split = Episode.load(DATA / "episodes" / "everyday.jsonl")
     episode = next(one for one in of_split if one.relation is Relation.MOVING and one.tours.second.sensors is not None)
     file = file_of(tmp_path / "one.jsonl", [episode])
-    (wanted,) = evaluated(tmp_path / "out", cache, file, "--arm", CONTROL, "--seeds", "1")
-    with gymnasium.make(ovman.gym.ID, episodes=file, cache=cache, name=CONTROL, tours="reset") as env:
+    (wanted,) = evaluated(tmp_path / "out", tours, file, "--arm", CONTROL, "--seeds", "1")
+    with gymnasium.make(ovman.gym.ID, episodes=file, cache=tours, name=CONTROL, tours="reset") as env:
         assert play(env, episode.id, 1) == wanted
     assert wanted.actions > 0 and wanted.trace
 
 
-def test_the_example_finds_the_rates_of_ovman_eval(tmp_path, cache, examples, capsys):
+def test_the_example_finds_the_rates_of_ovman_eval(tmp_path, tours, examples, capsys):
     """The reference agent detects, maps and associates what the dictionary shows; the random one draws what it draws outside."""
     file, seeds = file_of(tmp_path / "one.jsonl", of_scene(SCENE)[:1]), ("--seeds", "0", "1")
     agents = {
         "random": ["--agent", "gymnasium_agents:Wanderer", "--name", "random", "--in-process"],
         REFERENCE: ["--arm", REFERENCE],
     }
-    wanted = {name: evaluated(tmp_path / name, cache, file, *options, *seeds) for name, options in agents.items()}
+    wanted = {name: evaluated(tmp_path / name, tours, file, *options, *seeds) for name, options in agents.items()}
     tables = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
     assert [line.split()[0] for line in tables] == ["relation", "moved", "all"] * 2
-    assert examples.main(["--arm", REFERENCE, "--episodes", str(file), "--cache", str(cache), *seeds]) == wanted
+    assert examples.main(["--arm", REFERENCE, "--episodes", str(file), "--cache", str(tours), *seeds]) == wanted
     assert [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")] == tables
     assert wanted["random"][0].trace != wanted["random"][1].trace

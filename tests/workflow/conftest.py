@@ -5,19 +5,25 @@ from __future__ import annotations
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 import yaml
 
 from ovman.workflow.snakefile import SOURCES
+from tests.shared import made_once
 from tests.workflow import forked
+
+if TYPE_CHECKING:
+    from tests.workflow.releases import Released
 
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "overlays" / "tiny.yaml"
@@ -104,10 +110,25 @@ class World:
         }
 
 
+def finish(directory: Path) -> None:
+    """Make the tiny world in a directory."""
+    directory.mkdir()
+    said = World(directory).snakemake()
+    assert said.returncode == 0, said.stdout
+
+
 @pytest.fixture(scope="session")
 def world(tmp_path_factory) -> World:
-    """The tiny world, finished."""
-    made = World(tmp_path_factory.mktemp("world"))
-    said = made.snakemake()
-    assert said.returncode == 0, said.stdout
-    return made
+    """The tiny world, finished: this process's copy of the one that was made."""
+    made = made_once(tmp_path_factory, "world", finish)
+    copy = World(shutil.copytree(made, tmp_path_factory.mktemp("world") / "copy"))
+    copy._keep_sources()
+    return copy
+
+
+@pytest.fixture(scope="session")
+def released(world, tmp_path_factory) -> Released:
+    """The release of the tiny world, and the large archive beside it. No test writes into it."""
+    from tests.workflow.releases import Released, make
+
+    return Released.within(made_once(tmp_path_factory, "released", partial(make, world)))

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,42 +19,7 @@ from ovman.workflow import made, provenance
 from ovman.workflow.config import load_files
 from tests.arms import ARMS
 from tests.workflow.conftest import ROOT, TINY, World
-
-JUDGED = {"admissibility": {"drift_tolerance_m": 0.26}, "evaluation": {"near_miss_m": 1.6}}
-"""Thresholds that judge and change no episode of the tiny world."""
-DRIVING = {"scenes", "trials", "rollouts", "walks", "ablated_tours"}
-"""Rules that start a simulator, but for `certified`, which starts none where its journal has every run."""
-FROM_MAPS = yaml.safe_load((ROOT / "overlays" / "from_maps.yaml").read_text())
-CONFIG = ROOT / "config.yaml"
-
-
-@dataclass(frozen=True)
-class Released:
-    """The release of the tiny world, and the large archive beside it."""
-
-    folder: Path
-    perceived: Path
-
-
-@pytest.fixture(scope="module")
-def released(world, tmp_path_factory) -> Released:
-    place = tmp_path_factory.mktemp("released")
-    made_of = Released(place / "release", place / "perceived.tar.xz")
-    release(world.directory / "results", made_of.folder, "a card", made_of.perceived)
-    return made_of
-
-
-def command(of: Released, directory: Path, *further: str, overlays: Sequence[Path] = ()) -> list[str]:
-    files = [str(path) for path in (TINY, *overlays)]
-    where = ["--release", str(of.folder), "--directory", str(directory), "--config", str(CONFIG), "--configfile", *files]
-    return ["restore", *where, *further]
-
-
-def restored(of: Released, directory: Path, perceived: bool = True) -> World:
-    directory.mkdir()
-    further = ["--from", str(of.perceived)] if perceived else []
-    assert main(command(of, directory, *further)) == 0
-    return World(directory)
+from tests.workflow.releases import CONFIG, FROM_MAPS, Released, command, restored
 
 
 def refused(capsys, arguments: Sequence[str], directory: Path) -> str:
@@ -66,24 +29,6 @@ def refused(capsys, arguments: Sequence[str], directory: Path) -> str:
     assert said.out == "" and said.err.count("\n") == 1, said
     assert not any((directory / "results").rglob("*"))
     return said.err
-
-
-def tables(results: Mapping[str, bytes]) -> dict[str, bytes]:
-    return {name: content for name, content in results.items() if name.startswith(("results/tables/", "results/metrics/"))}
-
-
-def from_measured(of: Released, directory: Path) -> World:
-    """Restored without what networks saw, and the tables made under `JUDGED` as `make tables` makes them."""
-    again = restored(of, directory, perceived=False)
-    before = again.units()
-    said = [again.snakemake(overlay=JUDGED, target=target) for target in ("judged", "results/tables")]
-    assert [one.returncode for one in said] == [0, 0], said
-    ran = {rule for one in said for rule in re.findall(r"^(?:local)?rule (\w+):", one.stdout, re.MULTILINE)}
-    assert {"admissible", "sensitivity", "metrics", "tables"} <= ran and not ran & DRIVING
-    # What a simulator does is kept in a journal, and there is nothing new in any.
-    assert again.units() == before and before
-    assert not (directory / "results" / "visits").exists()
-    return again
 
 
 @pytest.mark.parametrize("perceived", [False, True], ids=["measurements", "with what networks saw"])
@@ -101,35 +46,6 @@ def top(part: str) -> str:
     return Path(part).parts[0]
 
 
-def test_a_changed_threshold_gives_the_tables_of_the_whole_world_without_a_simulator(world, released, tmp_path):
-    again = from_measured(released, tmp_path / "again")
-    whole = World(shutil.copytree(world.directory, tmp_path / "whole"))
-    assert [whole.snakemake(overlay=JUDGED, target=target).returncode for target in ("judged", "results/tables")] == [0, 0]
-    assert tables(again.results()) == tables(whole.results()) != tables(world.results())
-
-
-@pytest.mark.soak
-@pytest.mark.timeout(3600)
-def test_a_changed_threshold_gives_the_tables_of_a_run_from_scratch(released, tmp_path):
-    again = from_measured(released, tmp_path / "again")
-    (tmp_path / "scratch").mkdir()
-    scratch = World(tmp_path / "scratch")
-    assert scratch.snakemake(overlay=JUDGED).returncode == 0
-    assert tables(again.results()) == tables(scratch.results())
-
-
-def test_an_agents_threshold_gives_the_static_tables_from_maps_alone(world, released, tmp_path):
-    overlay = FROM_MAPS | {"association": {"gate_m": 0.6}}
-    target = "results/static_tables"
-    again = restored(released, tmp_path / "again")
-    assert {*again.planned(overlay, target)} == {"predictions", "static_tables"}
-    whole = World(shutil.copytree(world.directory, tmp_path / "whole"))
-    for one in (again, whole):
-        assert one.snakemake(overlay=overlay, target=target).returncode == 0
-    files = [{p.name: p.read_bytes() for p in (one.directory / target).iterdir() if p.suffix} for one in (again, whole)]
-    assert files[0] == files[1] and files[0]
-
-
 def test_the_overlay_of_maps_leaves_out_whoever_needs_more_than_maps():
     more = {arm.name for arm in ARMS if {Need.TOURS, Need.DETECTIONS, Need.SEGMENTS} & {*arm.needs}}
     driven = {arm.name for arm in ARMS if arm.executes in more}
@@ -138,11 +54,18 @@ def test_the_overlay_of_maps_leaves_out_whoever_needs_more_than_maps():
     assert {arm.kind for arm in left} == {*Kind}
 
 
+GATED: Mapping[str, Any] = {"association": {"gate_m": 1.3}}
+
+
+@pytest.fixture(scope="module")
+def of_whole(world):
+    """What the changed gate makes again in the whole world."""
+    return world.planned(GATED)
+
+
 @pytest.mark.parametrize("perceived", [False, True])
-def test_what_is_not_there_is_planned_where_a_change_needs_it(world, released, tmp_path, perceived):
-    overlay: dict[str, Any] = {"association": {"gate_m": 1.3}}
-    again = restored(released, tmp_path / "again", perceived)
-    planned, of_whole = again.planned(overlay), world.planned(overlay)
+def test_what_is_not_there_is_planned_where_a_change_needs_it(of_whole, released, tmp_path, perceived):
+    planned = restored(released, tmp_path / "again", perceived).planned(GATED)
     assert of_whole.keys() <= planned.keys() and "trials" in planned and "trials" not in of_whole
 
 

@@ -32,7 +32,18 @@ def listed(value: Any) -> Any:
     """A mapping of a setting as JSON that keeps its order: a list of its entries, which have their names, or of its items."""
     if not isinstance(value, dict):
         return value
-    return [_plain(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
+    known = _listed.get(id(value))
+    if known is None or known[0] is not value:
+        if len(_listed) == KNOWN:
+            _listed.clear()
+        entries = [_plain(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
+        known = _listed[id(value)] = value, entries
+    return known[1]
+
+
+KNOWN = 64
+_listed: dict[int, tuple[dict[str, Any], list[Any]]] = {}
+"""Mappings of frozen settings that were listed, by their identity: a workflow asks for the same ones some hundred times."""
 
 
 def _plain(value: Any) -> Any:

@@ -83,7 +83,7 @@ def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
-    return made(tmp_path_factory.mktemp("visits"))
+    return made(tmp_path_factory)
 
 
 class Context:

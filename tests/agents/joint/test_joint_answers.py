@@ -28,7 +28,7 @@ NEW, OLD = (Relation.MOVED, Relation.APPEARED), (Relation.FORMER, Relation.REMOV
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
-    return made(tmp_path_factory.mktemp("moved"))
+    return made(tmp_path_factory)
 
 
 class Told:

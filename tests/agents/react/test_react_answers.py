@@ -114,7 +114,7 @@ def test_the_evidence_is_what_the_noun_means_and_what_was_taken_for_the_same():
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
-    return made(tmp_path_factory.mktemp("visits"))
+    return made(tmp_path_factory)
 
 
 class Context:

@@ -1,0 +1,34 @@
+"""What several tests need and none changes: made by the first process that asks for it, once for all processes of `make test`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from filelock import FileLock
+
+
+def folder(factory: pytest.TempPathFactory) -> Path:
+    """A folder that all processes of this session of pytest have in common, and no other session."""
+    own = factory.getbasetemp()
+    found = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "shared"
+    found.mkdir(exist_ok=True)
+    return found
+
+
+def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path], None]) -> Path:
+    """The path that `make` has filled, in this process or in another. What failed in one fails in all, and is not tried again."""
+    place = folder(factory) / name
+    said = place.with_name(f"{name}.said")
+    with FileLock(place.with_name(f"{name}.lock")):
+        if not said.exists():
+            try:
+                make(place)
+            except BaseException as error:
+                said.write_text(f"{type(error).__name__}: {error}")
+                raise
+            said.touch()
+    assert not said.read_text(), f"{name} could not be made: {said.read_text()}"
+    return place
