@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ovman.perception.encoder import Encoder
 
 Made = TypeVar("Made")
+DEFAULT = "default"
+"""The embodiment of the benchmark."""
 
 
 @dataclass(slots=True, eq=False)
@@ -84,8 +86,9 @@ def hosted(stage: StageSettings, settings: Settings) -> Callable[[Mapping[str, A
 
     def begin(message: Mapping[str, Any]) -> HostedAgent:
         primitives = Primitives.model_validate({name: message[name] for name in Primitives.model_fields})
-        seen = message["camera"]
-        camera = Camera(width_px=seen["width"], height_px=seen["height"], field_of_view_deg=seen["field_of_view_deg"])
+        camera, seen = settings.camera, message["camera"]
+        if arm.embodiment == DEFAULT:  # a body of its own has another camera than the tours, which section `camera` is of
+            camera = Camera(width_px=seen["width"], height_px=seen["height"], field_of_view_deg=seen["field_of_view_deg"])
         own = with_sections(stage, {"camera": dict(camera), "primitives": dict(primitives)})
         drawn = {name: messages.generator(words) for name, words in message["words"].items()}
         context = HostedContext(
