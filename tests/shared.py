@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from filelock import FileLock
+
+from ovman.workflow.locks import held
 
 
 def folder(factory: pytest.TempPathFactory) -> Path:
@@ -22,7 +23,7 @@ def made_once(factory: pytest.TempPathFactory, name: str, make: Callable[[Path],
     """The path that `make` has filled, in this process or in another. What failed in one fails in all, and is not tried again."""
     place = folder(factory) / name
     said = place.with_name(f"{name}.said")
-    with FileLock(place.with_name(f"{name}.lock")):
+    with held(place.with_name(f"{name}.lock")):
         if not said.exists():
             try:
                 make(place)

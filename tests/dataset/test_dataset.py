@@ -42,6 +42,7 @@ from ovman.models.run import Score
 from ovman.models.settings.benchmark import Camera as Lens
 from ovman.models.visit_files import VisitFiles, VisitManifest
 from ovman.perception.backprojection import Camera, pixel_points
+from ovman.processes import HOST
 from ovman.sim.change import World, dynamic
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views
@@ -429,7 +430,7 @@ def test_what_a_killed_making_left_is_cleared(small, tmp_path):
     dead.wait()
     out = tmp_path / "out"
     (out / "runs").mkdir(parents=True)
-    for left in (out / f".croissant.json.{dead.pid}.partial", out / "runs" / f".main.parquet.{dead.pid}.partial"):
+    for left in (out / f".croissant.json.{HOST}.{dead.pid}.partial", out / "runs" / f".main.parquet.{HOST}.{dead.pid}.partial"):
         left.write_bytes(b"half")
     (out / "runs" / "gone.parquet").write_bytes(b"of an earlier release")
     assert small.make(out) == 0

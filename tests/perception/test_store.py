@@ -11,6 +11,7 @@ import pytest
 from ovman.perception.array_file import read_arrays
 from ovman.perception.records import DETECTIONS
 from ovman.perception.store import Store
+from ovman.processes import HOST
 from tests.perception.test_records import detected
 
 CONTENT = "ab" * 32
@@ -103,7 +104,7 @@ def test_flipped_masks_are_noticed(tmp_path, capsys):
 def test_what_a_killed_process_left_goes_and_what_a_living_one_writes_stays(tmp_path):
     place = tmp_path / CONTENT[:2]
     place.mkdir()
-    dead, living = (place / f".{CONTENT}.npz.{process}.partial" for process in (2**30, os.getppid()))
+    dead, living = (place / f".{CONTENT}.npz.{HOST}.{process}.partial" for process in (2**30, os.getppid()))
     for file in (dead, living):
         file.write_bytes(b"half")
     Store(tmp_path).kept(CONTENT, some)

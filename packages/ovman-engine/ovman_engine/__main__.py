@@ -49,7 +49,6 @@ def _serve(wire: Wire, width: int, height: int) -> None:
     from ovman_engine import kernels
     from ovman_engine.engine import Engine
 
-    kernels.without_blas()
     draws = os.environ.get("AI2THOR_SERVER_SIDE_SCREENSHOT", "True") != "False"
     if draws and not kernels.ready():
         log.note("ovman-engine: compiling the rendering kernels, once on this machine, in about half a minute")
@@ -57,7 +56,9 @@ def _serve(wire: Wire, width: int, height: int) -> None:
     engine = Engine(width, height, draws)
     wire.send(engine.first_message())
     while True:
-        wire.send(engine.answer(wire.receive()))
+        request = wire.receive()
+        kernels.without_blas()  # not before the first message, which the client waits for without a time limit
+        wire.send(engine.answer(request))
 
 
 def _size(options: Sequence[str]) -> tuple[int, int]:
