@@ -60,7 +60,7 @@ TRAINING: Mapping[str, tuple[int, int]] = {
     "encoder": (1_440, 8_000),
     "graphs": (30, 4_000),
 }
-"""Minutes and MB of the rules that train and export networks. Not measured by the workflow: their cards say hours on two cores."""
+"""Minutes and MB of the rules that train and export networks. No run of the main job measures them; their cards say hours."""
 
 RULE = re.compile(r"^(?:use )?rule (\w+)(?: as (\w+) with)?:\n(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
 BENCHMARK = re.compile(r'^    benchmark:\n        "benchmarks/(.+)\.tsv"', re.MULTILINE)
