@@ -57,7 +57,7 @@ class Encoder:
         return pictures
 
     def texts(self, phrases: Sequence[str]) -> np.ndarray:
-        """Unit embeddings (N, K) float32 of noun phrases. WeightsError for one that there is no embedding of."""
+        """Unit embeddings (N, K) float32 of noun phrases. WeightsError for one without an embedding."""
         return self._texts(phrases) if len(phrases) else np.zeros((0, self.size), np.float32)
 
 

@@ -53,7 +53,7 @@ class Phrases:
             of = json.loads(str(held["of"]))
             found = Phrases(tuple(map(str, held["phrases"])), held["feature"], of["source"], of["made"])
         except (KeyError, ValueError, TypeError):
-            raise ArrayFileError(f"{path}: it says not what it was made of; make it again with `ovman export`") from None
+            raise ArrayFileError(f"{path}: it does not say what it was made of; make it again with `ovman export`") from None
         if found.feature.shape != (len(found.phrases), *found.feature.shape[-1:]) or found.feature.dtype != np.float32:
             raise ArrayFileError(f"{path}: it has not one embedding a phrase; make it again with `ovman export`")
         return found

@@ -33,7 +33,7 @@ def controller() -> type[Controller]:
 
 @contextmanager
 def _postponed() -> Iterator[None]:
-    """Stand-ins for what is not loaded yet; whoever imports it afterwards gets the module itself."""
+    """Stand-ins for what is not loaded yet; a later import gets the module itself."""
     import_module("ai2thor")
     standing = {name: _stand_in(name, of) for name, of in POSTPONED.items() if name not in sys.modules and find_spec(name)}
     sys.modules.update(standing)

@@ -19,7 +19,6 @@ from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, exporting, networks, towers, weights, yolo
 from ovman.perception.graph import Graph
 from ovman.perception.phrases import Phrases
-from ovman.perception.weights import WeightsError
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
@@ -28,6 +27,7 @@ from ovman.training.localisation import views
 from ovman.workflow import seeds
 from ovman.workflow.config import load
 from tests.perception import ultralytics_own
+from tests.perception.refused import line
 
 MODELS = HOME / "models"
 CONFIG = load(HOME / "config.yaml")
@@ -165,14 +165,6 @@ def settings(tmp_path) -> SimpleNamespace:
     finds = CONFIG.perception.detector.model_copy(update={"weights": str(tmp_path / "detector.onnx")})
     names = CONFIG.perception.encoder.model_copy(update={"weights": str(tmp_path / "encoder.onnx")})
     return SimpleNamespace(device="cpu", trust_pickles=False, detector=finds, encoder=names, folder=tmp_path)
-
-
-def line(call) -> str:
-    with pytest.raises(WeightsError) as caught:
-        call()
-    text = str(caught.value)
-    assert "\n" not in text and text.startswith("perception.") and len(text) < 450
-    return text
 
 
 @pytest.mark.parametrize("kind", ["detector", "encoder"])

@@ -11,18 +11,11 @@ import torch
 from safetensors.torch import save_file
 
 from ovman.perception import weights
-from ovman.perception.weights import SHA256, WeightsError, detector_file, encoder_file, fitting, located, sha256, state
+from ovman.perception.weights import SHA256, detector_file, encoder_file, fitting, located, sha256, state
 from ovman.shipped import HOME
+from tests.perception.refused import line
 
 KEY = "perception.detector"
-
-
-def line(call) -> str:
-    with pytest.raises(WeightsError) as caught:
-        call()
-    text = str(caught.value)
-    assert "\n" not in text and text.startswith("perception.") and len(text) < 450
-    return text
 
 
 @pytest.fixture

@@ -123,7 +123,7 @@ class Results:
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
         """The judged runs of an embodied arm by seed; a release has them in `runs`."""
-        scores = next((made for name in ("scores", "runs") if (made := self.directory / name).is_dir()), self.directory)
+        scores = self.directory / ("scores" if (self.directory / "scores").is_dir() else "runs")
         files = [seed / f"{episode.scene}.jsonl" for seed in sorted((scores / arm).glob("seed*"))]
         if episode.split != MAIN:
             files = [scores / episode.split / f"{arm}.jsonl"]
