@@ -11,6 +11,7 @@ from ovman.analysis.language import What
 from ovman.analysis.taxonomy import LOST, Verdict
 from ovman.models.relation import Relation
 from ovman.models.settings import Arm, Kind, Settings, Source
+from ovman.models.settings.arms import Reading as Handover
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading
 from ovman.report.paper_comparison.paper import Paper
 from ovman.report.paper_comparison.statement import Form
@@ -109,8 +110,12 @@ def _beside(settings: Settings, paper: Paper, kind: Kind) -> list[tuple[str, str
 def _title(arm: Arm) -> str:
     if arm.kind is Kind.EMBODIED:
         return arm.system
-    handed = "positions" if arm.positions is Source.HANDED else "grounding" if arm.grounding is Source.HANDED else ""
-    return f"{arm.system}, {arm.memory}" + (f", {handed} handed over" if handed else "")
+    title = f"{arm.system}, {arm.memory}"
+    if arm.positions is Source.HANDED:
+        return f"{title}, positions handed over"
+    if arm.grounding is Source.HANDED:
+        return f"{title}, grounding handed over" + (f" ({arm.reading})" if arm.reading is not Handover.MAJORITY else "")
+    return title
 
 
 def beside_paper(lines: Sequence[Line], what: str, metrics: Metrics, paper: Paper) -> str:

@@ -32,6 +32,12 @@ EXTREMES = (0.0, 0.5, 1.0, 1000.0)
 each_statement = pytest.mark.parametrize("statement", STATEMENTS, ids=lambda statement: statement.key)
 
 
+def test_no_two_rows_of_a_table_have_one_title():
+    for lines in (comparison.static_lines(CONFIG, PAPER), comparison.embodied_lines(CONFIG, PAPER), comparison.taxonomy_lines(PAPER)):
+        titles = [line.title for line in lines]
+        assert len(set(titles)) == len(titles)
+
+
 def readings(quantities: Iterable[Quantity]) -> Iterator[Reading]:
     """Where the numbers of the quantities are."""
     for quantity in quantities:
