@@ -64,7 +64,8 @@ show: $(READY)
 	@.venv/bin/ovman show "$(EPISODE)"
 
 release: tables $(FULL)
-	@$(SNAKEMAKE) -- results/figures/relations.png results/figures/difficulty.png results/results.md
+	@$(SNAKEMAKE) -- results/episodes/dev.jsonl results/episodes/dev_everyday.jsonl \
+		results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
 	@mkdir -p dist
 	@.venv/bin/python -m ovman.report.release results data/ovman-embedded-v2 dist/ovman-embedded-v2-perceived.tar.xz
