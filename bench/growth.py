@@ -1,14 +1,16 @@
 """How the cost of a run grows with its episodes and scenes. `python bench/growth.py [DIRECTORY] [--plot FILE]`.
 
 DIRECTORY is a working directory in which `make tables` has run from nothing; where it has not, this says so and measures nothing.
-What a job took stands in benchmarks/, in seconds of the processor. A job of one scene knows no other, so that scenes add up;
-what a scene costs is set against its trials (generation) and its episodes (evaluation). What is left are jobs of all scenes.
+What a job took stands in benchmarks/, in seconds of the wall clock: Snakemake looks at a job's processor time every half minute
+alone. A job of one scene knows no other, so that scenes add up; what a scene costs is set against the tours that were recorded
+in it (generation) and its episodes (evaluation). What is left are jobs of all scenes.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import json
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +20,7 @@ import numpy as np
 
 from ovman.models.episode import Episode
 from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, drawing, lettered
+from ovman_engine.plan import floorplan
 
 ROOT = Path(__file__).resolve().parents[1]
 GENERATION = frozenset({"scenes", "candidates", "trials", "admissible", "certified"})
@@ -43,13 +46,14 @@ class Line:
 
 
 def costs(benchmarks: Path, scenes: list[str]) -> Costs:
-    """What the jobs of a run took. A job that was over before anybody looked counts nothing."""
+    """What the jobs of a run took, but for those of scenes that are none of `scenes`."""
     generation, evaluation, pooled = Counter[str](), Counter[str](), 0.0
     for path in sorted(benchmarks.rglob("*.tsv")):
-        rows = list(csv.DictReader(path.open(encoding="utf-8"), delimiter="\t"))
-        seconds = sum(float(row["cpu_time"]) for row in rows if row["cpu_time"] not in ("NA", "-"))
-        if path.stem not in scenes:
+        seconds = sum(float(row["s"]) for row in csv.DictReader(path.open(encoding="utf-8"), delimiter="\t"))
+        if path.stem not in floorplan.names():
             pooled += seconds
+        elif path.stem not in scenes:
+            continue
         elif path.relative_to(benchmarks).parts[0] in GENERATION:
             generation[path.stem] += seconds
         else:
@@ -77,23 +81,24 @@ def main() -> None:
     """Print the lines and the sums; draw them where a file is named."""
     parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
     parser.add_argument("directory", type=Path, nargs="?", default=ROOT)
+    parser.add_argument("--splits", nargs="+", default=["main", "multi", "everyday"], help="those of the run")
     parser.add_argument("--plot", type=Path, help="a .png, beside which a .pdf is written")
     asked = parser.parse_args()
     results = asked.directory / "results"
-    files = [path for path in sorted((results / "episodes").glob("*.jsonl")) if not path.stem.endswith("_sightings")]
+    files = [path for split in asked.splits if (path := results / "episodes" / f"{split}.jsonl").is_file()]
     episodes = Counter(episode.scene for path in files for episode in Episode.load(path))
     if not episodes or not (asked.directory / "benchmarks").is_dir():
         print(f"{asked.directory} has no whole run: make tables, then again")
         return
     scenes = sorted(episodes)
-    trials = np.array([len((results / "trials" / f"{scene}.jsonl").read_text().splitlines()) for scene in scenes], float)
+    tours = np.array([len(json.loads((results / "visits" / f"{scene}.json").read_text())["visits"]) for scene in scenes], float)
     asked_of = np.array([episodes[scene] for scene in scenes], float)
     took = costs(asked.directory / "benchmarks", scenes)
     generation = np.array([took.generation[scene] for scene in scenes])
     evaluation = np.array([took.evaluation[scene] for scene in scenes])
     total = generation.sum() + evaluation.sum() + took.pooled
-    print(f"{len(scenes)} scenes, {trials.sum():.0f} trials, {asked_of.sum():.0f} episodes: {total:.0f} s")
-    panels = {"trials": (trials, generation), "episodes": (asked_of, evaluation)}
+    print(f"{len(scenes)} scenes, {tours.sum():.0f} tours, {asked_of.sum():.0f} episodes: {total:.0f} s")
+    panels = {"tours": (tours, generation), "episodes": (asked_of, evaluation)}
     lines = {of: fit(x, y) for of, (x, y) in panels.items()}
     for of, (x, y) in panels.items():
         line = lines[of]
@@ -105,7 +110,7 @@ def main() -> None:
             for axis, letter, (of, (x, y)), stage in zip(axes, "ab", panels.items(), ("generation", "evaluation"), strict=True):
                 drawn(axis, x, y, lines[of], of)
                 lettered(axis, letter, stage)
-            axes[0].set_ylabel("processor time, s")
+            axes[0].set_ylabel("seconds")
 
 
 if __name__ == "__main__":
