@@ -131,12 +131,14 @@ def environment(*paths: Path) -> dict[str, str]:
     """Environment variables for a process of a released system.
 
     paths: folders that its Python finds modules in, beside its own environment. Nothing of this process's Python environment is
-    handed on, nothing is downloaded, and no bytecode is written into the clone.
+    handed on, nothing is downloaded, and no bytecode is written into the clone. What the process prints is in its log at once,
+    and a crash of native code leaves a stack there: the process may end at any time.
     """
     kept = {name: value for name, value in os.environ.items() if name not in _OF_THIS_PYTHON}
     if paths:
         kept["PYTHONPATH"] = os.pathsep.join(map(str, paths))
-    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
+    python = {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONUNBUFFERED": "1", "PYTHONFAULTHANDLER": "1"}
+    return kept | python | {"HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
 
 
 def linked(directory: Path, *packages: ModuleType) -> Path:
