@@ -88,7 +88,10 @@ def room(root: Path) -> dict[str, object]:
 
 
 class Scripted:
-    """Turns once, and stops."""
+    """Turns once, and stops. device: the runner adds its own to what an agent is made with."""
+
+    def __init__(self, device: object) -> None:
+        self.device = device
 
     def reset(self) -> None:
         self.steps = 0
