@@ -156,6 +156,7 @@ def _end_with_parent() -> None:
     def wait() -> None:
         while os.read(0, 1):
             pass
+        print("the released runner is ended, because the process that waits for it has ended", file=sys.stderr, flush=True)
         os._exit(1)
 
     threading.Thread(target=wait, name="end-with-parent", daemon=True).start()

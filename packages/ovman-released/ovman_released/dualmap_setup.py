@@ -38,6 +38,9 @@ NEEDS = interpreter.Needs(
         "natsort": "natsort",
         "imageio": "imageio",
         "dill": "dill",
+        "sklearn": "scikit-learn",
+        "pympler": "pympler",
+        "tabulate": "tabulate",
     },
     versions={},
     cached={
@@ -47,6 +50,10 @@ NEEDS = interpreter.Needs(
         )
     },
     oldest=OLDEST,
+    imported={
+        "open3d": "it needs the system libraries libusb-1.0, libGL, libgomp and libX11",
+        "rerun": "it needs a pyarrow that takes this NumPy: pyarrow<26",
+    },
 )
 
 

@@ -10,7 +10,7 @@ import os
 import shlex
 import subprocess
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
@@ -23,9 +23,9 @@ TIMEOUT_S = 300.0
 _OF_THIS_PYTHON = ("PYTHONPATH", "PYTHONHOME", "PYTHONNOUSERSITE", "PYTHONSAFEPATH", "VIRTUAL_ENV", "CONDA_PREFIX")
 
 _PROGRAM = """
-import importlib.metadata, importlib.util, json, sys
+import importlib, importlib.metadata, importlib.util, json, sys
 asked = json.loads(sys.argv[1])
-found = {"version": list(sys.version_info[:2]), "modules": {}, "cuda": None, "cached": {}}
+found = {"version": list(sys.version_info[:2]), "modules": {}, "broken": {}, "cuda": None, "cached": {}}
 for name in asked["modules"]:
     try:
         found["modules"][name] = importlib.util.find_spec(name) is not None
@@ -37,6 +37,12 @@ for name in asked["versions"]:
         found["versions"][name] = importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:
         found["versions"][name] = None
+for name in asked["imported"]:
+    if found["modules"][name]:
+        try:
+            importlib.import_module(name)
+        except Exception as error:
+            found["broken"][name] = " ".join(f"{type(error).__name__}: {error}".split())
 if asked["cuda"] and found["modules"].get("torch"):
     import torch
     found["cuda"] = bool(torch.cuda.is_available())
@@ -52,11 +58,13 @@ print("OVMAN " + json.dumps(found))
 
 
 class _Found(Record):
-    """What the program answers: Python's version, which modules are there, versions of packages, whether torch sees a GPU (None
-    where it was not asked), and which repositories of Hugging Face are downloaded."""
+    """What the program answers: Python's version, which modules are there, what importing those raises that cannot be imported,
+    versions of packages, whether torch sees a GPU (None where it was not asked), and which repositories of Hugging Face are
+    downloaded."""
 
     version: tuple[int, int]
     modules: Mapping[str, bool]
+    broken: Mapping[str, str]
     versions: Mapping[str, str | None]
     cuda: bool | None
     cached: Mapping[str, bool]
@@ -68,13 +76,15 @@ class Needs:
 
     modules: by the name that is imported, the package to install. versions: packages that must be of one version. cached: for a
     repository of Hugging Face, groups of files of which one each must have been downloaded; the command that downloads them.
-    oldest: Python that the system's process runs with.
+    oldest: Python that the system's process runs with. imported: of the modules, those that may be there and not work, with the
+    remedy.
     """
 
     modules: Mapping[str, str]
     versions: Mapping[str, str]
     cached: Mapping[str, tuple[Sequence[Sequence[str]], str]]
     oldest: tuple[int, int] = OLDEST
+    imported: Mapping[str, str] = field(default_factory=dict)
 
 
 def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping[str, str] | None = None) -> str | None:
@@ -87,6 +97,7 @@ def lacks(key: str, python: str, device: str, needs: Needs, environment: Mapping
         return f"{key}.python names no interpreter; give that of its own environment"
     asked = {
         "modules": list(needs.modules),
+        "imported": list(needs.imported),
         "versions": list(needs.versions),
         "cuda": device == "cuda",
         "cached": {repository: [list(names) for names in files] for repository, (files, _) in needs.cached.items()},
@@ -116,6 +127,8 @@ def _first(key: str, python: str, device: str, needs: Needs, found: _Found) -> s
     absent = [package for module, package in needs.modules.items() if not found.modules[module]]
     if absent:
         return f"its environment lacks {', '.join(absent)}; run: {pip} {' '.join(absent)}"
+    for module, said in found.broken.items():
+        return f"{module} of its environment cannot be imported ({said}); {needs.imported[module]}"
     for package, wanted in needs.versions.items():
         if found.versions[package] != wanted:
             return f"its environment has {package} {found.versions[package]}; run: {pip} {package}=={wanted}"
@@ -131,12 +144,14 @@ def environment(*paths: Path) -> dict[str, str]:
     """Environment variables for a process of a released system.
 
     paths: folders that its Python finds modules in, beside its own environment. Nothing of this process's Python environment is
-    handed on, nothing is downloaded, and no bytecode is written into the clone.
+    handed on, nothing is downloaded, and no bytecode is written into the clone. What the process prints is in its log at once,
+    and a crash of native code leaves a stack there: the process may end at any time.
     """
     kept = {name: value for name, value in os.environ.items() if name not in _OF_THIS_PYTHON}
     if paths:
         kept["PYTHONPATH"] = os.pathsep.join(map(str, paths))
-    return kept | {"PYTHONDONTWRITEBYTECODE": "1", "HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
+    python = {"PYTHONDONTWRITEBYTECODE": "1", "PYTHONUNBUFFERED": "1", "PYTHONFAULTHANDLER": "1"}
+    return kept | python | {"HF_HUB_OFFLINE": "1", "TRANSFORMERS_OFFLINE": "1"}
 
 
 def linked(directory: Path, *packages: ModuleType) -> Path:

@@ -1,10 +1,11 @@
 """Asks a clone of CoW what it is and does, in the Python of its own environment, without weights: prints one JSON object.
 
-python clone_cow.py constants ROOT | room ROOT | worker ROOT JOB RESULTS
+python clone_cow.py constants ROOT | room ROOT | worker ROOT JOB RESULTS | weights ROOT CACHE
 """
 
 from __future__ import annotations
 
+import gzip
 import json
 import math
 import os
@@ -88,7 +89,10 @@ def room(root: Path) -> dict[str, object]:
 
 
 class Scripted:
-    """Turns once, and stops."""
+    """Turns once, and stops. device: the runner adds its own to what an agent is made with."""
+
+    def __init__(self, device: object) -> None:
+        self.device = device
 
     def reset(self) -> None:
         self.steps = 0
@@ -127,6 +131,45 @@ def worker(root: Path, job: Path, results: Path) -> dict[str, object]:
         **world,
     )
     return {path.stem: json.loads(path.read_text()) for path in sorted(results.glob("*.json"))}
+
+
+def weights(root: Path, cache: Path) -> dict[str, object]:
+    """A small random OWL-ViT with CLIP's vocabulary, in a cache of Hugging Face, as google/owlvit-base-patch32.
+
+    It finds nothing: its boxes are the cells of its grid and its scores far below the threshold, so that the agent explores.
+    """
+    import torch
+    from transformers import OwlViTConfig, OwlViTForObjectDetection
+
+    repository = cache / "hub" / "models--google--owlvit-base-patch32"
+    snapshot = repository / "snapshots" / ("0" * 40)
+    for directory in (snapshot, repository / "refs"):
+        directory.mkdir(parents=True)
+    (repository / "refs" / "main").write_text("0" * 40)
+    with gzip.open(root / "src" / "clip" / "bpe_simple_vocab_16e6.txt.gz", "rt", encoding="utf-8") as file:
+        merges = file.read().split("\n")[1:48895]
+    shown = [*range(33, 127), *range(161, 173), *range(174, 256)]
+    letters = [chr(code) for code in shown] + [chr(256 + k) for k in range(256 - len(shown))]
+    words = letters + [f"{letter}</w>" for letter in letters] + [merge.replace(" ", "") for merge in merges]
+    first, last = "<|startoftext|>", "<|endoftext|>"
+    (snapshot / "vocab.json").write_text(json.dumps({word: k for k, word in enumerate([*words, first, last])}))
+    (snapshot / "merges.txt").write_text("\n".join(["#version: 0.2", *merges, ""]))
+    special = {"bos_token": first, "eos_token": last, "unk_token": last, "pad_token": "!"}
+    tokenizer = special | {"tokenizer_class": "CLIPTokenizer", "model_max_length": 16, "do_lower_case": True}
+    (snapshot / "tokenizer_config.json").write_text(json.dumps(tokenizer))
+    pictures = {"feature_extractor_type": "OwlViTFeatureExtractor", "size": 768, "do_resize": True, "do_center_crop": False}
+    (snapshot / "preprocessor_config.json").write_text(json.dumps(pictures))
+    torch.manual_seed(0)
+    small = {"hidden_size": 32, "intermediate_size": 64, "num_hidden_layers": 2, "num_attention_heads": 4}
+    text = small | {"vocab_size": len(words) + 2, "max_position_embeddings": 16}
+    vision = small | {"image_size": 768, "patch_size": 32}
+    made = OwlViTForObjectDetection(OwlViTConfig(text_config=text, vision_config=vision, projection_dim=32))
+    with torch.no_grad():
+        for name, values in made.named_parameters():
+            if name.startswith(("box_head.dense2", "class_head.logit")):
+                values.fill_(-9.0 if name == "class_head.logit_shift.bias" else 0.0)
+    made.save_pretrained(snapshot)
+    return {"files": sorted(path.name for path in snapshot.iterdir())}
 
 
 class Event:
@@ -170,5 +213,5 @@ class Fake:
 
 if __name__ == "__main__":
     ask, *places = sys.argv[1:]
-    said = {"constants": constants, "room": room, "worker": worker}[ask](*map(Path, places))
+    said = {"constants": constants, "room": room, "worker": worker, "weights": weights}[ask](*map(Path, places))
     print("\nOVMAN " + json.dumps(said))

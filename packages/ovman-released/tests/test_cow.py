@@ -305,8 +305,10 @@ def test_the_runners_process_ends_with_the_process_that_waits_for_it(tmp_path):
         [sys.executable, "-c", program],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
         env=environment(linked(tmp_path / "packages", ovman, ovman_released)),
     )
     assert process.stdout.readline() == b"1\n" and process.poll() is None
     process.stdin.close()
     assert process.wait(30) == 1
+    assert b"because the process that waits for it has ended" in process.stderr.read()

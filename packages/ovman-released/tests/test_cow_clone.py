@@ -13,10 +13,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from episodes import released
 from settings_of import PACKAGE, settings_of
 from settings_of import ROOT as REPOSITORY_ROOT
 
-from ovman_released.cow import NEEDS, REPOSITORY
+from ovman.workflow.journal import Journal
+from ovman.workflow.parameter import stage_settings
+from ovman_released.cow import NEEDS, REPOSITORY, missing, passed
 from ovman_released.cow_results import Walk
 from ovman_released.interpreter import environment
 from ovman_released.settings import released_cow
@@ -107,6 +110,22 @@ def served(tmp_path: Path, root: Path, python: str, path: Path | None = None) ->
 @real
 def test_its_runner_serves_a_target_that_is_there_and_one_that_is_not(tmp_path):
     served(tmp_path, Path(ROOT).absolute(), os.environ.get("COW_PYTHON", sys.executable))
+
+
+@real
+def test_episodes_come_to_their_end_as_the_workflow_runs_them(tmp_path, monkeypatch):
+    """With a network of the same class that finds nothing, on the real engine: to the end of a budget of 14 actions."""
+    assert "model.safetensors" in of_clone("weights", tmp_path / "cache")["files"]
+    monkeypatch.setenv("HF_HOME", str(tmp_path / "cache"))
+    python = os.environ.get("COW_PYTHON", sys.executable)
+    given = {"root": str(Path(ROOT).absolute()), "python": python, "device": "cpu", "budget": 14}
+    constants = stage_settings(settings_of("cow", released_cow=given), "released_cow")
+    assert missing(constants) is None
+    episodes = [released("FloorPlan429/moved/0000"), released("FloorPlan429/removed/0002")]
+    rollouts = passed(episodes, 0, constants, Journal(tmp_path / "journal.jsonl"))
+    assert [(one.episode, one.outcome, one.actions) for one in rollouts] == [(one.id, "budget", 14) for one in episodes]
+    # Nine turns on the spot, then it explores.
+    assert all(one.path_length_m > 0 for one in rollouts)
 
 
 def test_the_stand_in_passes_the_same_test(tmp_path):

@@ -22,7 +22,9 @@ from ovman_released.dualmap_setup import REPOSITORY, Installation
 from ovman_released.settings import released_dualmap
 
 ROOT = os.environ.get("DUALMAP_ROOT", "")
-pytestmark = pytest.mark.skipif(not ROOT, reason="DUALMAP_ROOT names no clone of DualMap")
+LIMIT_S = 1200.0
+"""Of one run. The tests have longer, so that the wrapper's own line says what was slow."""
+pytestmark = [pytest.mark.skipif(not ROOT, reason="DUALMAP_ROOT names no clone of DualMap"), pytest.mark.timeout(3 * LIMIT_S)]
 HERE = Installation(
     Path(ROOT).absolute(),
     Path(os.environ.get("DUALMAP_PYTHON") or sys.executable),
@@ -45,9 +47,8 @@ def walk() -> list[Camera]:
 def mapped(directory: Path, kind: str, boxes: list[Box], preload: Path | None = None):
     write_visit(directory / "v", (view(boxes, camera, 600, 600) for camera in walk()), 0.0)
     settings = join([directory / "v"], directory / "joined", "FloorPlan1")
-    return run(
-        HERE, Policy(kind, "first_only", "cpu", 1200.0, seed=0), settings, "FloorPlan1", ["sofa"], directory / "run", preload
-    )
+    policy = Policy(kind, "first_only", "cpu", LIMIT_S, seed=0)
+    return run(HERE, policy, settings, "FloorPlan1", ["sofa"], directory / "run", preload)
 
 
 def test_it_is_the_pinned_commit():

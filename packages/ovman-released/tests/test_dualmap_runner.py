@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import ast
+import os
 import shutil
 import subprocess
 import sys
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -136,6 +139,43 @@ def test_a_run_that_hangs_is_killed(tmp_path):
         run(HERE, policy(limit_s=2.0), sequence(tmp_path, "hangs"), "hangs", NOUNS, tmp_path / "run")
     said = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
     assert str(tmp_path) not in said
+
+
+def test_what_a_killed_run_had_said_is_in_its_log(tmp_path, monkeypatch):
+    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
+    with pytest.raises(RunError, match="hangs: ended after 6 s"):
+        run(HERE, policy(limit_s=6.0), sequence(tmp_path, "hangs"), "hangs", NOUNS, tmp_path / "run")
+    said = (tmp_path / "run" / "dualmap.log").read_text()
+    assert "Use FastSAM" in said and "frame 1 of 12" in said
+
+
+def test_a_run_that_nobody_waits_for_any_more_ends_and_says_so(tmp_path):
+    """Its runner was killed with all that it was part of: a test, a job, a shell."""
+    settings = sequence(tmp_path, "hangs")
+    program = (
+        "import sys; from pathlib import Path; import test_dualmap_runner as here; "
+        "settings, directory = map(Path, sys.argv[1:]); "
+        "here.run(here.HERE, here.policy(), settings, 'hangs', here.NOUNS, directory)"
+    )
+    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
+    runner = subprocess.Popen([sys.executable, "-c", program, str(settings), str(tmp_path / "run")], env=env)
+    log, error = tmp_path / "run" / "dualmap.log", tmp_path / "run" / "error.txt"
+    try:
+        until(lambda: log.is_file() and "frame 1 of 12" in log.read_text())
+    finally:
+        runner.kill()
+        runner.wait()
+    until(error.is_file)
+    assert error.read_text() == "ended without a map, because the process that started it has ended\n"
+    until(lambda: str(tmp_path) not in subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout)
+
+
+def until(there: Callable[[], bool]) -> None:
+    for _ in range(300):
+        if there():
+            return
+        time.sleep(0.1)
+    raise TimeoutError("it did not come in 30 s")
 
 
 def test_the_clone_stays_as_it_was(tmp_path):

@@ -11,6 +11,8 @@ from settings_of import PACKAGE, settings_of
 
 from ovman_released import dualmap_setup
 from ovman_released.dualmap_setup import NEEDS, WEIGHTS, environment, lacks, missing_weights
+from ovman_released.interpreter import Needs
+from ovman_released.interpreter import lacks as lacks_of
 from ovman_released.plugin import ReleasedDualmap
 from ovman_released.settings import released_dualmap
 
@@ -49,6 +51,17 @@ def test_then_the_interpreter_is_asked(clone):
     assert line.startswith("its environment lacks ") and "hydra-core" in line and sys.executable in line and "\n" not in line
 
 
+@pytest.mark.parametrize("module", NEEDS.imported)
+def test_a_module_that_is_there_and_does_not_work_is_missing(tmp_path, module):
+    """As open3d is without the system's libraries, and rerun with a pyarrow that asks for a later NumPy."""
+    (tmp_path / f"{module}.py").write_text("raise ImportError('it asks for\\nwhat is not there')")
+    needs = Needs({module: module}, {}, {}, imported={module: NEEDS.imported[module]})
+    line = lacks_of("released_dualmap", sys.executable, "cpu", needs, environment() | {"PYTHONPATH": str(tmp_path)})
+    why = "ImportError: it asks for what is not there"
+    assert line == f"{module} of its environment cannot be imported ({why}); {NEEDS.imported[module]}"
+    assert set(NEEDS.imported) <= set(NEEDS.modules)
+
+
 def test_then_the_weights(clone, monkeypatch):
     root, head = clone
     monkeypatch.setattr(dualmap_setup.interpreter, "lacks", lambda *arguments: None)
@@ -71,5 +84,6 @@ def test_the_page_sets_up_what_is_looked_for():
     page = (PACKAGE / "README.md").read_text()
     for what in (*NEEDS.modules.values(), *NEEDS.cached, *WEIGHTS, COMMIT, dualmap_setup.REPOSITORY, "3rdparty/mobileclip"):
         assert what in page, what
+    assert '"pyarrow<26"' in page and all(library in page for library in ("libusb-1.0", "libGL", "libgomp", "libX11"))
     for name in ("guard", "maintained", "side_px", "time_limit_s"):
         assert f"| `{name}`" in page, name

@@ -15,6 +15,9 @@ import numpy as np
 
 from . import guard, objects
 
+SAID = 50
+"""Frames between two lines of the log."""
+
 
 class RunError(Exception):
     """A run that cannot be made; one line that says what is missing and how to get it."""
@@ -80,6 +83,8 @@ def _walk(system: Any, settings: Any) -> tuple[int, int, dict[str, tuple[int, in
     process = system.parallel_process if settings.use_parallel else system.sequential_process
     keyframes = 0
     for number, seconds in enumerate(data.time_stamps):
+        if number % SAID == 0:
+            print(f"frame {number + 1} of {len(data.time_stamps)}")
         pose = np.asarray(data.poses[number])
         if not system.check_keyframe(seconds, pose):
             continue

@@ -47,8 +47,8 @@ class RobothorChallenge:
     ):
         RobothorChallenge.setup_env()
         assert env_type.name == "NORMAL" and str(device) == "cpu" and no_grad and not test and class_remap is None
+        agent = agent_class(device=device, **agent_kwargs)
         controller = ai2thor.controller.Controller(commit_id="0" * 40, x_display="0.0", **controller_kwargs)
-        agent = agent_class(**agent_kwargs)
         controller.step(action="SetRandomSeed", seed=seed)
         while True:
             try:
@@ -63,8 +63,8 @@ class RobothorChallenge:
                 **e["initial_position"],
                 "rotation": {"x": 0, "y": e["initial_orientation"], "z": 0},
             }
-            controller.step(action=start | {"horizon": 0, "standing": True})
             controller.step("SetObjectFilter", objectIds=[e["object_id"]])
+            controller.step(action=start | {"horizon": 0, "standing": True})
             agent.reset()
             trajectory, taken, seen, stopped = [pose(controller.last_event)], [], False, False
             while len(taken) < max_steps and not stopped:

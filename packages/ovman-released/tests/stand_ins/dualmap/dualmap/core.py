@@ -21,6 +21,7 @@ torch = import_module("torch")
 
 class Dualmap:
     def __init__(self, settings):
+        print("Use FastSAM for OV?            : False")
         self.settings, self.stop_thread, self._keyframe, self._last = settings, False, 0, None
         threading.Thread(target=self._monitor).start()
         self.detector = detectors.Detector(settings)

@@ -9,7 +9,8 @@ from .localization.clip_owl import ClipOwl
 
 
 class Agent:
-    def __init__(self, threshold, prompts_path, classes, classes_clip, center_only, fail_stop):
+    def __init__(self, threshold, prompts_path, classes, classes_clip, center_only, fail_stop, device):
+        assert str(device) == "cpu"
         assert threshold == 0.125 and center_only and fail_stop and Path(prompts_path).is_file()
         self.clip_module = ClipOwl(classes, classes_clip)
         self.episodes = 0
