@@ -21,6 +21,8 @@ ROOT = Path(__file__).resolve().parents[2]
 EXPLAINED = Path(__file__).with_name("survivors.toml")
 NOTICED = frozenset({"killed", "timeout", "segfault", "suspicious", "caught by type check"})
 """States in which the tests tell a mutant from the code; mutmut calls an unusual exit of pytest suspicious."""
+UNREACHED = "no tests"
+"""The state of a mutant of a function that no selected test reaches."""
 
 
 @dataclass(frozen=True, order=True)
@@ -57,6 +59,16 @@ def read_explained(file: Path = EXPLAINED) -> dict[Mutant, str]:
     return explained
 
 
+def read_elsewhere(file: Path = EXPLAINED) -> dict[str, str]:
+    """The tests that run each function which no selected test reaches. Raises ValueError for tests that are not there."""
+    elsewhere: dict[str, str] = {}
+    for entry in tomllib.loads(file.read_text()).get("elsewhere", []):
+        if not (ROOT / entry["tests"]).exists():
+            raise ValueError(f"{file.name}: {entry['tests']} is not there")
+        elsewhere |= dict.fromkeys(entry["functions"], entry["tests"])
+    return elsewhere
+
+
 def compare(survivors: Iterable[Mutant], explained: Iterable[Mutant]) -> Comparison:
     """Both sides without what they share, sorted."""
     found, known = set(survivors), set(explained)
@@ -74,7 +86,7 @@ def changed_line(function: str, diff: str) -> Mutant:
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one mutant. function: its dotted name; state: as mutmut says; survivor: None where the tests noticed it."""
+    """What became of one mutant. function: its dotted name; state: as mutmut says; survivor: None where the tests noticed or never reached it."""
 
     package: str
     function: str
@@ -102,7 +114,8 @@ def results(pattern: str) -> Iterator[Result]:
             state = status_by_exit_code[exit_code]
             method, owner = orig_function_and_class_names_from_key(name)
             function = ".".join(part for part in (module, owner, method) if part)
-            survivor = None if state in NOTICED else changed_line(function, get_diff_for_mutant(name, path=path))
+            known = state in NOTICED or state == UNREACHED
+            survivor = None if known else changed_line(function, get_diff_for_mutant(name, path=path))
             yield Result(str(path.parent), function, state, survivor)
 
 
@@ -137,7 +150,12 @@ def main(arguments: list[str] | None = None) -> int:
     for title, mutants in (("without an explanation", comparison.unexplained), ("explained, but no survivor", comparison.stale)):
         for mutant in mutants:
             print(f"\n{title}: {mutant}")
-    return 1 if comparison.unexplained or comparison.stale else 0
+    elsewhere = {name for name in read_elsewhere() if options.only == "*" or name in tried}
+    unreached = {result.function for result in found if result.state == UNREACHED}
+    for title, names in (("reached by no test", unreached - elsewhere), ("elsewhere, but reached", elsewhere - unreached)):
+        for name in sorted(names):
+            print(f"\n{title}: {name}")
+    return 1 if comparison.unexplained or comparison.stale or unreached != elsewhere else 0
 
 
 if __name__ == "__main__":

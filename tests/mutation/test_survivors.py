@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.mutation.survivors import Comparison, Mutant, changed_line, compare, read_explained
+from tests.mutation.survivors import Comparison, Mutant, changed_line, compare, read_elsewhere, read_explained
 
 KNOWN, NEW, KILLED = (Mutant("ovman.task.answer.answer", "return a", f"return {x}") for x in "bcd")
 
@@ -31,3 +31,11 @@ def test_each_explained_survivor_has_one_reason(tmp_path):
     file.write_text(entry.format(" "))
     with pytest.raises(ValueError, match="f has no reason"):
         read_explained(file)
+
+
+def test_functions_that_other_tests_run_name_tests_that_are_there(tmp_path):
+    assert all(name.startswith("ovman.") for name in read_elsewhere())
+    file = tmp_path / "survivors.toml"
+    file.write_text('[[elsewhere]]\nfunctions = ["ovman.task.answer.answer"]\ntests = "tests/nowhere"\n')
+    with pytest.raises(ValueError, match="tests/nowhere is not there"):
+        read_elsewhere(file)
