@@ -86,7 +86,7 @@ def changed_line(function: str, diff: str) -> Mutant:
 
 @dataclass(frozen=True)
 class Result:
-    """What became of one mutant. function: its dotted name; state: as mutmut says; survivor: None where the tests noticed or never reached it."""
+    """What became of one mutant. function: its dotted name; state: as mutmut says; survivor: None where noticed or unreached."""
 
     package: str
     function: str
