@@ -59,6 +59,8 @@ def _write(
     runs = runs_of_arms(judged, settings)
     for one in evaluations:
         runs += runs_of_evaluation(Path(one), episode, settings)
+    # One path an arm and seed: an evaluation's own run stands for the one that the results have.
+    drawn = {(run.arm, run.seed): (run, of) for run, of in runs}
     write(
         path,
         episode,
@@ -66,7 +68,7 @@ def _write(
         _tours(results, episode, cache),
         reasonings(results, episode, settings),
         static_rows(results, episode),
-        list(traced(runs, episode)),
+        list(traced(list(drawn.values()), episode)),
         settings,
     )
 

@@ -47,11 +47,6 @@ def released_lines(scene=SCENE):
     return [line for seed in SEEDS for line in lines(DATA / "runs" / ARM / f"seed{seed}" / f"{scene}.jsonl")]
 
 
-def untraced(path):
-    """The lines of a file of runs without the traces, which the release does not hold."""
-    return [re.sub(r',"trace":"[FLR]*[SA]?"', "", line) for line in lines(path)]
-
-
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory, tours):
     """The evaluation of the arm on the scene, never disturbed."""
@@ -61,7 +56,7 @@ def whole(tmp_path_factory, tours):
 
 
 def test_the_runs_are_the_released_ones(whole):
-    assert untraced(whole / "runs.jsonl") == released_lines()
+    assert lines(whole / "runs.jsonl") == released_lines()
     assert {path.name for path in whole.iterdir() if not path.name.startswith(".")} == FILES
 
 
@@ -104,12 +99,12 @@ def test_a_second_tour_of_its_own_and_what_moves_are_as_released(tmp_path, tours
     """Of the split with other light and sensors that err, and an episode in which the answer moves."""
     assert evaluated(tmp_path / "days", tours, "--arm", ARM, "--split", "everyday", "--scenes", SCENE, "--seeds", "0") == 0
     theirs = [run for run in Score.read(DATA / "runs" / "everyday" / f"{ARM}.jsonl") if run.episode.startswith(f"{SCENE}/")]
-    ours = [run.model_copy(update={"trace": None}) for run in Score.read(tmp_path / "days" / "runs.jsonl")]
+    ours = Score.read(tmp_path / "days" / "runs.jsonl")
     assert ours == [run for run in theirs if run.seed == 0] and len(ours) == 4
     moving = next(episode for episode in of_scene("FloorPlan7") if episode.relation is Relation.MOVING)
     (tmp_path / "one.jsonl").write_text(moving.to_line())
     assert evaluated(tmp_path / "moving", tours, "--arm", ARM, "--episodes", str(tmp_path / "one.jsonl")) == 0
-    runs = untraced(tmp_path / "moving" / "runs.jsonl")
+    runs = lines(tmp_path / "moving" / "runs.jsonl")
     assert runs == [line for line in released_lines("FloorPlan7") if f'"{moving.id}"' in line] and len(runs) == 3
 
 

@@ -139,7 +139,8 @@ def weights(root: Path, cache: Path) -> dict[str, object]:
     It finds nothing: its boxes are the cells of its grid and its scores far below the threshold, so that the agent explores.
     """
     import torch
-    from transformers import OwlViTConfig, OwlViTForObjectDetection
+
+    transformers = import_module("transformers")  # the clone's environment has it
 
     repository = cache / "hub" / "models--google--owlvit-base-patch32"
     snapshot = repository / "snapshots" / ("0" * 40)
@@ -163,7 +164,9 @@ def weights(root: Path, cache: Path) -> dict[str, object]:
     small = {"hidden_size": 32, "intermediate_size": 64, "num_hidden_layers": 2, "num_attention_heads": 4}
     text = small | {"vocab_size": len(words) + 2, "max_position_embeddings": 16}
     vision = small | {"image_size": 768, "patch_size": 32}
-    made = OwlViTForObjectDetection(OwlViTConfig(text_config=text, vision_config=vision, projection_dim=32))
+    made = transformers.OwlViTForObjectDetection(
+        transformers.OwlViTConfig(text_config=text, vision_config=vision, projection_dim=32)
+    )
     with torch.no_grad():
         for name, values in made.named_parameters():
             if name.startswith(("box_head.dense2", "class_head.logit")):
