@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 
 from ovman.agents.reference.reasoning import two_visits
 from ovman.analysis.appearance import ALL, APART, VARIANTS, Appearance, appearances, asked, pairs_of
-from ovman.analysis.cue_weights import Pairs, alone, fitted, grid, separation
+from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, grid, separation
 from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
 from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Evidence
@@ -52,6 +52,21 @@ def test_fitted_weights_are_shares_and_no_point_of_the_grid_tells_more(seed, cue
     for shares in grid(len(cues), 0.25):
         assert separation(some, replace(weights, by_cue=dict(zip(cues, shares, strict=True)))) <= best
     assert best >= separation(some, alone(CLIP))
+
+
+def test_shares_weigh_the_scaled_disagreements():
+    weights = Weights({CLIP: 0.25, HISTOGRAM: 0.75}, {CLIP: 1.0, HISTOGRAM: 2.0})
+    found = weights.combined({CLIP: np.array([4.0, 0.0]), HISTOGRAM: np.array([2.0, 1.0])})
+    assert found.tolist() == [4.0, 1.5]
+    assert alone(CLIP) == Weights({CLIP: 1.0}, {CLIP: 1.0})
+
+
+def test_a_cue_is_taken_as_it_is_where_nothing_is_fitted_or_scaled():
+    some = pairs(0, 200, histogram=5.0)
+    as_it_is, least = dict.fromkeys(CUES, 1.0), min(some.counts)
+    assert fitted(some, CUES, 0.25, least + 1) == Weights({cue: float(cue == CLIP) for cue in CUES}, as_it_is)
+    assert fitted(some, CUES, 0.25, least).by_cue[HISTOGRAM] > 0.0
+    assert fitted(some, CUES, 0.25, least, equal_scales=False).scale == as_it_is
 
 
 def test_the_grid_has_every_whole_part_once():

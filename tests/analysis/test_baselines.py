@@ -11,11 +11,11 @@ from hypothesis import strategies as st
 
 from ovman.analysis.comparisons import among
 from ovman.analysis.own_task import own_task
-from ovman.analysis.pairings import pairings
+from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Interval, embodied_rates, expected_range, poisson_binomial_range, static_rates
-from ovman.analysis.scenes import scenes
+from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.significance import Method, significance
-from ovman.analysis.spread import passes
+from ovman.analysis.spread import Pass, passes
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import Verdict, taxonomy
 from ovman.models.settings import Kind, Pair
@@ -169,6 +169,16 @@ def test_a_maintained_map_that_is_picked_from_is_tested_as_a_pick():
     assert [row.difference for row in whole] == pytest.approx([(2 - 1.75) / 4, (2 - 1.25) / 4])
 
 
+def test_a_pairing_says_which_run_met_which():
+    outcomes = runs_of(READINGS.arm, [[1, 1, 1]]) + runs_of(READINGS.baseline, [[1, 1, 1], [1, 0, 0]])
+    whole = [row for row in pairings(outcomes, [READINGS])[0] if row.relation == "all"]
+    titled = (READINGS.name, READINGS.arm, READINGS.baseline, 0)
+    assert whole == [
+        Pairing(*titled, 0, "all", 3, 3, 3.0, 0.0, 0.0, 0.0, Method.MCNEMAR, 1.0, None),
+        Pairing(*titled, 1, "all", 3, 3, 1.0, 2 / 3, 2.0, 0.0, Method.MCNEMAR, 0.5, None),
+    ]
+
+
 def test_runs_over_other_episodes_are_refused():
     outcomes = runs_of(READINGS.arm, [[1, 0]]) + runs_of(READINGS.baseline, [[1, 0, 1]])
     with pytest.raises(ValueError, match="not over the same episodes"):
@@ -206,6 +216,11 @@ def test_own_tasks_are_by_seed_and_never_of_some_runs_alone():
         own_task([replace(outcomes[0], own_success=None), *outcomes[1:]])
 
 
+def test_an_arm_without_a_task_of_its_own_has_no_rows_and_hides_no_other():
+    outcomes = [embodied("two_visits_embodied", 0, True), embodied("cow", 0, False, own_success=True)]
+    assert [(row.arm, row.relation) for row in own_task(outcomes)] == [("cow", "moved"), ("cow", "all")]
+
+
 # Seeds and scenes.
 
 
@@ -240,3 +255,19 @@ def test_scenes_add_up_to_all_for_static_and_embodied_arms_alike():
         of_arm = [row for row in rows if row.arm == arm]
         assert sum(row.n for row in of_arm) == whole.n == 14 and {row.seeds for row in of_arm} == {2}
         assert math.fsum(row.rate * row.n for row in of_arm) / 14 == pytest.approx(whole.rate)
+
+
+def test_a_pass_and_a_scene_say_what_they_count():
+    answers = [static("answers", 6 * i, (i + seed) % 3 == 0, seed=seed) for seed in (0, 1) for i in range(4)]
+    drives = [embodied("drives", 6 * i, i < 3) for i in range(4)]
+    assert passes(answers, drives) == [
+        Pass(kind, arm, relation, seed, 4, successes, successes / 4)
+        for kind, arm, found in ((Kind.STATIC, "answers", (2.0, 1.0)), (Kind.EMBODIED, "drives", (3.0,)))
+        for relation in ("moved", "all")
+        for seed, successes in enumerate(found)
+    ]
+    several, single = wilson_interval(1.5, 4, 0.5), wilson_interval(3, 4, 0.5)
+    assert scenes(answers, drives, 0.5) == [
+        SceneRate(Kind.STATIC, "answers", "FloorPlan1", 4, 2, 3.0, 0.375, *several, Interval.WILSON, 0.5, 0.25, 0.5),
+        SceneRate(Kind.EMBODIED, "drives", "FloorPlan1", 4, 1, 3.0, 0.75, *single, Interval.WILSON, 0.5, None, None),
+    ]

@@ -8,8 +8,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from ovman.analysis.budget import budget
-from ovman.analysis.difficulty import By, difficulty, natural
+from ovman.analysis.budget import ANSWER_GIVEN, Step, budget
+from ovman.analysis.difficulty import By, Difficulty, difficulty, natural
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import localised
 from ovman.analysis.navigation import Navigation, navigation
@@ -19,6 +19,7 @@ from ovman.analysis.rates import (
     by_arm,
     by_relation,
     by_seed,
+    chances,
     embodied_rate,
     embodied_rates,
     expected_range,
@@ -81,6 +82,12 @@ def test_the_poisson_binomial_by_hand():
     for wrong in (NEXT(0.0, -1.0), NEXT(1.0, 2.0), math.nan):
         with pytest.raises(ValueError, match="is no probability"):
             poisson_binomial([0.5, float(wrong)])
+
+
+def test_a_tail_is_a_probability_to_the_last_bit():
+    """Where rounding makes the terms sum to less than 1, or to more."""
+    assert math.fsum(poisson_binomial([0.61, 0.13])) < 1.0 == poisson_binomial_tail([0.61, 0.13], 0)
+    assert math.fsum(poisson_binomial([1.0, 0.97, 0.22])[1:]) > 1.0 == poisson_binomial_tail([1.0, 0.97, 0.22], 1)
 
 
 def test_holms_correction_by_hand():
@@ -226,6 +233,12 @@ def test_an_arm_with_several_runs_is_counted_run_by_run():
     assert [(r.seed, r.episodes, r.n) for r in rows] == [(1, 0, 1), (2, 1, 1)]
 
 
+def test_an_arm_behind_a_stochastic_pick_is_counted():
+    outcomes = [static("pick", 0, 0.5, "expected"), static("arm", 0, 1), static("other", 0, 0, "abstained")]
+    rows = [row for row in taxonomy(outcomes, [], R, NEAR) if row.episodes and row.relation == "all"]
+    assert rows == [TaxonomyCount("arm", "success", "all", 1, 1), TaxonomyCount("other", "abstain", "all", 1, 1)]
+
+
 # --- significance ---------------------------------------------------------------------------------
 
 PAIR = Pair(name="ours against theirs", arm="ours", baseline="theirs")
@@ -270,6 +283,36 @@ def test_the_answer_given_reaches_every_episode_and_is_tested_against_the_rung_b
     assert (last.gain, last.p) == (pytest.approx(6 / 7), mcnemar_exact(6, 0))
 
 
+def test_a_rung_has_the_rate_of_its_arm_and_the_test_against_the_rung_below():
+    outcomes = [static("low", 6 * k, k < 1) for k in range(7)] + [static("high", 6 * k, k > 0) for k in range(7)]
+    compared, _ = significance(outcomes, [], [Pair(name="a rung", arm="high", baseline="low")])
+    steps = [step for step in budget(static_rates(outcomes, 0.5), compared, {"low": "L", "high": "H"}) if step.relation == "all"]
+    low, high = wilson_interval(1, 7, 0.5), wilson_interval(6, 7, 0.5)
+    assert steps == [
+        Step("L", "low", "all", 7, 1, 1 / 7, *low),
+        Step("H", "high", "all", 7, 6, 6 / 7, *high, 6 / 7 - 1 / 7, 6, 1, 2 * 8 / 128),
+        Step(ANSWER_GIVEN, None, "all", 7, 7, 1.0, None, None, 1.0 - 6 / 7, 1, 0, 1.0),
+    ]
+
+
+def test_a_group_has_the_rate_of_its_arm_at_the_confidence_asked_for():
+    outcomes = [static("arm", k, k < 3, scene="FloorPlan7") for k in range(4)]
+    low, high = wilson_interval(3, 4, 0.5)
+    assert difficulty(outcomes, 0.5) == [
+        Difficulty(by, group, "arm", 4, 3.0, 0.75, low, high, Interval.WILSON, 0.5)
+        for by, group in ((By.INSTANCES, "2"), (By.SCENE, "FloorPlan7"))
+    ]
+
+
+def test_chances_are_means_of_one_over_the_counts_of_an_episode():
+    outcomes = [static("arm", k, 1, instances=n, alike=m) for k, n, m in ((0, 2, 1), (6, 4, 5), (1, 5, 4))]
+    first, second = ROUND[0].value, ROUND[1].value
+    found = chances({outcome.episode: outcome for outcome in outcomes})
+    assert found.keys() == {first, second, "all"} and chances({}) == {}
+    assert found[first] == pytest.approx((0.375, 0.6)) and found[second] == pytest.approx((0.2, 0.25))
+    assert found["all"] == pytest.approx((0.95 / 3, 1.45 / 3))
+
+
 def test_categories_with_many_instances_are_one_group():
     outcomes = [static("arm", k, 1, instances=count) for k, count in enumerate((2, 3, 4, 5))]
     rows = [row for row in difficulty(outcomes, 0.95) if row.by is By.INSTANCES]
@@ -306,3 +349,22 @@ def test_only_an_arm_that_is_executed_has_one_answer_an_episode():
     assert [row.lost for row in navigation(several, runs, arms)] == [0, 0]
     with pytest.raises(ValueError, match="answers has answers under several seeds"):
         navigation([static("answers", 0, 1, seed=seed) for seed in (0, 1)], runs, arms)
+
+
+def test_a_row_of_navigation_sets_the_runs_of_an_arm_beside_the_answers_that_it_executes():
+    arms = [ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="answers")]
+    answers = [static("answers", 6 * k, k < 5) for k in range(8)]
+    runs = [embodied("driven", 6 * k, k >= 4, 17, spl=0.5) for k in range(8)]
+    assert navigation(answers, runs, arms) == [
+        Navigation("driven", 17, relation, 8, 4, 0.5, 0.25, 0.5, "answers", 5.0, 4, 3, 1.0)
+        for relation in (ROUND[0].value, "all")
+    ]
+    (*_, whole) = navigation([static("answers", 6 * k, 1) for k in range(8)], runs, arms)
+    assert (whole.lost, whole.gained, whole.p) == (4, 0, 2 / 16)
+
+
+def test_pixels_are_objects_of_the_scene_or_none(tmp_path):
+    scene = TrueScene.load(write_scene(tmp_path))
+    ids = scene.ids(np.array([[0, 1, 2], [3, 2, 0]], np.uint16), ["wall|1", "Vase|1", "Sofa|1"])
+    assert [one.id for one in scene.objects[:2]] == ["Sofa|1", "Vase|1"]
+    assert ids.dtype == np.int32 and ids.tolist() == [[-1, -1, 1], [0, 1, -1]]

@@ -82,6 +82,18 @@ def test_chances_are_means_of_one_over_the_instances_or_the_changes_alike_of_eac
             assert row.chance_of_change == pytest.approx(sum(1 / (1 + n % 4) for n in numbers) / len(numbers))
 
 
+def test_a_row_is_the_rate_of_an_arm_beside_both_chances(files):
+    directory, _ = files
+    judged = Judged("main", Kind.EMBODIED, directory / "embodied_rates.csv", directory / "embodied_outcomes.csv")
+    for row in controls.controlled(judged, CONSTANTS):
+        assert (row.chance, row.chance_of_change) == (0.5, 1.0)
+
+
+def test_every_file_of_rates_has_its_outcomes(tmp_path):
+    with pytest.raises(ValueError, match="zip"):
+        controls.judged_splits([tmp_path / "static_rates.csv"], [])
+
+
 def test_what_contradicts_itself_is_one_line(files, tmp_path):
     directory, _ = files
     one = Judged("main", Kind.STATIC, directory / "static_rates.csv", directory / "multi_outcomes.csv")

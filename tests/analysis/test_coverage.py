@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis import coverage, frames
-from ovman.analysis.coverage import STEPS, Coverage, covered
+from ovman.analysis.controls import Judged
+from ovman.analysis.coverage import STEPS, Coverage, covered, of_split
 from ovman.analysis.outcomes import StaticOutcome
+from ovman.analysis.statistics import wilson_interval
 from ovman.models.settings import Kind
 from ovman.report.figures import coverage as figure
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
@@ -45,6 +47,26 @@ def test_who_is_sure_of_what_is_right_gains_by_silence():
     assert [row.rate for row in rows if row.coverage <= 0.5] == [1.0] * (STEPS // 2) and rows[-1].rate == 0.5
     inverse = covered("main", outcomes(SURE, [(n / 100, n < 50) for n in range(100)]), 0.95)
     assert inverse[0].rate == 0.0 and inverse[-1].rate == 0.5
+
+
+def test_an_answer_without_a_confidence_is_the_least_sure():
+    rows = covered("main", outcomes(SURE, [(None, True), (0.25, False)]), 0.5)
+    assert rows[0] == Coverage("main", SURE, 1 / STEPS, 1, 0.25, 0, 0.0, *wilson_interval(0, 1, 0.5))
+    assert rows[-1] == Coverage("main", SURE, 1.0, 2, 0.0, 1, 0.5, *wilson_interval(1, 2, 0.5))
+
+
+def test_the_first_run_of_each_agent_counts_whoever_stands_between_them(tmp_path):
+    control = next(arm.name for arm in ARMS if arm.control and arm.kind is Kind.STATIC and arm.ablates is None)
+    said = [(0.5, True)] * 3
+    runs = [replace(one, seed=seed, success=1.0 - seed) for one in outcomes(SURE, said) for seed in (0, 1)]
+    rows = [*outcomes("a stranger", said), *runs, *outcomes(control, said), *outcomes("two_visits", said)]
+    frames.write(tmp_path / "static_outcomes.csv", StaticOutcome, rows)
+    judged = Judged("main", Kind.STATIC, tmp_path / "static_rates.csv", tmp_path / "static_outcomes.csv")
+    found = of_split(judged, CONSTANTS)
+    assert [(row.arm, row.coverage) for row in found] == [
+        (arm, step / STEPS) for arm in (SURE, "two_visits") for step in range(1, STEPS + 1)
+    ]
+    assert all(row.rate == 1.0 for row in found)
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,7 @@ def mapped(objects: int, frames: int) -> Mapped:
     return Mapped(tuple(Entry(np.zeros(2), np.eye(3)[0], Sort.OBJECT, 0, 8, 0, 9) for _ in range(objects)), frames)
 
 
-def test_a_row_for_all_and_one_for_each_run_of_each_scene(tmp_path: Path):
+def test_a_row_for_all_and_one_for_each_run_of_each_scene(tmp_path: Path, capsys):
     one = [RunMaps({"a": mapped(n, 10), "b": mapped(n + 2, 20)}, {("a", "b"): mapped(n + 5, 30)}) for n in (3, 5)]
     write(tmp_path / "FloorPlan1.npz", one)
     write(tmp_path / "FloorPlan2.npz", [RunMaps({"a": mapped(40, 50)}, {})])
@@ -32,3 +32,7 @@ def test_a_row_for_all_and_one_for_each_run_of_each_scene(tmp_path: Path):
         ("FloorPlan1", "maintained map", "1"): [1, 30, 10, 10, 10],
         ("FloorPlan2", "two visits", "0"): [1, 50, 40, 40, 40],
     }
+    assert capsys.readouterr().out.splitlines() == [
+        "two visits: 5 maps of 3 to 40 objects, 12.0 on average",
+        "maintained map: 2 maps of 8 to 10 objects, 9.0 on average",
+    ]

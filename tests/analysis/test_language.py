@@ -10,6 +10,7 @@ import pytest
 
 from ovman.analysis import frames, language
 from ovman.analysis.language import LanguageRate, What, language_rates
+from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.held_out_queries import Asked, answer
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.perceived import Perceived
@@ -81,7 +82,7 @@ def written(tmp_path, held_out_file):
     files["two_visits.jsonl"].write_text(lines(supplied))
     write_maps(files[f"{SCENE}.npz"], MAPS)
     write_nouns(files["nouns.npz"], NOUNS)
-    output = tmp_path / "out"
+    output = tmp_path / "some" / "out"
     inputs = (files["main.jsonl"], files["two_visits.jsonl"], [files[f"{SCENE}.npz"]], files["nouns.npz"], held_out_file)
     language.run(*inputs, SETTINGS, output)
     first = {path.name: path.read_bytes() for path in output.iterdir()}
@@ -95,10 +96,12 @@ def rate_of(rows, what, relation="all"):
     return next(row for row in rows if (row["what"], row["relation"]) == (what, relation))
 
 
-def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
+def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path, capsys):
     # MOVED is said rightly, STABLE as if it were REMOVED, nothing else is understood.
     forms = held_out(tmp_path, moved="go to the {noun} that was moved", stable="go to where the {noun} was that is gone")
     output, rows = written(tmp_path, forms)
+    said = set(capsys.readouterr().out.splitlines())
+    assert said == {"3 of 18 held-out sentences are understood; origin: made for a test"}
     assert {what: int(rate_of(rows, what)["count"]) for what in ("object", "relation", "both")} == {
         "object": 6, "relation": 3, "both": 3,
     }  # fmt: skip
@@ -113,6 +116,10 @@ def test_the_stage_counts_what_is_understood_and_fails_what_is_not(tmp_path):
     predictions = {p.episode: p.outcome for p in Prediction.read(output / "inferred.jsonl")}
     assert predictions[f"{SCENE}/former/0000"] == Abstention(AbstentionReason.NOT_PARSED)
     assert predictions[f"{SCENE}/stable/0000"].x == ANSWERS["removed"]
+    for name in ("relation_inferred", "noun_inferred", "inferred"):
+        records = Prediction.read(output / f"{name}.jsonl")
+        assert {record.arm for record in records} == {f"{CONFIG.comparisons.agent}_{name}"}
+        assert all((record.evidence is None) == isinstance(record.outcome, Abstention) for record in records)
     sentences = [json.loads(text) for text in (output / "sentences.jsonl").read_text().splitlines()]
     assert all(("parsed" in record) != ("failure" in record) for record in sentences) and len(sentences) == 18
 
@@ -145,6 +152,8 @@ def test_rates_of_every_relation_add_up():
     for what in What:
         counts = {row.relation: row.count for row in rows if row.what is what and what is not What.READ_AS}
         assert not counts or counts["all"] == sum(count for relation, count in counts.items() if relation != "all")
+    both = next(row for row in language_rates(every, succeeded, 0.5, "") if row.what is What.BOTH and row.relation == "former")
+    assert (both.low, both.high, both.confidence) == (*wilson_interval(1, 4, 0.5), 0.5)
     both = next(row for row in rows if row.what is What.BOTH and row.relation == "former")
     assert (both.count, both.n) == (1, 4) and both.low < both.rate < both.high
     assert all(row.p == 1.0 and row.wins == row.losses == 0 for row in rows if row.what is What.INFERRED)

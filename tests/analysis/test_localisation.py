@@ -77,6 +77,7 @@ def test_true_and_detected_masks_of_a_tour(tmp_path):
     centre_x = ((left + right) / 2 - SIDE / 2) / (SIDE / 2) * 2.0
     assert rows[0].median_centre_m == pytest.approx(abs(centre_x - 0.0), abs=1e-9)
     assert rows[0].px == mask("Sofa|1").sum()
+    assert {r.scene for r in rows} == {"FloorPlan1"} and all(r.category == r.object.split("|")[0] for r in rows)
     assert list(localised(scene, directory, 90.0, MIN_MASK_PX, None)) == [r for r in rows if r.mask == TRUE]
 
 

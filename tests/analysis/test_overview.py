@@ -8,11 +8,15 @@ from pathlib import Path
 import pytest
 
 from ovman.analysis import frames, overview
+from ovman.analysis.controls import Judged
 from ovman.analysis.overview import Overview
+from ovman.analysis.rates import Rate, embodied_rates, static_rates
+from ovman.analysis.statistics import wilson_interval
 from ovman.models.settings import MAIN, Kind
 from ovman.report.tables.overview import overview_table
 from ovman.report.tables.table import CONTROLS, SECTION, markdown_body
 from ovman.workflow.parameter import stage_settings
+from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -41,6 +45,26 @@ def test_every_rate_is_the_splits_own(rows):
             assert shown["rate"].tolist() == [own[name] for name in (arm,) if name in own], (title, name)
             met += len(shown)
     assert met == len(rows) > 40
+
+
+def test_an_entry_has_the_rate_of_its_arm_of_each_kind_over_all_relations(tmp_path):
+    title, entry = next((t, e) for t, e in CONFIG.comparisons.overview.items() if e.static and e.embodied)
+    control = next(e.static for e in CONFIG.comparisons.overview.values() if e.static and CONFIG.arms[e.static].control)
+    answers = [static(arm, n, n < 3) for arm in (entry.static, control) for n in range(4)]
+    rates = {Kind.STATIC: static_rates(answers, 0.95)}
+    rates[Kind.EMBODIED] = embodied_rates([embodied(entry.embodied, n, n < 2, spl=0.5) for n in range(4)], 0.95)
+    judged = [Judged(MAIN, kind, tmp_path / f"{kind}_rates.csv", tmp_path / f"{kind}_outcomes.csv") for kind in Kind]
+    for one in judged:
+        frames.write(one.rates, Rate, rates[one.kind])
+    found = overview.overview(judged, stage_settings(CONFIG, "controls"))
+    low, high = (pytest.approx(bound, abs=1e-6) for bound in wilson_interval(3, 4))
+    of_static = Overview(title, MAIN, Kind.STATIC, entry.static, False, 4, 0.75, low, high, None)
+    low, high = (pytest.approx(bound, abs=1e-6) for bound in wilson_interval(2, 4))
+    of_embodied = Overview(title, MAIN, Kind.EMBODIED, entry.embodied, False, 4, 0.5, low, high, 0.25)
+    assert [row for row in found if row.title == title] == sorted(
+        (of_static, of_embodied), key=lambda row: [*Kind].index(row.kind)
+    )
+    assert {row.control for row in found if row.arm == control} == {True}
 
 
 def test_controls_stand_last_and_nothing_else_among_them(rows):

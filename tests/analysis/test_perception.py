@@ -111,15 +111,24 @@ def test_groups_add_up(scene, tmp_path):
     assert rows[1].top1 == pytest.approx(np.mean([row.top1 for row in rows if row.group == CATEGORY]))
 
 
+@pytest.mark.parametrize(("x", "counts"), [(0.001, True), (0.0011, False), (None, True)])
+def test_what_a_visit_does_not_list_or_has_a_millimetre_off_stays_where_it_is(scene, tmp_path, x, counts):
+    sofa = {"category": "Sofa", "position": {"x": x, "y": 0.5, "z": 2.0}}
+    write_visit(tmp_path / "visits" / "FloorPlan1" / "again", present={} if x is None else {"Sofa|1": sofa})
+    found = seen(scene, tmp_path, {"again": perfect(views=1, names=("Sofa|1",), points=[[0.0, 0.5, 3.3]])})
+    assert found.scene == "FloorPlan1"
+    assert found.off_box_m.tolist() == pytest.approx([1.0 if counts else np.nan], nan_ok=True)
+
+
 def test_equal_tours_count_once_whatever_their_names():
     tours = {"b": perfect(content="x"), "a": perfect(content="x"), "c": perfect(content="y")}
     assert list(perception.distinct(tours)) == list(perception.distinct(dict(reversed(tours.items())))) == ["a", "c"]
 
 
-def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch):
+def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch, capsys):
     tours = {"untouched": perfect(), "again": perfect(content="a")}
-    monkeypatch.setattr(perception, "read_detections", lambda path: tours)
-    monkeypatch.setattr(perception, "read_nouns", lambda path: TEXT)
+    monkeypatch.setattr(perception, "read_detections", lambda path: {detections[0]: tours}[path])
+    monkeypatch.setattr(perception, "read_nouns", lambda path: {tmp_path / "nouns.npz": TEXT}[path])
     constants = SimpleNamespace(perception=SimpleNamespace(detector=SimpleNamespace(min_mask_px=MIN_MASK_PX)))
     write_visit(tmp_path / "visits" / "FloorPlan1" / "again")
     toured = episode_record("moved", scene="FloorPlan1", visits={"first": "untouched", "second": "again"})
@@ -132,6 +141,7 @@ def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch):
         tours = dict(reversed(tours.items()))
     assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
     rows = list(csv.DictReader((tmp_path / "one.csv").open()))
+    assert set(capsys.readouterr().out.splitlines()) == {"1 tours: 4 true masks, 4 detected ones"}
     assert rows[0]["true"] == "4" and rows[0]["recall"] == "1.000000"
     with pytest.raises(ValueError, match="FloorPlan1: no file of detections; make it first"):
         perception.run(where[0], [], *where[2:], constants, tmp_path / "none.csv")

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
-from ovman.analysis.probes import gate_sweep, read_as
+from ovman.analysis.probes import GateRate, gate_sweep, read_as
+from ovman.analysis.statistics import wilson_interval
+from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Answer
 from ovman.models.relation import Relation
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
-from tests.episodes import of_scene, released
+from tests.episodes import episode_record, of_scene, released
 
 CONSTANTS = stage_settings(CONFIG, "probes", CONFIG.comparisons.memory.arm)
 EPISODES = of_scene(released()[0].scene)
@@ -36,6 +40,20 @@ def test_a_gate_in_force_beside_the_sweep_has_a_row_too():
     assert [row.gate_m for row in rows if row.in_force] == [1.1] and len(rows) == len(CONFIG.gate_sweep.gates_m) + 1
 
 
+def test_a_gate_has_the_rate_of_the_answers_within_the_radius():
+    episode = Episode.from_json(episode_record("moved", answer=(0.0, 0.0)))
+    radius_m, far = CONFIG.success.radius_m, episode.model_copy(update={"id": "far"})
+
+    def asked(one, _):
+        return Answer(math.nextafter(radius_m, 9.0) if one.id == "far" else radius_m, 0.0)
+
+    constants = CONSTANTS.with_values({"evaluation.confidence": 0.5})
+    for row in gate_sweep([episode, far], asked, constants):
+        low, high = wilson_interval(1, 2, 0.5)
+        in_force = row.gate_m == CONFIG.association.gate_m
+        assert row == GateRate(row.gate_m, in_force, CONFIG.candidates.delta_min_m, 2, 1, 0.5, low, high, 0.5)
+
+
 def test_only_constants_of_the_stage_are_changed():
     assert CONSTANTS.with_values({}) == CONSTANTS
     with pytest.raises(AttributeError, match="does not own the constant 'mover.step_m'"):
@@ -47,7 +65,8 @@ def test_a_relation_read_as_the_other_is_counted():
     former = [one for one in released() if one.relation is Relation.FORMER][:1]
     late = {removed[0].id}
 
-    def asked(episode, _):
+    def asked(episode, settings):
+        assert settings is CONSTANTS
         if episode.id == removed[1].id:
             return NOTHING if episode.relation is Relation.REMOVED else Answer(*episode.answer)
         there = episode.answer if episode.id not in late or episode.relation is Relation.REMOVED else (99.0, 99.0)

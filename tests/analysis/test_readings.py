@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.analysis.readings import OWN, POSITIONS, HandedOver, readings
+from ovman.analysis.statistics import wilson_interval
 from ovman.models.settings import Reading
 from ovman.models.settings.arms import other_readings
 from ovman.report.tables.readings import readings_table
@@ -30,6 +31,26 @@ def test_gains_and_losses_are_against_the_first_arm_of_the_map(hits):
         parts = [rows[key] for key in rows if key[0] == name and key[1] != "all"]
         assert sum(part.successes for part in parts) == row.successes and sum(part.gained for part in parts) == row.gained
     assert [rows[name, "all"].grounding for name in OURS] == [OWN, *Reading]
+
+
+def test_a_row_is_beside_the_first_arm_of_its_own_map():
+    titles = list(dict.fromkeys(MAPS.values()))
+    firsts = [next(name for name, title in MAPS.items() if title == one) for one in titles[:2]]
+    second = next(name for name, title in MAPS.items() if title == titles[1] and name != firsts[1])
+    hits = {firsts[0]: 0, firsts[1]: 2, second: 3}
+    outcomes = [static(name, 6 * i, i < count) for name, count in hits.items() for i in range(4)]
+    found = {(row.arm, row.relation): row for row in readings(outcomes, ARMS, MAPS, 0.5)}
+    assert [row.gained for row in found.values()].count(None) == 4
+    low, high = wilson_interval(3, 4, 0.5)
+    grounding = found[second, "all"].grounding
+    assert found[second, "all"] == HandedOver(titles[1], grounding, second, "all", 4, 3.0, 0.75, low, high, 1, 0, 1.0)
+
+
+def test_a_map_whose_first_arm_has_two_runs_has_rates_and_no_test():
+    outcomes = [static(OURS[0], i, i % 2, seed=seed) for i in range(6) for seed in (0, 1)]
+    outcomes += [static(OURS[1], i, 1) for i in range(6)]
+    whole = {row.arm: row for row in readings(outcomes, ARMS, MAPS, 0.95) if row.relation == "all"}
+    assert (whole[OURS[1]].gained, whole[OURS[1]].lost, whole[OURS[1]].p) == (None, None, None)
 
 
 def test_the_settings_have_every_reading_of_every_map_and_the_other_tables_have_one():

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.analysis.rescued import rescued
+from ovman.analysis.rescued import Rescued, rescued
 from tests.analysis.fabricated import static
 
 ARMS = [SimpleNamespace(name="drives", executes="answers"), SimpleNamespace(name="picks", executes="pick")]
@@ -52,4 +52,13 @@ def test_every_seed_has_its_rows():
         (0, "all", 1),
         (1, "moved", 1),
         (1, "all", 1),
+    ]
+
+
+def test_arms_without_answers_that_are_realised_hide_no_others():
+    arms = [*ARMS[1:], SimpleNamespace(name="waits", executes="nobody"), ARMS[0]]
+    answers = [static("pick", 0, 0.3, "expected"), static("answers", 0, 0.0, distance_m=2.0)]
+    runs = [run(0, True, 0.1, arm.name) for arm in arms]
+    assert rescued(answers, runs, arms, RADIUS) == [
+        Rescued("drives", "answers", 0, relation, 1, 1, 1, 2.0, 2.0) for relation in ("moved", "all")
     ]

@@ -27,6 +27,13 @@ class Row:
     said: str | None
 
 
+@dataclass(frozen=True)
+class Counted:
+    """A row without an arm."""
+
+    count: int
+
+
 HEADER = "share,arm,count,some,known,said,further\n"
 
 
@@ -53,6 +60,11 @@ def test_only_rows_of_the_arms_are_read(tmp_path):
     """What another arm's row holds is not looked at."""
     text = HEADER + "0.5,a,3,,,,\nmany,b,,,,,\n1,c,1,,,,\n"
     assert [row.arm for row in read(tmp_path, text, {"a", "c"})] == ["a", "c"] and read(tmp_path, text, ()) == []
+
+
+def test_rows_that_are_of_no_arm_are_read(tmp_path):
+    (tmp_path / "counts.csv").write_text("count\n3\n", encoding="utf-8")
+    assert read_rows(tmp_path / "counts.csv", Counted) == [Counted(3)]
 
 
 @pytest.mark.parametrize(

@@ -134,9 +134,10 @@ def test_a_margin_is_the_mean_difference_over_those_that_its_setting_admits(draw
             assert row.margin == pytest.approx(row.rate - row.baseline_rate)
 
 
-def test_an_admission_by_a_setting_that_is_not_there_is_one_line():
-    with pytest.raises(ValueError, match="there is no setting 999; make the stage readmitted again"):
-        margins([Admission(id="t", settings=(999,), released=False)], [1.0], [0.0], OF_MARGINS)
+@pytest.mark.parametrize("number", [COUNT + 1, 999])
+def test_an_admission_by_a_setting_that_is_not_there_is_one_line(number):
+    with pytest.raises(ValueError, match=f"there is no setting {number}; make the stage readmitted again"):
+        margins([Admission(id="t", settings=(number,), released=False)], [1.0], [0.0], OF_MARGINS)
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from ovman.models.world_state import WorldState
 from ovman.report.tables.shortcuts import OTHERS, shortcuts_table
 from ovman.report.tables.table import SECTION, markdown
 from ovman.task import category_pick
-from tests.analysis.fabricated import embodied
+from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG
 from tests.episodes import released
 
@@ -92,6 +92,23 @@ def test_neighbours_are_those_of_the_answers_visit_and_of_the_second():
         worlds = (episode.world_1, episode.world_2) if episode.relation.past else (episode.world_2,)
         away = [math.dist(k.position, episode.answer) for world in worlds for k in world if k.id != episode.target]
         assert case.neighbour_m == (min(away) if away else None)
+
+
+def test_a_neighbour_at_the_radius_makes_an_episode_crowded():
+    answers = [static("answers", 6 * k, k < 2, instances=2 + 2 * (k % 2)) for k in range(4)]
+    near = [RADIUS_M, math.nextafter(RADIUS_M, math.inf), None, math.nextafter(RADIUS_M, math.inf)]
+    cases = [
+        Case(a.episode, a.scene, a.relation, "Chair", 2, (0.0, 0.0), neighbour_m=m) for a, m in zip(answers, near, strict=True)
+    ]
+    runs = [embodied("drives", 6 * k, False) for k in range(4)]
+    assert shortcuts(cases, answers, runs, RADIUS_M) == [
+        Shortcut(kind, arm, relation, 4, chance, rate, rate - chance, 1, of_crowded, of_others)
+        for kind, arm, chance, rate, of_crowded, of_others in (
+            (Kind.STATIC, "answers", 0.375, 0.5, 1.0, 1 / 3),
+            (Kind.EMBODIED, "drives", 0.5, 0.0, 0.0, 0.0),
+        )
+        for relation in ("moved", "all")
+    ]
 
 
 def test_embodied_arms_follow_and_a_stranger_is_named():

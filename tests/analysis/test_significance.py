@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from ovman.analysis.comparisons import among
 from ovman.analysis.significance import Method, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
+from ovman.models.settings import Pair
 from tests.analysis.fabricated import embodied, static
 from tests.arms import ARMS, CONFIG
 
@@ -75,6 +76,12 @@ def test_pairs_without_an_arm_are_named_and_no_others():
     assert "not compared: grounding handed over against own; there is no arm grounding_two_visits" in left_out
     everything = {name for pair in PAIRS for name in (pair.arm, pair.baseline)}
     assert among(everything, PAIRS) == (list(PAIRS), [])
+
+
+def test_every_arm_that_is_missing_is_named():
+    pair = Pair(name="one against another", arm="one", baseline="another")
+    assert among([], [pair]) == ([], ["not compared: one against another; there is no arm one and no another"])
+    assert among(["another"], [pair]) == ([], ["not compared: one against another; there is no arm one"])
 
 
 def test_every_pair_is_of_arms_that_exist():

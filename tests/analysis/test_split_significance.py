@@ -5,7 +5,9 @@ from __future__ import annotations
 import pytest
 
 from ovman.analysis import frames, split_significance
+from ovman.analysis.controls import Judged
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.significance import Method
 from ovman.analysis.split_significance import SplitComparison
 from ovman.analysis.statistics import mcnemar_exact
 from ovman.models.settings import Kind
@@ -64,6 +66,18 @@ def test_wins_losses_and_p_are_counted_by_hand(rows):
         wins, losses = (won.count(({a}, {b})) for a, b in ((True, False), (False, True)))
         assert (row.wins, row.losses, row.n) == (wins, losses, N[row.split])
         assert row.p == pytest.approx(mcnemar_exact(wins, losses), abs=1e-6)
+
+
+def test_a_row_says_which_arm_was_tested_against_which(tmp_path):
+    pair = OF_KIND[Kind.STATIC][0]
+    won = [static(pair.arm, n, n < 3) for n in range(4)] + [static(pair.baseline, n, n == 3) for n in range(4)]
+    frames.write(tmp_path / "static_outcomes.csv", StaticOutcome, won)
+    judged = Judged("main", Kind.STATIC, tmp_path / "static_rates.csv", tmp_path / "static_outcomes.csv")
+    assert split_significance.compared(judged, CONSTANTS) == [
+        SplitComparison(
+            "main", Kind.STATIC, pair.name, pair.arm, pair.baseline, 0, 4, 3, 1.0, 3.0, 1.0, Method.MCNEMAR, mcnemar_exact(3, 1)
+        )
+    ]
 
 
 def test_the_table_has_a_block_a_split_and_is_there_without_rows(rows):
