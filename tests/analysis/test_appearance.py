@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
+from statistics import NormalDist, median
 from types import SimpleNamespace
 
 import numpy as np
@@ -15,13 +17,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ovman.agents.reference.reasoning import two_visits
-from ovman.analysis.appearance import ALL, APART, VARIANTS, Appearance, appearances, asked, pairs_of
+from ovman.analysis.appearance import ALL, APART, READINGS, VARIANTS, Appearance, Asked, appearances, asked, pairs_of
 from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, grid, separation
 from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
 from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Evidence
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.cues import Cues
+from ovman.perception.object_map import ObjectMap
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.table import latex, markdown
 from ovman.workflow.config import ConfigError, load
@@ -132,6 +135,73 @@ def test_a_pair_counts_once_and_those_that_are_near_do_not_count_as_apart():
     assert pairs_of([case(), case(scene="FloorPlan2")], 0.0).counts == (4, 4)
 
 
+def test_a_pair_shows_an_instance_on_either_side_and_may_be_just_as_far_apart_as_is_asked():
+    one = case()
+    unknown = [
+        replace(one, first=replace(FIRST, instance=(None, "b"))),
+        replace(one, second=replace(SECOND, instance=("b", None))),
+    ]
+    assert [pairs_of([some], 0.0).counts for some in unknown] == [(1, 1), (1, 1)]
+    for gap in (0.0, 0.5):
+        first, second = chairs([(0, 0)], [0], [0.4], ["a"]), chairs([(gap, 0)], [0], [0.4], ["a"])
+        near = [Asked(one.episode, first, second, Evidence((0,), (0,)), disagreements(first, second, 0.01))]
+        assert pairs_of(near, gap).counts == (1, 0) and pairs_of(near, math.nextafter(gap, 1.0)).counts == (0, 0)
+
+
+def test_without_a_pair_nothing_is_told_apart():
+    none = pairs_of([], 0.0)
+    assert none.counts == (0, 0) and math.isnan(separation(none, alone(CLIP)))
+
+
+def by_chance(count: int = 12) -> list[Asked]:
+    """Episodes of as many scenes, where every cue tells something of the instances, and colours differ by more than the rest."""
+    rng, size = np.random.default_rng(1), {CLIP: 1.0, HISTOGRAM: 6.0, EXTENT: 1.0}
+    some = [case(number=k, scene=f"FloorPlan{k}") for k in range(count)]
+    return [replace(one, unlike={cue: size[cue] * (rng.random((2, 2)) + 0.3 * np.eye(2)) for cue in CUES}) for one in some]
+
+
+def test_weights_are_fitted_as_the_settings_say():
+    splits, found = {"main": by_chance()}, []
+    for change in ({}, {"weight_step": 0.5}, {"least_pairs": 1000}, {"equal_scales": False}):
+        constants = CONSTANTS.model_copy(update={"appearance": CONSTANTS.appearance.model_copy(update=change)})
+        told = {"step": 0.25, "least_pairs": 1, "equal_scales": True} | {k.replace("weight_", ""): v for k, v in change.items()}
+        expected = [
+            fitted(pairs_of(splits["main"], 0.0 if reading == ALL else CONFIG.admissibility.tau_m), cues, **told).by_cue
+            for reading in READINGS
+            for cues in VARIANTS[1:]
+        ]
+        made = [row for row in appearances(splits, constants) if row.fitted_on is not None and row.relation == ALL]
+        assert [row.cues for row in made] == [" + ".join(shares) for shares in expected]
+        shares = [(row.clip, row.histogram, row.extent) for row in made]
+        assert shares == [tuple(some.get(cue, 0.0) for cue in CUES) for some in expected]
+        found.append(tuple(shares))
+    assert len(set(found)) == len(found)  # each of the settings makes a difference
+
+
+def test_a_row_has_its_pairs_and_all_weight_on_a_cue_alone():
+    made = [row for row in appearances({"main": [case()]}, CONSTANTS) if row.relation == ALL]
+    assert {(row.pairs, row.same, row.different) for row in made} == {(ALL, 2, 2), (APART, 1, 0)}
+    assert all((row.auroc is None) == (row.pairs == APART) for row in made)
+    alone_in = {row.cues: (row.clip, row.histogram, row.extent) for row in made if row.fitted_on is None}
+    assert alone_in == {CLIP: (1.0, 0.0, 0.0), HISTOGRAM: (0.0, 1.0, 0.0), EXTENT: (0.0, 0.0, 1.0)}
+
+
+def test_a_rate_lies_in_the_interval_of_the_confidence_and_only_all_relations_have_pairs():
+    constants = CONSTANTS.model_copy(update={"evaluation": CONSTANTS.evaluation.model_copy(update={"confidence": 0.8})})
+    main = [case("moved", 0), case("moved", 1, (9.0, 9.0)), case("moved", 2, (8.0, 8.0)), case("stable", 3, (1.0, 0.1))]
+    judged = [row for row in appearances({"main": main}, constants) if row.n is not None]
+    z = NormalDist().inv_cdf(0.9)
+    for row in judged:
+        assert row.rate == row.successes / row.n and row.low <= row.rate <= row.high and row.low < row.high
+        for bound in (row.low, row.high):  # where the rate is z standard errors of the bound away from it
+            assert (row.rate - bound) ** 2 == pytest.approx(z**2 * bound * (1 - bound) / row.n)
+        whole = row.relation == ALL
+        assert ((row.same is None), (row.different is None)) == (not whole, not whole)
+        assert (row.auroc is None) == (not whole or row.pairs == APART)
+    assert {(row.relation, row.n) for row in judged} == {(ALL, 4), ("moved", 3), ("stable", 1)}
+    assert any(0 < row.successes < row.n for row in judged)
+
+
 def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses():
     made = appearances({"main": [case("moved", 0), case("stable", 1, (1.0, 0.1))], "multi": [case("moved", 2)]}, CONSTANTS)
     whole = {(row.pairs, row.cues, row.fitted_on, row.split): row for row in made if row.relation == ALL}
@@ -150,6 +220,38 @@ def test_an_arm_without_two_maps_is_refused():
     for meant in (None, Evidence(None, (0,))):
         with pytest.raises(ValueError, match="names no objects of two maps for FloorPlan1/moved/0000"):
             asked(case().episode, meant, {}, CONSTANTS)
+
+
+def test_an_object_has_the_mean_the_median_and_the_commonest_instance_of_its_detections():
+    rng, of = np.random.default_rng(0), ((0, 1, 3), (2, 4))
+    histogram, extent = rng.random((5, 4), np.float32), rng.random((5, 3), np.float32)
+    instance = np.array([1, -1, -1, -1, -1])  # most detections of the first object show nothing, those of the second all do
+    cues = Cues(("a", "b"), histogram, extent, np.full(5, 400), instance)
+    places = [(0.0, 0.0), (0.0, 0.0), (5.0, 0.0), (0.0, 0.0), (5.0, 0.0)]
+    found = clusters([Detection(k, np.array([x, 0.5, z]), np.ones(2)) for k, (x, z) in enumerate(places)], 0.1)
+    made = MapObjects.of(found, cues)
+    assert [tuple(one.members) for one in found] == list(of) and made.instance == ("b", None)
+    assert made.histogram.shape == (2, 4) and made.extent.shape == (2, 3)
+    for number, rows_of_it in enumerate(of):
+        for b in range(4):
+            exact = sum(Fraction(float(histogram[k, b])) for k in rows_of_it) / len(rows_of_it)
+            assert made.histogram[number, b] == pytest.approx(float(exact), rel=1e-14)
+        for side in range(3):
+            assert made.extent[number, side] == median(float(extent[k, side]) for k in rows_of_it)
+
+
+def test_rounding_leaves_no_cue_below_none_at_all():
+    """Features and histograms that are a little too long, as rounding makes some, are not unlike themselves."""
+    long = replace(FIRST.map, f=FIRST.map.f * (1 + 1e-12))
+    same = disagreements(*[replace(FIRST, map=long, histogram=np.full((2, 10), np.float32(0.1), np.float64))] * 2, 0.01)
+    assert all((same[cue] == 0.0).all() for cue in (CLIP, HISTOGRAM))
+
+
+def test_a_map_without_objects_disagrees_with_nothing():
+    empty = MapObjects(ObjectMap.of(()), np.zeros((0, 4)), np.zeros((0, 3)), ())
+    for first, second in ((empty, SECOND), (FIRST, empty), (empty, empty)):
+        found = disagreements(first, second, 0.01)
+        assert {cue: found[cue].shape for cue in found} == dict.fromkeys(CUES, (len(first.map), len(second.map)))
 
 
 def test_cues_of_other_detections_are_refused():

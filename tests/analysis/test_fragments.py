@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -39,14 +41,24 @@ def test_a_map_of_another_tour_is_one_line():
         members(detected([(0.0, 0.0)]), mapped((detected([(1.0, 0.0)]),), 0.6))
 
 
+def test_views_and_places_that_do_not_go_together_are_refused():
+    seen = detected([(0.0, 0.0), (1.0, 0.0)])
+    objects = mapped((seen,), 0.6)
+    longer = replace(objects[0], views=np.array([0, 1]))
+    for tour, made in ((replace(seen, view=seen.view[:1]), objects), (seen, (longer, *objects[1:]))):
+        with pytest.raises(ValueError, match="than argument 1"):
+            members(tour, made)
+
+
 class Objects:
     """Stands for a scene: two objects of the target in the first visit, one in the second."""
 
-    def __init__(self, names):
-        self._of = {names.first: frozenset({0, 3}), names.second: frozenset({1})}
+    def __init__(self, episode):
+        names = episode.visits
+        self._of = {(names.first, episode.target): frozenset({0, 3}), (names.second, episode.target): frozenset({1})}
 
     def objects_of(self, visit, instance):
-        return self._of[visit]
+        return self._of[visit, instance]
 
 
 @pytest.mark.parametrize(
@@ -62,8 +74,20 @@ class Objects:
 )
 def test_a_target_is_grounded_where_it_is_so_in_every_visit_that_it_is_in(relation, sets, objects, grounded):
     episode = next(one for one in released() if one.relation == relation)
-    found = target(episode, Evidence(*sets, ()), static("a", 0, 1.0), Objects(episode.visits))
-    assert (found.objects, found.grounded) == (objects, grounded)
+    outcome = static("a", 0, 1.0)
+    found = target(episode, Evidence(*sets, ()), outcome, Objects(episode))
+    assert found == Target(Relation(relation), objects, grounded, outcome)
+
+
+def test_objects_are_averaged_over_the_targets_that_are_seen():
+    answered, lost = static("a", 0, 1.0), static("a", 0, 0.0, "abstained")
+    told = [(Relation.MOVED, 3), (Relation.MOVED, 0), (Relation.MOVED, 1), (Relation.STABLE, 2), (Relation.STABLE, 0)]
+    rows = fragments("a", [Target(relation, objects, objects > 0, answered if objects else lost) for relation, objects in told])
+    assert [(row.arm, row.relation, row.n, row.seen, row.objects, row.several) for row in rows] == [
+        ("a", "moved", 3, 2, 2.0, 1),
+        ("a", "stable", 2, 1, 2.0, 1),
+        ("a", "all", 5, 3, 2.0, 2),
+    ]
 
 
 targets = st.lists(

@@ -7,11 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.analysis.outcomes import Case, embodied_outcomes, static_outcomes
+from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
+from ovman.evaluation.scoring import success_probability
 from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
 from ovman.models.relation import Relation
 from ovman.models.run import Score
+from ovman.workflow.seeds import generator
 from tests.episodes import episode_record
 
 CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))
@@ -80,6 +82,25 @@ def test_an_estimate_does_not_hang_on_the_other_episodes():
     assert judge(box, OTHER, seed=1).success != alone
 
 
+def test_a_box_is_drawn_from_by_the_seed_and_the_episode():
+    """The path of the draws is that of the released rates: another one would change them."""
+    box = UniformBox(-3.0, -3.0, 3.0, 3.0)
+    twin = replace(CASE, id="FloorPlan1/moved/0001")
+    found = {(case.id, seed): judge(box, case, seed=seed).success for case in (CASE, twin) for seed in (0, 1)}
+    for (name, seed), success in found.items():
+        draws = generator(seed, "single_visit", name)
+        assert success == success_probability(box, CASE.answer, 1.0, samples=5000, generator=draws)
+    assert len(set(found.values())) == 4  # one answer in one box, estimated from other draws
+
+
+def test_an_outcome_has_what_is_known_of_the_episode_and_of_the_answer():
+    case = replace(CASE, alike=2, others=((1.0, 6.0), (9.0, 9.0)))
+    known = (case.id, "FloorPlan1", Relation.MOVED, "Chair", 3, 2, "arm", 0)
+    assert judge(Answer(1.0, 3.0, 0.75), case) == StaticOutcome(*known, "answered", None, 1.0, 1.0, 3.0, 0.75)
+    assert judge(Answer(1.0, 5.0), case) == StaticOutcome(*known, "answered", None, 3.0, 0.0, 1.0, None)
+    assert judge(Abstention(AbstentionReason.UNSURE), case) == StaticOutcome(*known, "abstained", "unsure", None, 0.0, None, None)
+
+
 def test_every_arm_answers_every_episode_once():
     here, there = (Prediction.of(case.id, "arm", 0, Answer(0.0, 0.0)) for case in (CASE, OTHER))
     arguments = {"radius_m": 1.0, "samples": 10, "seed": 0}
@@ -87,19 +108,21 @@ def test_every_arm_answers_every_episode_once():
         static_outcomes([CASE, OTHER], [here], **arguments)
     with pytest.raises(ValueError, match="FloorPlan1/moved/0000 is there twice"):
         static_outcomes([CASE], [here, here], **arguments)
-    with pytest.raises(ValueError, match="not among the episodes"):
+    with pytest.raises(ValueError, match="arm answers FloorPlan1/former/0000, which is not among the episodes"):
         static_outcomes([CASE], [here, there], **arguments)
     with pytest.raises(ValueError, match="seed 1: 1 episodes are missing"):
         static_outcomes([CASE, OTHER], [here, there, here.model_copy(update={"seed": 1})], **arguments)
 
 
 def test_a_run_keeps_what_was_judged():
-    (row,) = embodied_outcomes([CASE], [RUN])
-    assert (row.success, row.spl, row.path_length_m, row.actions, row.instances) == (True, 0.9, 4.0, 21, 3)
+    for own_success in (None, False, True):
+        (row,) = embodied_outcomes([replace(CASE, alike=2)], [RUN.model_copy(update={"own_success": own_success})])
+        known = (CASE.id, "FloorPlan1", Relation.MOVED, "Chair", 3, 2, "oracle_check", 0)
+        assert row == EmbodiedOutcome(*known, "stopped", True, 0.9, 4.0, 21, own_success)
 
 
 def test_a_run_of_another_episode_is_named():
-    with pytest.raises(ValueError, match="not among the episodes"):
+    with pytest.raises(ValueError, match="oracle_check answers FloorPlan9/moved/0000, which is not among the episodes"):
         embodied_outcomes([CASE], [RUN.model_copy(update={"episode": "FloorPlan9/moved/0000"})])
 
 
@@ -127,3 +150,31 @@ def test_the_other_instances_are_those_of_the_visit_that_the_answer_belongs_to(r
     record = episode_record(relation, world=chairs) | {f"world_{2 if past else 1}": chairs[:1]}
     case = Case.of(Episode.from_json(record))
     assert (case.answer, case.instances, case.others) == ((1.0, 0.0), 2, ((5.0, 0.0),))
+
+
+@pytest.mark.parametrize(
+    ("relation", "first", "second", "neighbour_m"),
+    [
+        # A past answer is beside what was there in the first visit and what is there in the second.
+        ("former", {"b": (4.0, 4.0)}, {"b": (1.0, 9.0)}, 5.0),
+        ("former", {"b": (1.0, 9.0)}, {"b": (4.0, 4.0)}, 5.0),
+        ("former", {"b": (4.0, 4.0)}, {}, 5.0),
+        # What was there before is not beside a current one.
+        ("moved", {"b": (1.0, 0.5)}, {"b": (4.0, 4.0)}, 5.0),
+        ("moved", {"b": (1.0, 0.5)}, {}, None),
+    ],
+)
+def test_the_neighbour_is_the_nearest_of_the_visit_of_the_answer_and_of_the_second(relation, first, second, neighbour_m):
+    worlds = {}
+    for name, others in (("world_1", first), ("world_2", second)):
+        places = {"a": (1.0, 0.0), **others}
+        worlds[name] = [{"id": k, "category": "Chair", "x": x, "z": z} for k, (x, z) in places.items()]
+    assert Case.of(Episode.from_json(episode_record(relation) | worlds)).neighbour_m == neighbour_m
+
+
+@pytest.mark.parametrize("changed", ["a", "ab", "abc"])
+def test_the_changes_of_the_kind_that_defines_the_episode_are_counted(changed):
+    record = episode_record("moved")
+    (change,) = record["changes"]
+    several = record | {"changes": [{**change, "instance": name} for name in changed]}
+    assert Case.of(Episode.from_json(several)).alike == len(changed)
