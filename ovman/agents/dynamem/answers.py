@@ -25,9 +25,8 @@ from ovman.perception.object_map import ObjectMap
 
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
     """The static arm of one memory of both tours. Reads dynamem.*."""
-    constants = context.settings.dynamem
-    both = Tours.of([(context.tour(which), context.detections(which)) for which in VISITS], constants).remembered()
-    return located(*both, context.noun(noun(query.category)), constants), None
+    both = _tours(context, VISITS).remembered()
+    return located(*both, context.noun(noun(query.category)), context.settings.dynamem), None
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:
@@ -37,10 +36,8 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     MOVING is the place of the new object that was seen last.
     """
     phrase, settings = context.noun(noun(query.category)), context.settings
-    map_1, map_2 = (
-        meant(remembered(_seen(context, which), settings.dynamem), phrase, settings.grounding.similarity_margin, settings.dynamem)
-        for which in VISITS
-    )
+    memories = [_tours(context, [which]).remembered()[0] for which in VISITS]
+    map_1, map_2 = (meant(one, phrase, settings.grounding.similarity_margin, settings.dynamem) for one in memories)
     outcome, _ = two_visits(query.relation, map_1, map_2, range(len(map_1)), range(len(map_2)), settings)
     return outcome, None
 
@@ -62,16 +59,21 @@ class Tours:
 
     def remembered(self) -> tuple[Memory, tuple[Look, ...]]:
         """One memory of the frames of all tours, and the frames. Recorded tours are remembered once, under whatever seeds a run
-        asks again."""
+        asks again, and whatever tour follows them."""
+        if not self.seen:
+            return Memory.empty(), ()
         return _remember(self) if None in self.contents else _remember_once(self)
 
 
 def _remember(tours: Tours) -> tuple[Memory, tuple[Look, ...]]:
-    frames = tuple(one for visit, detected in tours.seen for one in looks(visit, detected, tours.constants))
-    return remembered(frames, tours.constants), frames
+    *before, (visit, detected) = tours.seen
+    memory, frames = Tours.of(before, tours.constants).remembered()
+    new = looks(visit, detected, tours.constants)
+    return remembered(new, tours.constants, memory, len(frames)), (*frames, *new)
 
 
-_remember_once = lru_cache(maxsize=1)(_remember)  # a memory is large, and the seeds of an episode follow each other
+# A memory is large. The seeds of an episode follow each other, and so do the episodes with one first tour.
+_remember_once = lru_cache(maxsize=2)(_remember)
 
 
 def located(memory: Memory, frames: Sequence[Look], phrase: np.ndarray, constants: Dynamem) -> Answer | Abstention:
@@ -128,8 +130,8 @@ def _groups(points: np.ndarray, radius_m: float) -> np.ndarray:
     return groups
 
 
-def _seen(context: PredictionContext, which: str) -> tuple[Look, ...]:
-    return looks(context.tour(which), context.detections(which), context.settings.dynamem)
+def _tours(context: PredictionContext, visits: Iterable[str]) -> Tours:
+    return Tours.of([(context.tour(which), context.detections(which)) for which in visits], context.settings.dynamem)
 
 
 def _unit(features: np.ndarray) -> np.ndarray:

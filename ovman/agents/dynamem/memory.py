@@ -45,15 +45,19 @@ class Memory:
         return Memory(self.cell[kept], self.point[kept], self.feature[kept], self.weight[kept], self.seen[kept])
 
 
-def remembered(frames: Sequence[Look], constants: Dynamem) -> Memory:
-    """The memory after frames in their order, which number its voxels' `seen`."""
-    memory, checked = Memory.empty(), np.zeros(len(frames), np.int64)
-    for number, look in enumerate(frames):
+def remembered(frames: Sequence[Look], constants: Dynamem, before: Memory | None = None, first: int = 0) -> Memory:
+    """The memory after frames in their order, which number its voxels' `seen` from `first` on.
+
+    before: the memory of `first` frames that came before these, nothing where it is None.
+    """
+    memory, end = before or Memory.empty(), first + len(frames)
+    checked = np.zeros(end, np.int64)
+    for number, look in enumerate(frames, first):
         memory = cleared(memory, look, constants)
         # Voxels of another frame are no neighbours, so that only frames that have lost or gained some can have new noise.
-        counts = np.bincount(memory.seen, minlength=len(frames))
+        counts = np.bincount(memory.seen, minlength=end)
         memory = without_noise(memory, np.flatnonzero(counts != checked), constants)
-        checked = np.bincount(memory.seen, minlength=len(frames))
+        checked = np.bincount(memory.seen, minlength=end)
         memory = added(memory, look, number, constants.voxel_m)
     return memory
 

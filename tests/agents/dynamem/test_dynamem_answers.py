@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.dynamem import agent
-from ovman.agents.dynamem.answers import located, meant, predict_current, predict_two_visits
+from ovman.agents.dynamem.answers import Tours, located, meant, predict_current, predict_two_visits
 from ovman.agents.dynamem.looks import Look, looks
 from ovman.agents.dynamem.memory import Memory, remembered
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
@@ -121,6 +121,14 @@ def test_in_a_real_scene_the_memory_of_both_tours_holds_the_new_place_of_a_chair
     before, both = remembered(frames[: len(home.before.visit.observations)], CONSTANTS), remembered(frames, CONSTANTS)
     assert near(before, home.old) > CONSTANTS.cluster_points and near(before, home.new) == 0
     assert near(both, home.new) > CONSTANTS.cluster_points and near(both, home.old) <= 0.1 * near(before, home.old)
+
+
+def test_in_a_real_scene_a_memory_of_both_tours_goes_on_from_that_of_the_first(home):
+    seen = [(one.visit, one.detected) for one in (home.before, home.after)]
+    both, frames = Tours.of(seen, CONSTANTS).remembered()
+    once = remembered([frame for visit, detected in seen for frame in looks(visit, detected, CONSTANTS)], CONSTANTS)
+    assert len(frames) == sum(len(visit.observations) for visit, _ in seen)
+    assert all(np.array_equal(getattr(both, name), getattr(once, name)) for name in Memory.__slots__)
 
 
 @pytest.mark.parametrize("relation", Relation)

@@ -146,6 +146,16 @@ def test_checking_only_what_changed_is_checking_everything():
     assert same(memory, remembered(frames, CONSTANTS))
 
 
+@pytest.mark.parametrize("first", range(5))
+def test_going_on_from_a_memory_is_remembering_at_once(first):
+    frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
+    found, once = (
+        remembered(frames[first:], CONSTANTS, remembered(frames[:first], CONSTANTS), first),
+        remembered(frames, CONSTANTS),
+    )
+    assert all(np.array_equal(getattr(found, name), getattr(once, name)) for name in Memory.__slots__)
+
+
 @pytest.mark.parametrize("depth_m", [CONSTANTS.nearest_m - 0.01, CONSTANTS.farthest_m + 0.01, 0.0])
 def test_what_is_too_near_or_too_far_becomes_no_point(depth_m):
     assert not len(frame((MIDDLE, depth_m, MUG), wall_m=depth_m).points)
