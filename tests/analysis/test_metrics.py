@@ -18,6 +18,7 @@ from ovman.analysis.statistics import poisson_binomial_tail, wilson_interval
 from ovman.task import Relation
 from tests.arms import BY_NAME, CONFIG
 from tests.episodes import episode_record
+from tests.task.test_episode import MOVED, moving
 
 CONSTANTS = SimpleNamespace(
     success=SimpleNamespace(radius_m=1.0),
@@ -151,6 +152,84 @@ def test_an_arm_has_as_many_runs_as_its_entry_says(tmp_path):
     every = [arm.model_copy(update={"runs": 2}) if arm.name == "positions_two_visits" else arm for arm in EVERY]
     with pytest.raises(ValueError, match="positions_two_visits: predictions of 1 runs, but its entry in section arms says 2"):
         metrics.run(*records(tmp_path), CONSTANTS, tmp_path / "metrics", every)
+
+
+@pytest.mark.parametrize(("answers", "arms"), [(True, ["positions_single_visit", "positions_two_visits"]),
+                                               (False, ["positions_single_visit"])])  # fmt: skip
+def test_an_arm_that_a_plug_in_makes_may_have_answered_nothing_and_is_read_where_it_has(tmp_path, answers, arms):
+    every = [arm.model_copy(update={"made_by": "plugin"}) if arm.name == "positions_two_visits" else arm for arm in EVERY]
+    episodes, predictions, runs = records(tmp_path)
+    if not answers:
+        predictions[0].write_text("")
+    metrics.run(episodes, predictions, runs, CONSTANTS, tmp_path / "metrics", every)
+    assert list(dict.fromkeys(row["arm"] for row in rows_of(tmp_path / "metrics", "static_rates"))) == arms
+
+
+def test_the_arms_are_those_of_the_settings_and_the_directory_is_made_if_need_be(tmp_path):
+    constants = SimpleNamespace(**vars(CONSTANTS), arms={arm.name: arm for arm in EVERY})
+    inputs, deep = records(tmp_path), tmp_path / "results" / "main" / "metrics"
+    # The second time the directory is there already.
+    for _ in range(2):
+        metrics.run(*inputs, constants, deep)
+    metrics.run(*inputs, CONSTANTS, tmp_path / "given", EVERY)
+    for path in deep.iterdir():
+        assert path.read_bytes() == (tmp_path / "given" / path.name).read_bytes()
+    # An arm of the settings that has no records is missed, unless other arms are given.
+    constants.arms["two_visits"] = BY_NAME["two_visits"]
+    with pytest.raises(ValueError, match="no records of the static arm 'two_visits'"):
+        metrics.run(*inputs, constants, deep)
+    metrics.run(*inputs, constants, deep, EVERY)
+
+
+def test_thresholds_and_rungs_are_those_of_the_settings(tmp_path):
+    """Four episodes whose answer is (2, 0), another chair at (-2, 0), and the three rungs of the error budget."""
+    episodes = [MOVED | {"id": f"FloorPlan201/moved/{number:04d}"} for number in range(3)] + [moving()]
+    ids = [episode["id"] for episode in episodes]
+    # Off by 1.5 m and by 2.5 m, beside the other chair, and right.
+    points = {"two_visits": [(3.5, 0.0), (4.5, 0.0), (-2.0, 0.5), (2.0, 0.0)]}
+    points["grounding_two_visits"] = [(2.0, 0.9), *points["two_visits"][1:]]
+    points["positions_two_visits"] = [(2.0, 0.0)] * 4
+    # Only the first run ends beside the chair's box; the second is accepted for another reason.
+    runs = [{"schema": "ovman-run/1", "episode": id_, "arm": "two_visits_embodied", "seed": 0, "outcome": "stopped",
+             "success": success, "spl": 0.5 * success, "path_length_m": 2.0, "actions": 7, **dict.fromkeys(TERMS),
+             "box_distance_m": box_m}
+            for id_, success, box_m in zip(ids, (True, True, False, True), (0.9, 1.1, 0.2, 0.3), strict=True)]  # fmt: skip
+    files = {"episodes": episodes, "runs": runs} | {
+        arm: [{"schema": "ovman-prediction/1", "episode": id_, "arm": arm, "seed": 0, "x": x, "z": z}
+              for id_, (x, z) in zip(ids, of_arm, strict=True)]
+        for arm, of_arm in points.items()
+    }  # fmt: skip
+    paths = {name: tmp_path / f"{name}.jsonl" for name in files}
+    for name, lines in files.items():
+        paths[name].write_text("".join(json.dumps(line) + "\n" for line in lines))
+    arms = [BY_NAME[name] for name in (*points, "two_visits_embodied")]
+    out = tmp_path / "metrics"
+    metrics.run(paths["episodes"], [paths[name] for name in points], [paths["runs"]], CONSTANTS, out, arms)
+
+    counts = {row["verdict"]: int(row["episodes"]) for row in of_all(out, "taxonomy") if row["arm"] == "two_visits"}
+    assert counts == {"success": 1, "abstain": 0, "near_miss": 1, "elsewhere": 1, "wrong_instance": 1, "lost_in_navigation": 0}
+
+    (row,) = of_all(out, "rescued")
+    assert (row["arm"], row["gained"], row["rescued"], row["nearest_m"]) == ("two_visits_embodied", "2", "1", "1.500000")
+
+    steps = of_all(out, "budget")
+    assert [step["rung"] for step in steps] == [*CONFIG.comparisons.rungs.values(), "answer given"]
+    assert [float(step["rate"]) for step in steps] == [0.25, 0.5, 1.0, 1.0]
+    assert [(step["gained"], step["lost"]) for step in steps] == [("", ""), ("1", "0"), ("2", "0"), ("0", "0")]
+
+    between, *away = rows_of(out, "mover")
+    assert {row["radius_m"] for row in (between, *away)} == {"1.000000"} and {row["moved"] for row in away} == {""}
+    # It went 2 m, which is beyond R and enough to count as moved.
+    assert (between["median_m"], between["within"], between["moved"]) == ("2.000000", "0.000000", "1")
+
+
+def rows_of(directory, name):
+    with (directory / f"{name}.csv").open() as file:
+        return list(csv.DictReader(file))
+
+
+def of_all(directory, name):
+    return [row for row in rows_of(directory, name) if row["relation"] == "all"]
 
 
 def test_no_runs_leave_no_rows(tmp_path):

@@ -2,6 +2,8 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import asdict, replace
+from statistics import fmean, median
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,8 +11,10 @@ import pytest
 
 from ovman.analysis import perception
 from ovman.analysis.instances import TrueScene
-from ovman.analysis.scores import CATEGORY, SCENE, SIZE, scores
+from ovman.analysis.scores import CATEGORY, SCENE, SIZE, Score, Seen, scores
+from ovman.analysis.segmentation import Segmented
 from ovman.language.vocabulary import nouns
+from ovman.perception.retrieval import Ranks
 from tests.analysis.recordings import MIN_MASK_PX, detected, mask, write_scene, write_visit
 from tests.episodes import episode_record
 
@@ -145,3 +149,140 @@ def test_the_stage_is_deterministic(scene, tmp_path, monkeypatch, capsys):
     assert rows[0]["true"] == "4" and rows[0]["recall"] == "1.000000"
     with pytest.raises(ValueError, match="FloorPlan1: no file of detections; make it first"):
         perception.run(where[0], [], *where[2:], constants, tmp_path / "none.csv")
+
+
+SIZES = {
+    "below 600 px": range(600),
+    "600-1499 px": range(600, 1500),
+    "1500-4999 px": range(1500, 5000),
+    "5000 px and more": range(5000, 10**9),
+}
+"""The groups by size as the paper names them."""
+CHOICES = {"FloorPlan1": ("Lamp", "Sofa", "Vase"), "FloorPlan2": ("Sofa", *(f"Thing{number:02d}" for number in range(11)))}
+"""The categories of two scenes, of one object each: fewer than five in the one, and more in the other."""
+CROP = ("top1", "top5", "chance_top1", "chance_top5")
+
+
+def table(rng):
+    """True instances and masks of both scenes, a dict each. The sizes have every border between two groups on both sides."""
+    borders = [px + beside for px in (600, 1500, 5000) for beside in (-1, 0, 1)]
+    instances, masks = [], []
+    for scene, categories in CHOICES.items():
+        for px in [*borders, *rng.integers(300, 9000, 20).tolist()]:
+            category = categories[rng.integers(len(categories))]
+            instances.append({"scene": scene, "category": category, "px": px, "recalled": bool(rng.integers(2))})
+        for px in [*borders, *rng.integers(300, 9000, 20).tolist()]:
+            # A mask on nothing has no rank and no place; a category that begins with a T has no synonyms.
+            category = None if rng.random() < 0.3 else categories[rng.integers(len(categories))]
+            synonyms = [] if category is None or category[0] == "T" else rng.integers(0, len(categories), 3).tolist()
+            masks.append({
+                "scene": scene, "category": category, "px": px, "doubled": category is not None and bool(rng.integers(2)),
+                "rank": int(rng.integers(len(categories))), "synonyms": synonyms, "choices": len(categories),
+                "off_m": None if rng.random() < 0.3 else float(rng.exponential()),
+            })  # fmt: skip
+    # Only masks show the lamp: it is too small to count as an instance.
+    return [one for one in instances if one["category"] != "Lamp"], masks
+
+
+def of_scene(scene, instances, masks):
+    index = CHOICES[scene].index
+    instances, masks = ([one for one in some if one["scene"] == scene] for some in (instances, masks))
+    right = [one for one in masks if one["category"] is not None]
+    whole = Segmented(
+        true_object=np.array([index(one["category"]) for one in instances]),
+        true_px=np.array([one["px"] for one in instances]),
+        recalled=np.array([one["recalled"] for one in instances]),
+        px=np.array([one["px"] for one in masks]),
+        object=np.array([-1 if one["category"] is None else index(one["category"]) for one in masks]),
+        object_px=np.zeros(len(masks), int),
+        doubled=np.array([one["doubled"] for one in masks]),
+    )
+    synonyms = tuple(np.array(one["synonyms"], int) for one in right)
+    ranked = Ranks(np.array([one["rank"] for one in right]), synonyms, np.array([one["choices"] for one in right]))
+    off_m = np.array([np.nan if one["off_m"] is None else one["off_m"] for one in right])
+    return Seen(scene, 1, CHOICES[scene], whole, ranked, off_m)
+
+
+def mean(values):
+    values = list(values)
+    return fmean(values) if values else None
+
+
+def expected(group, value, instances, masks, wrong=True):
+    """The row of these instances and masks, counted one by one."""
+    right = [one for one in masks if one["category"] is not None]
+    named = [one for one in right if one["synonyms"]]
+    off_m = sorted(one["off_m"] for one in right if one["off_m"] is not None)
+    # 95 of 100 steps from the least to the greatest, between two neighbours if need be.
+    low, part = divmod(95 * (len(off_m) - 1), 100)
+    return Score(
+        group,
+        value,
+        true=len(instances),
+        recalled=sum(one["recalled"] for one in instances),
+        recall=mean(one["recalled"] for one in instances),
+        found=len(masks) if wrong else None,
+        right=len(right),
+        precision=mean(one["category"] is not None for one in masks) if wrong else None,
+        doubled=sum(one["doubled"] for one in masks),
+        precision_once=mean(one["category"] is not None and not one["doubled"] for one in masks) if wrong else None,
+        crops=len(right),
+        top1=mean(one["rank"] == 0 for one in right),
+        top5=mean(one["rank"] < 5 for one in right),
+        chance_top1=mean(1 / one["choices"] for one in right),
+        chance_top5=mean(min(5 / one["choices"], 1) for one in right),
+        named=len(named),
+        own_top1=mean(one["rank"] == 0 for one in named),
+        own_top5=mean(one["rank"] < 5 for one in named),
+        synonym_top1=mean(fmean(rank == 0 for rank in one["synonyms"]) for one in named),
+        synonym_top5=mean(fmean(rank < 5 for rank in one["synonyms"]) for one in named),
+        off_box_median_m=median(off_m) if off_m else None,
+        off_box_p95_m=off_m[low] + (part and (off_m[low + 1] - off_m[low]) * part / 100) if off_m else None,
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_number_of_every_row_is_what_counting_one_by_one_gives(seed):
+    instances, masks = table(np.random.default_rng(seed))
+    by_category = [
+        expected(CATEGORY, name, *([one for one in some if one["category"] == name] for some in (instances, masks)), wrong=False)
+        for name in sorted({one["category"] for one in (*instances, *masks)} - {None})
+    ]
+    means = ("recall", *CROP, "own_top1", "own_top5", "synonym_top1", "synonym_top5")
+    rows = [
+        expected("all", "all", instances, masks),
+        Score("categories", "mean", **{
+            name: mean(getattr(row, name) for row in by_category if getattr(row, name) is not None) for name in means
+        }),
+        *(expected(SIZE, name, *([one for one in some if one["px"] in px] for some in (instances, masks)))
+          for name, px in SIZES.items()),
+        *(expected(SCENE, name, *([one for one in some if one["scene"] == name] for some in (instances, masks)))
+          for name in ("FloorPlan2", "FloorPlan1")),
+        *by_category,
+    ]  # fmt: skip
+    # Scenes are in the order given.
+    got = scores([of_scene(scene, instances, masks) for scene in ("FloorPlan2", "FloorPlan1")])
+    assert [(row.group, row.value) for row in got] == [(row.group, row.value) for row in rows]
+    for row, known in zip(got, rows, strict=True):
+        assert asdict(row) == pytest.approx(asdict(known)), (row.group, row.value)
+    # Names are plain strings: numpy's own strings are equal to them, but a row with one prints otherwise.
+    assert {type(row.value) for row in got} == {str}
+    assert rows[0].own_top5 != rows[0].top5 and rows[0].chance_top5 != 1.0 and "Lamp" in {row.value for row in rows}
+
+
+def test_no_scene_has_the_rows_of_nothing():
+    whole, categories, *sizes = scores([])
+    assert whole == expected("all", "all", [], []) and categories == Score("categories", "mean")
+    assert sizes == [expected(SIZE, name, [], []) for name in SIZES]
+
+
+def test_a_scene_without_masks_adds_its_instances_and_nothing_else():
+    instances, masks = table(np.random.default_rng(0))
+    here = [one for one in instances if one["scene"] == "FloorPlan1"]
+    both = [of_scene("FloorPlan1", instances, []), of_scene("FloorPlan2", instances, masks)]
+    # An empty column is one of floats, unless it was made of something else.
+    assert both[0].segmented.doubled.dtype == float
+    whole, alone = scores(both)[0], scores(both[1:])[0]
+    assert whole == replace(alone, true=whole.true, recalled=whole.recalled, recall=whole.recall)
+    assert whole.true == alone.true + len(here) and whole.recalled == alone.recalled + sum(one["recalled"] for one in here)
+    assert whole.doubled > 0
