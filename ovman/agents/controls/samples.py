@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
@@ -61,9 +61,32 @@ class Shown:
     colours: Callable[[], tuple[np.ndarray, np.ndarray]]
 
 
+@dataclass(frozen=True)
+class _Sampled:
+    """A recorded tour by what it shows, and how it is sampled."""
+
+    content: str
+    every_px: int
+    visit: Visit = field(compare=False, repr=False)
+
+
 def sampled(visit: Visit, every_px: int) -> tuple[Sample, ...]:
-    """The frames of a visit at every `every_px`-th row and column. ValueError for a tour without pictures."""
+    """The frames of a visit at every `every_px`-th row and column. ValueError for a tour without pictures.
+
+    A recorded tour is sampled once for the episodes in a row that have it as their first or second.
+    """
+    if visit.content is None:
+        return _sample_all(visit, every_px)
+    return _sample_once(_Sampled(visit.content, every_px, visit))
+
+
+def _sample_all(visit: Visit, every_px: int) -> tuple[Sample, ...]:
     return tuple(_sample(frame, every_px) for frame in visit.observations)
+
+
+@lru_cache(maxsize=2)
+def _sample_once(asked: _Sampled) -> tuple[Sample, ...]:
+    return _sample_all(asked.visit, asked.every_px)
 
 
 def _sample(frame: Observation, every_px: int) -> Sample:
