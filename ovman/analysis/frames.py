@@ -66,6 +66,8 @@ def typed(text: pd.DataFrame, kind: type[RowType]) -> pd.DataFrame:
                 raise ValueError(f"{name} is {wrong.iloc[0]!r}, which is no finite number; make the metrics again")
             if dtype == "int64" and numbers.isna().any():
                 raise ValueError(f"{name} is empty in a row; make the metrics again")
+            if dtype != "float64" and (wrong := column[numbers.notna() & (numbers % 1 != 0)]).size:
+                raise ValueError(f"{name} is {wrong.iloc[0]!r}, which is no whole number; make the metrics again")
             column = pd.Series(numbers, dtype=dtype)
         columns[name] = column
     return pd.DataFrame(columns)
@@ -73,15 +75,14 @@ def typed(text: pd.DataFrame, kind: type[RowType]) -> pd.DataFrame:
 
 def rows_of(kind: type[RowType], frame: pd.DataFrame) -> list[RowType]:
     """The rows of a frame as `kind`, the inverse of `frame_of`."""
-    hints, dtype_of = get_type_hints(kind), dtypes(kind)
+    hints, names = get_type_hints(kind), list(dtypes(kind))
 
     def value(name: str, cell: Any) -> Any:
         made = members(hints[name])
         if pd.isna(cell) or (cell == "" and type(None) in made):
             return None
-        return made[0](cell) if dtype_of[name] != "str" or made[0] is not str else str(cell)
+        return made[0](cell)
 
-    names = list(dtype_of)
     return [kind(**{name: value(name, cell) for name, cell in zip(names, row, strict=True)}) for row in _tuples(frame[names])]
 
 

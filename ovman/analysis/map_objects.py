@@ -40,7 +40,9 @@ class MapObjects:
         names = np.array([*cues.instances, ""])[cues.instance]
         return MapObjects(
             ObjectMap.of(clusters),
-            np.array([cues.histogram[of].mean(axis=0, dtype=np.float64) for of in rows]).reshape(len(rows), -1),
+            np.array([cues.histogram[of].mean(axis=0, dtype=np.float64) for of in rows]).reshape(
+                len(rows), cues.histogram.shape[1]
+            ),
             np.array([np.median(cues.extent[of].astype(np.float64), axis=0) for of in rows]).reshape(len(rows), 3),
             tuple(commonest(names[of], cues.pixels[of]) for of in rows),
         )

@@ -24,7 +24,6 @@ from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Evidence
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.cues import Cues
-from ovman.perception.object_map import ObjectMap
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.table import latex, markdown
 from ovman.workflow.config import ConfigError, load
@@ -248,7 +247,8 @@ def test_rounding_leaves_no_cue_below_none_at_all():
 
 
 def test_a_map_without_objects_disagrees_with_nothing():
-    empty = MapObjects(ObjectMap.of(()), np.zeros((0, 4)), np.zeros((0, 3)), ())
+    empty = MapObjects.of((), Cues((), np.zeros((0, 4)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, int)))
+    assert empty.histogram.shape == (0, 4) and empty.extent.shape == (0, 3) and empty.instance == ()
     for first, second in ((empty, SECOND), (FIRST, empty), (empty, empty)):
         found = disagreements(first, second, 0.01)
         assert {cue: found[cue].shape for cue in found} == dict.fromkeys(CUES, (len(first.map), len(second.map)))

@@ -139,6 +139,7 @@ def test_a_frame_that_has_a_column_twice_gives_no_rows():
         ({"count": ["2", ""]}, "count is empty in a row; make the metrics again"),
         ({"count": ["many"]}, "count is 'many', which is no finite number; make the metrics again"),
         ({"count": ["inf"]}, "count is 'inf', which is no finite number; make the metrics again"),
+        ({"count": ["2.5"]}, "count is '2.5', which is no whole number; make the metrics again"),
         ({"counts": ["2"]}, "no column count, there are counts; make the metrics again"),
     ],
 )
@@ -146,6 +147,19 @@ def test_a_frame_of_text_that_cannot_be_read_is_one_line(text, said):
     with pytest.raises(ValueError) as caught:
         typed(pd.DataFrame(text), Counted)
     assert str(caught.value) == said
+
+
+def test_a_part_of_one_is_no_count_where_there_may_be_none():
+    with pytest.raises(ValueError) as caught:
+        typed(pd.DataFrame({"some": ["", "3", "0.5"]}), Perhaps)
+    assert str(caught.value) == "some is '0.5', which is no whole number; make the metrics again"
+
+
+@dataclass(frozen=True)
+class Perhaps:
+    """A row of a count, or of none."""
+
+    some: int | None
 
 
 @dataclass(frozen=True)
