@@ -10,17 +10,20 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.generation.audit import audit
+from ovman.generation.audit import COLUMNS, audit
+from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
 from ovman.generation.verdict import reasons, verdict
 from ovman.models.certification import Certification, OracleRun
+from ovman.models.episode import Episode
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection, RejectionStage
 from ovman.models.relation import Relation
 from ovman.models.settings import MAIN
-from ovman.models.sighting import Sighting
+from ovman.models.sighting import Sighting, Sightings
 from ovman.models.trial import Bound, Trial
 from ovman.models.world_state import Instance, WorldState
+from ovman.workflow import seeds
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -395,19 +398,22 @@ def test_the_audit_counts_what_was_drawn_rejected_certified_and_released() -> No
     ]
 
 
-def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) -> None:
+def write_split(folder: Path, split: str = MAIN, seed: int = 0, allow_short_split: bool = False, **wanted: int) -> None:
     """Releases a split of so many episodes of each relation, and of none where it is not named."""
-    split = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
-    benchmark = CONFIG.benchmark.model_copy(update={"split": split, "allow_short_split": allow_short_split})
+    asked = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
+    benchmark = CONFIG.benchmark.model_copy(update={"seed": seed, "split": asked, "allow_short_split": allow_short_split})
+    splits = {name: one.model_copy(update={"episodes": asked}) for name, one in CONFIG.splits.items()}
     verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
     for scene, file in zip(SCENES, verdicts, strict=True):
-        file.write_text(lines(verdict(t, CONFIG) for t in TRIALS.values() if t.candidate.scene == scene))
+        of_scene = (t for t in TRIALS.values() if (t.candidate.scene, t.candidate.split) == (scene, split))
+        file.write_text(lines(verdict(t, CONFIG) for t in of_scene))
     run(
         [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
         verdicts,
         [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],
-        CONFIG.model_copy(update={"benchmark": benchmark}),
+        CONFIG.model_copy(update={"benchmark": benchmark, "splits": splits}),
         *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
+        split,
     )
 
 
@@ -418,7 +424,52 @@ def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_th
     moved, stable = certified[Relation.MOVED], certified[Relation.STABLE]
     write_split(tmp_path, moved=moved, stable=stable)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
-    with pytest.raises(ShortSplitError, match=rf"\(moved {moved} of {moved + 1}, stable {stable} of {stable + 9}\)"):
+    lack = rf"moved {moved} of {moved + 1}, stable {stable} of {stable + 9}"
+    says = rf"^benchmark\.split asks for more .* \({lack}\); raise candidates\.draws, lower benchmark\.split, or set benchmark"
+    with pytest.raises(ShortSplitError, match=says):
         write_split(tmp_path, moved=moved + 1, stable=stable + 9)
     write_split(tmp_path, allow_short_split=True, moved=moved + 1, stable=stable + 9)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("split", [MAIN, "multi", "everyday"])
+def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(tmp_path: Path, split: str, seed: int) -> None:
+    """Several seeds, because a draw of few trials may be another one's by chance. The release asks for some of each relation."""
+    of_split = {k: t for k, t in TRIALS.items() if t.candidate.split == split}
+    against = {k: rejection(verdict(t, CONFIG), RUNS.get(k, ()), SUCCESS) for k, t in of_split.items()}
+    certified = [k for k, reason in against.items() if reason is None]
+    relation_of = {k: t.candidate.relation for k, t in of_split.items()}
+    scene_of = {k: t.candidate.scene for k, t in of_split.items()}
+    wanted = dict.fromkeys(Relation, 3) | {Relation.APPEARED: 9}
+    names = ("split",) if split == MAIN else ("split", split)
+    pairs = {k: tour_pair(of_split[k]) for k in certified}
+    draw = seeds.generator(seed, *names, "pairs")
+    # A pair of tours with several changes serves several queries.
+    apart = certified if split == "multi" else independent(pairs, relation_of, wanted, draw)
+    released = []
+    for relation in Relation:
+        pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
+        pool = {scene: ids for scene, ids in pool.items() if ids}
+        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value))
+    released.sort(key=lambda k: (CONFIG.benchmark.scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
+    shared = [] if split == "multi" else left_out(pairs, released)
+    against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)
+
+    write_split(tmp_path, split, seed, allow_short_split=True, **{r.value: count for r, count in wanted.items()})
+    assert [made.id for made in Episode.read(tmp_path / "main.jsonl")] == released
+    assert [made.episode for made in Sightings.read(tmp_path / "sightings.jsonl")] == released
+    rows = [COLUMNS, *audit(against, relation_of, released)]
+    assert (tmp_path / "rejections.csv").read_bytes() == "".join(",".join(map(str, row)) + "\n" for row in rows).encode()
+    assert bool(shared) == (split == MAIN), "the main split has such trials here"
+
+
+@pytest.mark.parametrize("split", [MAIN, "multi", "everyday"])
+def test_an_episode_of_a_released_trial_is_the_released_one(split: str) -> None:
+    """Scripted changes of every kind, in either visit, and those of other categories."""
+    file = DATA / "episodes" / f"{split}.jsonl"
+    released = [made for made in Episode.read(file) if made.scene in SCENES]
+    assert [episode(TRIALS[made.id], RUNS[made.id], CONFIG) for made in released] == released
+    kinds = {(change.kind, change.category == made.category) for made in released for change in made.changes}
+    assert {("enable", True), ("disable", True), ("displace", True)} <= kinds
+    assert {("motion", True), ("enable", False), ("motion", False)} <= kinds or split != "everyday"
