@@ -15,13 +15,15 @@ from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
 from ovman.generation.verdict import reasons, verdict
 from ovman.models.certification import Certification, OracleRun
+from ovman.models.change import Alteration, Roam
 from ovman.models.episode import Episode
+from ovman.models.geometry import Position
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection, RejectionStage
 from ovman.models.relation import Relation
 from ovman.models.settings import MAIN
-from ovman.models.sighting import Sighting, Sightings
-from ovman.models.trial import Bound, Trial
+from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.models.trial import Bound, Displaced, Trial
 from ovman.models.world_state import Instance, WorldState
 from ovman.workflow import seeds
 from tests.arms import CONFIG
@@ -151,6 +153,19 @@ def test_a_pick_among_fewer_recorded_instances_may_exceed_chance_by_the_limit(re
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
+def test_a_pick_that_exceeds_chance_by_the_limit_and_no_more_is_allowed(relation: Relation) -> None:
+    """The tours of these trials recorded every instance of the category: a pick is at chance."""
+    strict = CONFIG.model_copy(update={"admissibility": ADMISSIBILITY.model_copy(update={"above_chance": 0.0})})
+    assert list(reasons(admitted(relation), strict)) == []
+
+
+def test_a_candidate_without_a_spawn_has_none_at_the_answer() -> None:
+    trial = admitted(Relation.MOVED)
+    nowhere = trial.model_copy(update={"candidate": trial.candidate.model_copy(update={"spawn": None})})
+    assert judged(nowhere, spawn_to_box_m=0.0) == [] != judged(trial, spawn_to_box_m=0.0)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
 def test_no_spawn_is_where_a_stop_would_succeed(relation: Relation) -> None:
     trial, beyond_m = admitted(relation), CANDIDATES.spawn_beyond_m
     spawn = trial.candidate.spawn
@@ -254,6 +269,51 @@ def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
     against = list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
     # The instance that was scripted stands at the answer, which crowds that of the other.
     assert Rejection.REFERENT_NOT_TARGET in against and set(against) <= {Rejection.REFERENT_NOT_TARGET, Rejection.CROWDED}
+
+
+def beside(kind: str, first_px: int, second_px: int, at: float) -> Trial:
+    """A trial beside whose removed instance, at the answer, another one changes and ends so many metres away."""
+    trial, there = admitted(Relation.REMOVED), Position(x=0.0, y=0.0, z=0.0)
+    also = Alteration(kind="disable", instance="other|1")
+    if kind == "displace":
+        also = Alteration(kind="displace", instance="other|1", placement=(at, 0.0), height_m=0.05)
+    if kind == "motion":
+        also = Alteration(kind="motion", instance="other|1", roam=Roam.over(9.0, 0.0, 0.25, [(0, 0)]))
+    candidate, far = trial.candidate, there.model_copy(update={"x": 9.0})
+    changes = {"first": (also,)} if kind == "enable" else {"second": (*candidate.second, also)}
+    return measured(
+        trial.model_copy(update={"candidate": candidate.model_copy(update=changes | {"others": {"other|1": "Other"}})}),
+        answer=(0.0, 0.0),
+        changed={
+            candidate.target: Displaced(before=there, after=None),
+            "other|1": Displaced(before=far, after=there.model_copy(update={"x": at})),
+        },
+        other_px={"other|1": VisitPair[int](first=first_px, second=second_px)},
+    )
+
+
+def of_others(trial: Trial) -> set[Rejection]:
+    return {*reasons(trial, CONFIG)} & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED}
+
+
+@pytest.mark.parametrize(
+    "kind, in_first, in_second",
+    [("displace", True, True), ("disable", True, False), ("enable", False, True), ("motion", False, True)],
+)
+def test_a_mask_of_the_minimum_records_another_change_in_the_tours_that_define_it(
+    kind: str, in_first: bool, in_second: bool
+) -> None:
+    enough, too_few = ADMISSIBILITY.min_mask_px, ADMISSIBILITY.min_mask_px - 1
+    lacking = {Rejection.OTHER_CHANGE_NOT_RECORDED}
+    assert of_others(beside(kind, enough, enough, 9.0)) == set()
+    assert of_others(beside(kind, too_few, enough, 9.0)) == (lacking if in_first else set())
+    assert of_others(beside(kind, enough, too_few, 9.0)) == (lacking if in_second else set())
+
+
+def test_another_change_may_be_as_near_as_the_settings_say_and_no_nearer() -> None:
+    px, apart_m = ADMISSIBILITY.min_mask_px, CANDIDATES.apart_m
+    assert of_others(beside("displace", px, px, apart_m)) == set()
+    assert of_others(beside("displace", px, px, float(np.nextafter(apart_m, 0.0)))) == {Rejection.OTHER_CHANGE_NEAR}
 
 
 # --- the verdict as a whole -----------------------------------------------------------------------
