@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -36,6 +37,19 @@ def test_the_package_is_not_loaded() -> None:
         "assert assigned(np.array([[2.0, 1.0], [1.0, 5.0]]))[1].tolist() == [1, 0]; print('scipy.optimize' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "False\n"
+
+
+def test_the_package_is_used_where_it_is_loaded_anyway() -> None:
+    assert assignment.PACKAGE in sys.modules and assignment._alone() is None
+    assert assignment._solver.__wrapped__() is linear_sum_assignment
+
+
+def test_a_module_without_the_solver_is_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Another compiled module of the package stands for one of a SciPy that has its solver elsewhere."""
+    assert find_spec("scipy.optimize._zeros") is not None
+    monkeypatch.delitem(sys.modules, assignment.PACKAGE)
+    monkeypatch.setattr(assignment, "SOLVER", "scipy.optimize._zeros")
+    assert assignment._alone() is None
 
 
 def test_a_scipy_without_the_module_is_used_whole(monkeypatch: pytest.MonkeyPatch) -> None:

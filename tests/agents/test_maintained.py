@@ -7,9 +7,11 @@ import pytest
 
 from ovman.agents.interface import Abstention, AbstentionReason, Query, Relation, UniformPick
 from ovman.agents.reference.maintained import predict
+from ovman.models.settings import Need
 from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
 from ovman.perception.maintained import together
+from ovman.perception.records import read_maps
 from tests.arms import CONFIG
 
 CHAIR, LAMP = np.eye(2)
@@ -31,6 +33,7 @@ class Context:
         self._clusters, self._handed, self.privileged_grounding = clusters, handed, handed is not None
 
     def made(self, need, read):
+        assert need is Need.MAINTAINED and read is read_maps
         return {together("a", "b"): self._clusters}
 
     def noun(self, phrase):

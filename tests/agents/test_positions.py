@@ -172,8 +172,11 @@ def at(name: str, x: float, z: float, category: str = "Chair") -> SeenInstance:
     return SeenInstance(name, category, x, z)
 
 
-def view(*seen: SeenInstance, x: float = 1.0, z: float = 1.0, yaw: float = 0.0, positions: bool = True) -> Observation:
-    return Observation(None, None, CameraPose(x, 0.9, z, yaw, 0.0), 90.0, positions=seen if positions else None)
+def view(
+    *seen: SeenInstance, x: float = 1.0, z: float = 1.0, yaw: float = 0.0, positions: bool = True, moved: bool = True
+) -> Observation:
+    pose = CameraPose(x, 0.9, z, yaw, 0.0)
+    return Observation(None, None, pose, 90.0, positions=seen if positions else None, last_action_succeeded=moved)
 
 
 def test_what_is_remembered_is_the_last_position_and_the_track_of_each():
@@ -183,10 +186,10 @@ def test_what_is_remembered_is_the_last_position_and_the_track_of_each():
     )
 
 
-def driven(first, second, relation, *observations) -> list[Action]:
+def driven(first, second, relation, *observations, reachable=GRID) -> list[Action]:
     agent = PositionsTwoVisits(Pilot(CONFIG.primitives, np.random.default_rng(0)), CONFIG)
-    agent.familiarise(Visit(first, GRID))
-    agent.revisit(Visit(second, GRID))
+    agent.familiarise(Visit(first, reachable))
+    agent.revisit(Visit(second, reachable))
     agent.ask(Query("Chair", relation))
     return [agent.act(observation) for observation in observations]
 
@@ -216,6 +219,15 @@ def test_it_follows_the_mover_that_it_chose_while_it_sees_it():
     )
     assert elsewhere[0] in (Action.ROTATE_LEFT, Action.ROTATE_RIGHT) and elsewhere[1] is Action.STOP
     assert driven(tour, tour, Relation.STABLE, view(at("still", 3.0, 3.0), x=0.5, z=3.0)) == [Action.STOP]
+
+
+def test_in_a_corridor_it_waits_for_what_moves_and_gives_up_on_what_stands_still():
+    """Something blocks the only way. What moves may go out of it."""
+    corridor = GRID[GRID[:, 0] == 1.0]
+    tour = [view(at("still", 1.0, 4.0), at("mover", 1.0, z)) for z in (3.0, 4.0)]
+    for relation, next_action in ((Relation.MOVING, Action.ROTATE_LEFT), (Relation.STABLE, Action.ABSTAIN)):
+        actions = driven(tour, tour, relation, view(z=0.0), view(z=0.0, moved=False), reachable=corridor)
+        assert actions == [Action.MOVE_AHEAD, next_action]
 
 
 def test_positions_alone_are_compared_and_no_features():

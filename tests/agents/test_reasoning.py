@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidence, UniformBox, UniformPick
 from ovman.agents.reference import positions_two_visits
 from ovman.agents.reference.grounding import grounded
-from ovman.agents.reference.reasoning import one_visit, single_visit_pick, two_visits
+from ovman.agents.reference.reasoning import means_of, one_visit, single_visit_pick, two_visits
 from ovman.agents.reference.single_visit import picked
 from ovman.evaluation.scoring import success_probability
 from ovman.models.settings import Settings
@@ -111,6 +111,27 @@ def test_features_tell_apart_what_places_confuse():
     assert asked(Relation.STABLE, first, second, constants=blind)[1].pairs == ((0, 1), (1, 0))
 
 
+def test_a_disagreement_is_of_all_objects_and_read_for_what_is_grounded():
+    """By features the two of each visit are alike; the disagreement pairs each with the farther one."""
+    first = [cluster(0.0, 0.0, one_hot(1)), cluster(0.0, 0.0), cluster(0.5, 0.0)]
+    second = [cluster(0.0, 0.0), cluster(9.0, 0.0, one_hot(1)), cluster(8.0, 0.0, one_hot(1)), cluster(0.5, 0.0)]
+    unlike = np.full((3, 4), 0.0)
+    unlike[1, 0] = unlike[2, 3] = 1.0
+    maps, means = (ObjectMap.of(first), ObjectMap.of(second)), ((1, 2), (0, 3))
+    assert two_visits(Relation.STABLE, *maps, *means, CONSTANTS)[1].pairs == ((1, 0), (2, 3))
+    assert two_visits(Relation.STABLE, *maps, *means, CONSTANTS, unlike)[1].pairs == ((1, 3), (2, 0))
+
+
+def test_a_noun_that_is_withheld_means_every_object():
+    objects = ObjectMap.of([cluster(0.0, 0.0), cluster(1.0, 0.0, one_hot(1)), cluster(2.0, 0.0, one_hot(2))])
+
+    class Nothing:
+        """A context of which nothing is read."""
+
+    assert means_of(Query("", Relation.MOVED), Nothing(), objects, "first") == (0, 1, 2)
+    assert means_of(Query("", Relation.MOVED), Nothing(), ObjectMap.of([]), "first") == ()
+
+
 @pytest.mark.parametrize("relation", list(Relation))
 def test_empty_maps_abstain_by_name(relation):
     nothing = Abstention(AbstentionReason.NOTHING_GROUNDED)
@@ -175,10 +196,10 @@ def test_a_pick_is_uniform_and_an_abstention_stays_one():
     pick = UniformPick(((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)))
     counts = np.bincount([int(picked(pick, rng).x) for _ in range(3000)], minlength=3)
     assert counts.sum() == 3000 and np.abs(counts - 1000).max() < 120
-    box = UniformBox(-1.0, 2.0, 1.0, 4.0)
+    box = UniformBox(-4.0, 2.0, -2.0, 4.0)
     points = np.array([(p.x, p.z) for p in (picked(box, rng) for _ in range(2000))])
-    assert (points >= (-1, 2)).all() and (points <= (1, 4)).all()
-    assert points.mean(axis=0) == pytest.approx((0.0, 3.0), abs=0.06)
+    assert (points >= (-4, 2)).all() and (points <= (-2, 4)).all()
+    assert points.mean(axis=0) == pytest.approx((-3.0, 3.0), abs=0.06)
     gone = Abstention(AbstentionReason.NOTHING_GROUNDED)
     assert picked(gone, rng) is gone
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Agent, Query, Relation, Visit
+from ovman.agents.interface import Action, Agent, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.reference.single_visit import SingleVisitAgent
 from ovman.agents.reference.two_visits import ReferenceAgent
 from ovman.evaluation import rollouts, scores
@@ -177,16 +177,17 @@ def test_frames_are_drawn_unless_an_agent_says_that_it_does_not_look(session, sa
 
 
 class Wheels:
-    """A pilot that is nowhere and says where it is sent."""
+    """A pilot that is nowhere and says where it is sent, and by what."""
 
     def __init__(self) -> None:
-        self.goals = []
+        self.goals, self.seen = [], []
 
     def set_out(self, reachable, relation):
-        self.reachable = reachable
+        self.reachable, self.relation = reachable, relation
 
     def act(self, observation, goal):
         self.goals.append(goal)
+        self.seen.append(observation)
         return Action.STOP
 
 
@@ -198,11 +199,15 @@ def agents():
     return wheels, (ReferenceAgent(wheels, *given), SingleVisitAgent(wheels, *given, np.random.default_rng(0)))
 
 
+GROUND = np.array([[0.0, 0.0], [1.0, 1.0]])
+FRAME = Observation(None, None, CameraPose(0.0, 0.9, 0.0, 0.0, 0.0), 90.0)
+
+
 def asked(agent, first: str, second: str, relation: Relation) -> Action:
     agent.familiarise(Visit((), np.empty((0, 2)), first))
-    agent.revisit(Visit((), np.array([[0.0, 0.0], [1.0, 1.0]]), second))
+    agent.revisit(Visit((), GROUND, second))
     agent.ask(Query(EPISODES[0].category, relation))
-    return agent.act(None)
+    return agent.act(FRAME)
 
 
 def test_they_are_agents_that_forget_and_abstain():
@@ -213,6 +218,35 @@ def test_they_are_agents_that_forget_and_abstain():
         assert asked(agent, visits.first, visits.second, Relation.STABLE) is Action.STOP
         assert asked(agent, "empty", "empty", Relation.STABLE) is Action.ABSTAIN
     assert len(wheels.goals) == 2 and all(len(goal) == 2 for goal in wheels.goals)
+
+
+@pytest.mark.parametrize("relation", [Relation.STABLE, Relation.MOVING])
+def test_the_pilot_is_told_the_ground_of_the_second_visit_the_relation_and_what_is_seen(relation):
+    """Something that moves shows in none of the objects of the first visit, something stable in both."""
+    wheels, both = agents()
+    visits = EPISODES[0].visits
+    for agent in both:
+        assert asked(agent, "empty" if relation is Relation.MOVING else visits.first, visits.second, relation) is Action.STOP
+        assert wheels.reachable is GROUND and wheels.relation is relation
+        assert wheels.seen.pop() is FRAME
+
+
+def test_the_single_visit_answers_a_past_relation_from_where_it_can_go():
+    wheels, (_, single) = agents()
+    assert asked(single, "empty", EPISODES[0].visits.second, Relation.REMOVED) is Action.STOP
+    (goal,) = wheels.goals
+    assert all(0.0 <= metres <= 1.0 for metres in goal)
+
+
+def test_nothing_is_done_before_a_question_nor_for_that_of_another_home():
+    _, both = agents()
+    for agent in both:
+        with pytest.raises(AssertionError, match="ask comes first"):
+            agent.act(FRAME)
+        asked(agent, "empty", EPISODES[0].visits.second, Relation.STABLE)
+        agent.familiarise(Visit((), GROUND, "empty"))
+        with pytest.raises(AssertionError, match="ask comes first"):
+            agent.act(FRAME)
 
 
 def test_a_tour_without_a_map_and_a_noun_without_an_embedding_are_named():

@@ -13,7 +13,7 @@ from ovman.agents.interface import Relation, UniformBox, UniformPick
 from ovman.agents.reference.association import Association, associate, cost_matrix, distances, padded, positions
 from ovman.agents.reference.decision import moving_by_last_sighting, moving_by_spread, spread_m
 from ovman.agents.reference.grounding import grounded, similarities
-from ovman.agents.reference.reasoning import one_visit
+from ovman.agents.reference.reasoning import one_visit, single_visit_pick
 from ovman.perception.object_map import ObjectMap
 
 SCALE = 2.0
@@ -57,6 +57,18 @@ def test_the_distance_is_that_of_the_floor_plane():
     expected = [[math.dist(a, b) for b in p_2.tolist()] for a in p_1.tolist()]
     assert distances(p_1, p_2).tolist() == pytest.approx(np.array(expected))
     assert cost_matrix(p_1, p_2, feature_scale_m=SCALE).tolist() == distances(p_1, p_2).tolist()
+
+
+@pytest.mark.parametrize("scale", [3.0, 0.7])
+def test_what_is_given_in_single_precision_is_compared_in_double(scale):
+    """Perception makes features of single precision. At a gate of the cost itself a pair is not taken, just above it is."""
+    f_1, f_2 = np.array([[0.6, 0.8]], np.float32), np.array([[0.8, 0.6]], np.float32)
+    unlike, p = np.array([[0.1]], np.float32), positions([(0, 0)])
+    exactly = cost_matrix(p, p, f_1.astype(float), f_2.astype(float), feature_scale_m=scale).item()
+    judged = cost_matrix(p, p, disagreement=unlike.astype(float), feature_scale_m=scale).item()
+    for cost, given in ((exactly, {"f_1": f_1, "f_2": f_2}), (judged, {"disagreement": unlike})):
+        assert associate(p, p, **given, gate_m=cost, feature_scale_m=scale).pairs == ()
+        assert associate(p, p, **given, gate_m=float(np.nextafter(cost, 9.0)), feature_scale_m=scale).pairs == ((0, 0),)
 
 
 @pytest.mark.parametrize("n, m", [(1, 1), (1, 4), (4, 1), (3, 3)])
@@ -165,7 +177,12 @@ def test_tracks_without_a_point_are_passed_over():
 
 def test_a_wrong_track_is_named():
     association = Association((), (), (0,))
-    for ask in (lambda t: moving_by_spread([t], 0.4), lambda t: moving_by_last_sighting([t], [0], association), spread_m):
+    for ask in (
+        lambda t: moving_by_spread([t], 0.4),
+        lambda t: moving_by_last_sighting([t], [0], association),
+        lambda t: single_visit_pick(Relation.MOVING, [t], [(0.0, 0.0)]),
+        spread_m,
+    ):
         with pytest.raises(ValueError, match="^track must have"):
             ask([1.0, 2.0, 3.0])
 

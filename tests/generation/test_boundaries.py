@@ -10,17 +10,22 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.generation.audit import audit
+from ovman.generation.audit import COLUMNS, audit
+from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
 from ovman.generation.verdict import reasons, verdict
 from ovman.models.certification import Certification, OracleRun
+from ovman.models.change import Alteration, Roam
+from ovman.models.episode import Episode
+from ovman.models.geometry import Position
 from ovman.models.record import lines
 from ovman.models.rejection import Rejection, RejectionStage
 from ovman.models.relation import Relation
 from ovman.models.settings import MAIN
-from ovman.models.sighting import Sighting
-from ovman.models.trial import Bound, Trial
+from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.models.trial import Bound, Displaced, Trial
 from ovman.models.world_state import Instance, WorldState
+from ovman.workflow import seeds
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -148,6 +153,19 @@ def test_a_pick_among_fewer_recorded_instances_may_exceed_chance_by_the_limit(re
 
 
 @pytest.mark.parametrize("relation", RELATIONS)
+def test_a_pick_that_exceeds_chance_by_the_limit_and_no_more_is_allowed(relation: Relation) -> None:
+    """The tours of these trials recorded every instance of the category: a pick is at chance."""
+    strict = CONFIG.model_copy(update={"admissibility": ADMISSIBILITY.model_copy(update={"above_chance": 0.0})})
+    assert list(reasons(admitted(relation), strict)) == []
+
+
+def test_a_candidate_without_a_spawn_has_none_at_the_answer() -> None:
+    trial = admitted(Relation.MOVED)
+    nowhere = trial.model_copy(update={"candidate": trial.candidate.model_copy(update={"spawn": None})})
+    assert judged(nowhere, spawn_to_box_m=0.0) == [] != judged(trial, spawn_to_box_m=0.0)
+
+
+@pytest.mark.parametrize("relation", RELATIONS)
 def test_no_spawn_is_where_a_stop_would_succeed(relation: Relation) -> None:
     trial, beyond_m = admitted(relation), CANDIDATES.spawn_beyond_m
     spawn = trial.candidate.spawn
@@ -251,6 +269,51 @@ def test_the_referent_is_the_scripted_target(relation: Relation) -> None:
     against = list(reasons(trial.model_copy(update={"candidate": candidate}), CONFIG))
     # The instance that was scripted stands at the answer, which crowds that of the other.
     assert Rejection.REFERENT_NOT_TARGET in against and set(against) <= {Rejection.REFERENT_NOT_TARGET, Rejection.CROWDED}
+
+
+def beside(kind: str, first_px: int, second_px: int, at: float) -> Trial:
+    """A trial beside whose removed instance, at the answer, another one changes and ends so many metres away."""
+    trial, there = admitted(Relation.REMOVED), Position(x=0.0, y=0.0, z=0.0)
+    also = Alteration(kind="disable", instance="other|1")
+    if kind == "displace":
+        also = Alteration(kind="displace", instance="other|1", placement=(at, 0.0), height_m=0.05)
+    if kind == "motion":
+        also = Alteration(kind="motion", instance="other|1", roam=Roam.over(9.0, 0.0, 0.25, [(0, 0)]))
+    candidate, far = trial.candidate, there.model_copy(update={"x": 9.0})
+    changes = {"first": (also,)} if kind == "enable" else {"second": (*candidate.second, also)}
+    return measured(
+        trial.model_copy(update={"candidate": candidate.model_copy(update=changes | {"others": {"other|1": "Other"}})}),
+        answer=(0.0, 0.0),
+        changed={
+            candidate.target: Displaced(before=there, after=None),
+            "other|1": Displaced(before=far, after=there.model_copy(update={"x": at})),
+        },
+        other_px={"other|1": VisitPair[int](first=first_px, second=second_px)},
+    )
+
+
+def of_others(trial: Trial) -> set[Rejection]:
+    return {*reasons(trial, CONFIG)} & {Rejection.OTHER_CHANGE_NEAR, Rejection.OTHER_CHANGE_NOT_RECORDED}
+
+
+@pytest.mark.parametrize(
+    "kind, in_first, in_second",
+    [("displace", True, True), ("disable", True, False), ("enable", False, True), ("motion", False, True)],
+)
+def test_a_mask_of_the_minimum_records_another_change_in_the_tours_that_define_it(
+    kind: str, in_first: bool, in_second: bool
+) -> None:
+    enough, too_few = ADMISSIBILITY.min_mask_px, ADMISSIBILITY.min_mask_px - 1
+    lacking = {Rejection.OTHER_CHANGE_NOT_RECORDED}
+    assert of_others(beside(kind, enough, enough, 9.0)) == set()
+    assert of_others(beside(kind, too_few, enough, 9.0)) == (lacking if in_first else set())
+    assert of_others(beside(kind, enough, too_few, 9.0)) == (lacking if in_second else set())
+
+
+def test_another_change_may_be_as_near_as_the_settings_say_and_no_nearer() -> None:
+    px, apart_m = ADMISSIBILITY.min_mask_px, CANDIDATES.apart_m
+    assert of_others(beside("displace", px, px, apart_m)) == set()
+    assert of_others(beside("displace", px, px, float(np.nextafter(apart_m, 0.0)))) == {Rejection.OTHER_CHANGE_NEAR}
 
 
 # --- the verdict as a whole -----------------------------------------------------------------------
@@ -395,19 +458,22 @@ def test_the_audit_counts_what_was_drawn_rejected_certified_and_released() -> No
     ]
 
 
-def write_split(folder: Path, allow_short_split: bool = False, **wanted: int) -> None:
+def write_split(folder: Path, split: str = MAIN, seed: int = 0, allow_short_split: bool = False, **wanted: int) -> None:
     """Releases a split of so many episodes of each relation, and of none where it is not named."""
-    split = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
-    benchmark = CONFIG.benchmark.model_copy(update={"split": split, "allow_short_split": allow_short_split})
+    asked = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
+    benchmark = CONFIG.benchmark.model_copy(update={"seed": seed, "split": asked, "allow_short_split": allow_short_split})
+    splits = {name: one.model_copy(update={"episodes": asked}) for name, one in CONFIG.splits.items()}
     verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
     for scene, file in zip(SCENES, verdicts, strict=True):
-        file.write_text(lines(verdict(t, CONFIG) for t in TRIALS.values() if t.candidate.scene == scene))
+        of_scene = (t for t in TRIALS.values() if (t.candidate.scene, t.candidate.split) == (scene, split))
+        file.write_text(lines(verdict(t, CONFIG) for t in of_scene))
     run(
         [DATA / "trials" / f"{scene}.jsonl" for scene in SCENES],
         verdicts,
         [DATA / "certified" / f"{scene}.jsonl" for scene in SCENES],
-        CONFIG.model_copy(update={"benchmark": benchmark}),
+        CONFIG.model_copy(update={"benchmark": benchmark, "splits": splits}),
         *(folder / name for name in ("main.jsonl", "sightings.jsonl", "rejections.csv")),
+        split,
     )
 
 
@@ -418,7 +484,52 @@ def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_th
     moved, stable = certified[Relation.MOVED], certified[Relation.STABLE]
     write_split(tmp_path, moved=moved, stable=stable)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
-    with pytest.raises(ShortSplitError, match=rf"\(moved {moved} of {moved + 1}, stable {stable} of {stable + 9}\)"):
+    lack = rf"moved {moved} of {moved + 1}, stable {stable} of {stable + 9}"
+    says = rf"^benchmark\.split asks for more .* \({lack}\); raise candidates\.draws, lower benchmark\.split, or set benchmark"
+    with pytest.raises(ShortSplitError, match=says):
         write_split(tmp_path, moved=moved + 1, stable=stable + 9)
     write_split(tmp_path, allow_short_split=True, moved=moved + 1, stable=stable + 9)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("split", [MAIN, "multi", "everyday"])
+def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(tmp_path: Path, split: str, seed: int) -> None:
+    """Several seeds, because a draw of few trials may be another one's by chance. The release asks for some of each relation."""
+    of_split = {k: t for k, t in TRIALS.items() if t.candidate.split == split}
+    against = {k: rejection(verdict(t, CONFIG), RUNS.get(k, ()), SUCCESS) for k, t in of_split.items()}
+    certified = [k for k, reason in against.items() if reason is None]
+    relation_of = {k: t.candidate.relation for k, t in of_split.items()}
+    scene_of = {k: t.candidate.scene for k, t in of_split.items()}
+    wanted = dict.fromkeys(Relation, 3) | {Relation.APPEARED: 9}
+    names = ("split",) if split == MAIN else ("split", split)
+    pairs = {k: tour_pair(of_split[k]) for k in certified}
+    draw = seeds.generator(seed, *names, "pairs")
+    # A pair of tours with several changes serves several queries.
+    apart = certified if split == "multi" else independent(pairs, relation_of, wanted, draw)
+    released = []
+    for relation in Relation:
+        pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
+        pool = {scene: ids for scene, ids in pool.items() if ids}
+        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value))
+    released.sort(key=lambda k: (CONFIG.benchmark.scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
+    shared = [] if split == "multi" else left_out(pairs, released)
+    against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)
+
+    write_split(tmp_path, split, seed, allow_short_split=True, **{r.value: count for r, count in wanted.items()})
+    assert [made.id for made in Episode.read(tmp_path / "main.jsonl")] == released
+    assert [made.episode for made in Sightings.read(tmp_path / "sightings.jsonl")] == released
+    rows = [COLUMNS, *audit(against, relation_of, released)]
+    assert (tmp_path / "rejections.csv").read_bytes() == "".join(",".join(map(str, row)) + "\n" for row in rows).encode()
+    assert bool(shared) == (split == MAIN), "the main split has such trials here"
+
+
+@pytest.mark.parametrize("split", [MAIN, "multi", "everyday"])
+def test_an_episode_of_a_released_trial_is_the_released_one(split: str) -> None:
+    """Scripted changes of every kind, in either visit, and those of other categories."""
+    file = DATA / "episodes" / f"{split}.jsonl"
+    released = [made for made in Episode.read(file) if made.scene in SCENES]
+    assert [episode(TRIALS[made.id], RUNS[made.id], CONFIG) for made in released] == released
+    kinds = {(change.kind, change.category == made.category) for made in released for change in made.changes}
+    assert {("enable", True), ("disable", True), ("displace", True)} <= kinds
+    assert {("motion", True), ("enable", False), ("motion", False)} <= kinds or split != "everyday"

@@ -13,7 +13,9 @@ from ovman.generation.placement import (
     LARGEST_ON_SURFACE_M,
     FreeFloor,
     _clears,
+    _far_enough,
     floor_spots,
+    put,
     spots,
     surface_spots,
 )
@@ -153,6 +155,20 @@ def test_a_spot_on_furniture_is_as_far_away_as_asked():
         for spot in surface_spots(room(item, table(4.0)), item, 1.2, np.random.default_rng(k)):
             assert np.hypot(spot.x - 1.0, spot.z - 1.0) >= 1.2
     assert surface_spots(room(item, table(1.0)), item, 1.2, np.random.default_rng(0)) == []
+
+
+def test_a_distance_counts_from_where_the_thing_is_and_is_inclusive():
+    item = thing("a", "Vase", 1.0, -1.0)
+    assert _far_enough(item, 4.0, 3.0, 5.0) and _far_enough(item, -2.0, -5.0, 5.0)
+    assert not _far_enough(item, 4.0, 3.0, beyond(5.0))
+
+
+def test_what_is_put_somewhere_stands_on_the_height_that_it_is_let_down_from_and_nothing_else_moves():
+    item, other = thing("a", "Vase", 1.0, 1.0, (0.2, 0.3, 0.4)), table()
+    made = put(room(item, other), item, (2.0, 0.5), 0.75)
+    there = made.objects[0].position
+    assert (there.x, there.y, there.z) == (2.0, 0.75 + 0.15, 0.5)
+    assert made.objects == (item.model_copy(update={"position": there}), other) and made.reachable == room().reachable
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,14 @@ from pathlib import Path
 import pytest
 
 from ovman.generation import candidates, release, verdict
+from ovman.generation.candidates import Asked
+from ovman.generation.others import Beside
+from ovman.generation.protocol import drawings
 from ovman.models.candidate import Candidate
 from ovman.models.certification import Certification
 from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.scene import Scene
 from ovman.models.trial import Trial, Verdict
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -27,6 +32,23 @@ def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
     splits = {candidate.split for candidate in released}
     assert lines(candidate for candidate in Candidate.read(drawn) if candidate.split in splits) == lines(released)
     assert len(released) > 0
+
+
+@pytest.mark.parametrize("number", (0, 1, 2, 6, 9))
+def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(number: int) -> None:
+    """In this scene a mover is near the least that it has to go: the walk of another tour would decide otherwise.
+
+    Several candidates, because one walk may decide as another does.
+    """
+    (scene,) = Scene.read(DATA / "scenes" / "FloorPlan224.json")
+    drawing = next(one for one in drawings(scene, CONFIG) if one.split == "everyday")
+    assert drawing.others is not None
+    beside = Beside(scene, drawing.tours, drawing.others, CONFIG)
+    name = drawing.id(scene.scene, Relation.MOVING.value, number)
+    trials = Trial.read(DATA / "trials" / f"{scene.scene}.jsonl")
+    released = next(trial.candidate for trial in trials if trial.candidate.id == name)
+    target = next(item for item in scene.objects if item.id == released.target)
+    assert candidates.draw(scene, Asked(Relation.MOVING, target, None), number, drawing, CONFIG, beside) == released
 
 
 @pytest.mark.parametrize("scene", SOME)

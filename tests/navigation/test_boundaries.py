@@ -82,6 +82,19 @@ def test_cells_whose_distances_differ_by_rounding_alone_tie():
     assert grid.nearest(0.3 + 0.2, 0.0) == (1, 0)
 
 
+@pytest.mark.parametrize("hair", [-1e-7, 1e-7])
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("other", [-3.0, 0.0, 4.0])
+def test_of_cells_that_are_almost_as_near_the_nearer_one_is_taken(axis, hair, other):
+    """A hair beyond the middle of two cells is far more than what rounding hides, and far less than a step."""
+    ends = [tuple([k, int(other)][:: 1 - 2 * axis]) for k in (-2, -1, 1, 2)]
+    for near, far in ((1, 0), (2, 3)) if hair > 0 else ((0, 1), (3, 2)):
+        middle = (ends[near][axis] + ends[far][axis]) / 2
+        towards = 1 if ends[near][axis] > middle else -1
+        point = [middle + towards * abs(hair), other][:: 1 - 2 * axis]
+        assert Grid(1.0, (0.0, 0.0), frozenset(ends)).nearest(*point) == ends[near]
+
+
 # --- A* -------------------------------------------------------------------------------------------
 
 
@@ -196,6 +209,13 @@ def test_the_edge_that_failed_is_the_one_that_was_tried():
     assert step(navigator, grid, (1, 0), (8, 0), NORTH) == "RotateRight"
     assert step(navigator, grid, (1, 0), (8, 0), EAST, moved=False) == "MoveAhead"
     assert step(navigator, grid, (0, 0), (8, 0), EAST) == "MoveAhead"
+
+
+def test_it_waits_for_no_edge_where_none_is_blocked():
+    """The goal is on an island. A failure that is reported before anything was tried, or after that, blocks nothing."""
+    grid = grid_of([(0, 0), (1, 0), (8, 0)])
+    navigator = Navigator(grid, PRIMITIVES, expires=True)
+    assert [step(navigator, grid, (0, 0), (8, 0), EAST, moved=False) for _ in range(3)] == [None] * 3
 
 
 def test_an_edge_is_avoided_for_exactly_blocked_edge_expiry_actions():

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from ovman.models.change import MoverRecord
 from ovman.models.settings import Settings
 from ovman.task import (
     Inadmissible,
@@ -23,6 +24,7 @@ from ovman.task import (
     holds,
     referents,
 )
+from ovman.task.world import true_world
 
 
 def thresholds(delta_min_m: float = 1.5, tau_m: float = 0.75, motion_m: float = 0.01) -> Settings:
@@ -375,3 +377,16 @@ def test_displacement_is_a_distance_between_visits(pair):
         assert forwards == backwards
         assert (forwards is None) == (name not in pair[0] or name not in pair[1])
         assert name not in pair[0] or displacement_m(pair[0], pair[0], name) == 0.0
+
+
+# --- world states of a tour -----------------------------------------------------------------------
+
+
+def test_the_true_state_has_the_whole_path_of_each_mover_and_leaves_the_others_as_they_are():
+    path = ((0.0, 0.0), (0.0, 0.25), (0.25, 0.25))
+    mover = MoverRecord(instance="chair_1", position=path[-1], heading_deg=90, path=path)
+    world = WorldState((Instance("chair_1", "Chair", *path[-1]), Instance("chair_2", "Chair", 2.0, 1.0)))
+    assert true_world(world, (mover,)) == WorldState(
+        (Instance("chair_1", "Chair", 0.25, 0.25, path), Instance("chair_2", "Chair", 2.0, 1.0))
+    )
+    assert true_world(world, ()) == world
