@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -37,6 +39,12 @@ def test_the_rescued_are_gained_and_stand_beside_the_box(cases):
     assert whole.nearest_m == min((one[1] for one in beside), default=None)
     assert whole.farthest_m == max((one[1] for one in beside), default=None)
     assert sum(row.rescued for row in relations) == whole.rescued and sum(row.n for row in relations) == whole.n
+
+
+@pytest.mark.parametrize(("box_m", "beside"), [(RADIUS, 1), (math.nextafter(RADIUS, math.inf), 0)])
+def test_a_stop_at_the_radius_itself_is_beside_the_box(box_m, beside):
+    answers = [static("answers", 0, 0.0, distance_m=2.0)]
+    assert [row.rescued for row in rescued(answers, [run(0, True, box_m)], ARMS, RADIUS)] == [beside, beside]
 
 
 def test_a_pick_and_an_arm_that_executes_nothing_have_no_rows():
