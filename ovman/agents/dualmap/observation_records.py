@@ -46,11 +46,8 @@ def packed(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
     """Shots as arrays. ValueError for points farther from the world's origin than REACH_M."""
     seen = [one for shot in shots for one in shot.seen]
     clouds = [cloud for one in seen for cloud in one.clouds]
-    points = np.concatenate([np.zeros((0, 3), np.float32), *clouds])
-    if np.abs(points).max(initial=0.0) > REACH_M:
-        raise ValueError(f"a point lies farther than {REACH_M} m from the origin; no home is so large")
-    millimetres = np.rint(points * np.float32(MILLIMETRES)).astype(np.int16)
-    ordered = [_ordered(millimetres[start:end]) for start, end in _spans(np.array([len(cloud) for cloud in clouds], np.int64))]
+    # One cloud at a time: those of a large scene, as floats once more, are most of the memory of a job.
+    ordered = [_ordered(_millimetres(cloud)) for cloud in clouds]
     return {
         "seen": np.array([len(shot.seen) for shot in shots], np.int32),
         "top_m": np.array([shot.top_m for shot in shots], np.float64),
@@ -59,7 +56,7 @@ def packed(shots: Sequence[Shot]) -> dict[str, np.ndarray]:
         "feature": np.array([one.feature for one in seen], np.float16).reshape(len(seen), -1 if seen else 0),
         "clouds": np.array([len(one.clouds) for one in seen], np.int16),
         "points": np.array([len(cloud) for cloud in clouds], np.int32),
-        "steps": _steps(np.concatenate([millimetres[:0], *ordered])),
+        "steps": _steps(np.concatenate([np.zeros((0, 3), np.int16), *ordered])),
     }
 
 
@@ -79,6 +76,14 @@ def unpacked(arrays: Mapping[str, np.ndarray]) -> list[Shot]:
     return [Shot(tuple(seen[start:end]), top) for (start, end), top in zip(_spans(arrays["seen"]), tops, strict=True)]
 
 
+def _millimetres(cloud: np.ndarray) -> np.ndarray:
+    """Points (N, 3) in metres as int16. ValueError as `packed`."""
+    if np.abs(cloud).max(initial=0.0) > REACH_M:
+        raise ValueError(f"a point lies farther than {REACH_M} m from the origin; no home is so large")
+    millimetres: np.ndarray = np.rint(cloud * np.float32(MILLIMETRES)).astype(np.int16)
+    return millimetres
+
+
 def _ordered(cloud: np.ndarray) -> np.ndarray:
     """Points (N, 3) int16 ordered by layers, slices of a layer, and along a slice, so that neighbours follow each other."""
     x, y, z = (cloud[:, axis] for axis in range(3))
@@ -89,9 +94,12 @@ def _steps(points: np.ndarray) -> np.ndarray:
     """Differences of consecutive points (N, 3) int16 as (3, 2, N) uint8: zigzag-coded, low and high bytes apart.
 
     They compress to half the size of the points."""
-    steps = np.diff(points, axis=0, prepend=np.zeros((1, 3), np.int16))
-    folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
-    return np.stack([folded.T & 0xFF, folded.T >> 8], axis=1).astype(np.uint8)
+    coded = np.empty((3, 2, len(points)), np.uint8)
+    for bytes_of_axis, along in zip(coded, points.T, strict=True):
+        steps = np.diff(along, prepend=np.int16(0))
+        folded = ((steps << 1) ^ (steps >> 15)).view(np.uint16)
+        bytes_of_axis[0], bytes_of_axis[1] = folded & 0xFF, folded >> 8
+    return coded
 
 
 def _summed(steps: np.ndarray) -> np.ndarray:
