@@ -47,10 +47,11 @@ class Line:
 
 def costs(benchmarks: Path, scenes: list[str]) -> Costs:
     """What the jobs of a run took, but for those of scenes that are none of `scenes`."""
+    every = frozenset(floorplan.names())
     generation, evaluation, pooled = Counter[str](), Counter[str](), 0.0
     for path in sorted(benchmarks.rglob("*.tsv")):
         seconds = sum(float(row["s"]) for row in csv.DictReader(path.open(encoding="utf-8"), delimiter="\t"))
-        if path.stem not in floorplan.names():
+        if path.stem not in every:
             pooled += seconds
         elif path.stem not in scenes:
             continue
