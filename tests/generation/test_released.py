@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from ovman.generation import candidates, release, verdict
+from ovman.generation import candidates, others, release, verdict
 from ovman.generation.candidates import Asked
 from ovman.generation.others import Beside
 from ovman.generation.protocol import drawings
@@ -16,6 +17,7 @@ from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
 from ovman.models.trial import Trial, Verdict
+from ovman.workflow import seeds
 from tests.arms import CONFIG
 from tests.episodes import DATA
 
@@ -35,10 +37,10 @@ def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", (0, 1, 2, 6, 9))
-def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(number: int) -> None:
+def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """In this scene a mover is near the least that it has to go: the walk of another tour would decide otherwise.
 
-    Several candidates, because one walk may decide as another does.
+    Several candidates, because one walk may decide as another does. So may all five, which is why their streams are compared, too.
     """
     (scene,) = Scene.read(DATA / "scenes" / "FloorPlan224.json")
     drawing = next(one for one in drawings(scene, CONFIG) if one.split == "everyday")
@@ -48,7 +50,15 @@ def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(numb
     trials = Trial.read(DATA / "trials" / f"{scene.scene}.jsonl")
     released = next(trial.candidate for trial in trials if trial.candidate.id == name)
     target = next(item for item in scene.objects if item.id == released.target)
+    drawn, walks = others.draw, []
+
+    def watched(*arguments: Any) -> Any:
+        walks.append(arguments[-1].bit_generator.state)
+        return drawn(*arguments)
+
+    monkeypatch.setattr(others, "draw", watched)
     assert candidates.draw(scene, Asked(Relation.MOVING, target, None), number, drawing, CONFIG, beside) == released
+    assert walks == [seeds.generator(CONFIG.benchmark.seed, *seeds.tour_movers(name)).bit_generator.state]
 
 
 @pytest.mark.parametrize("scene", SOME)
