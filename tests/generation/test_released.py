@@ -40,7 +40,7 @@ def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
 def test_a_mover_beside_others_goes_as_far_as_the_movers_of_its_own_tour_do(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """In this scene a mover is near the least that it has to go: the walk of another tour would decide otherwise.
 
-    Several candidates, because one walk may decide as another does. So may all five, which is why their streams are compared, too.
+    Several candidates, because one walk may decide as another does. So may all five: their streams are compared, too.
     """
     (scene,) = Scene.read(DATA / "scenes" / "FloorPlan224.json")
     drawing = next(one for one in drawings(scene, CONFIG) if one.split == "everyday")
