@@ -83,7 +83,7 @@ def _check_sums(release: Path, names: Iterable[Path]) -> None:
 
 def _check_same(making: Making, settings: Settings, home: Path) -> None:
     """ValueError, in one line, where this checkout would make the results otherwise."""
-    different = list(differences(making.parameters.values(), settings))
+    different = sorted(differences(making.parameters.values(), settings))
     for name, sha in making.sources.items():
         if not (home / name).is_file():
             different.append(f"{name}: is not there")
