@@ -17,6 +17,7 @@ from ovman.report import archive, layout, restore
 from ovman.report.release import release
 from ovman.workflow import made, provenance
 from ovman.workflow.config import load_files
+from ovman.workflow.differences import differences
 from tests.arms import ARMS
 from tests.workflow.conftest import ROOT, TINY, World
 from tests.workflow.releases import CONFIG, FROM_MAPS, Released, command, restored
@@ -108,7 +109,10 @@ def test_other_constants_are_refused_and_said(released, tmp_path, capsys):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("association: {gate_m: 1.3}\n")
     line = refused(capsys, command(released, tmp_path, overlays=[overlay]), tmp_path)
-    assert "association.gate_m was 1.25 and is 1.3" in line and "arm " in line
+    every = list(differences(made.read(released.folder).parameters.values(), load_files([CONFIG, TINY, overlay])))
+    assert f"was made otherwise: {min(every)} (and {len(every) - 1} more); " in line
+    assert all(one.endswith(": association.gate_m was 1.25 and is 1.3") for one in every)
+    assert any(" of arm two_visits: " in one for one in every) and any(" of arm " not in one for one in every)
 
 
 def test_other_code_is_refused_and_said(released, tmp_path, capsys, monkeypatch):
