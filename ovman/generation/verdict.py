@@ -72,6 +72,9 @@ def against_observations(candidate: Candidate, measured: TrialMeasurement, const
         yield Rejection.CHANGED_INSTANCE_NOT_RECORDED
     if not all(_other_recorded(candidate, k, measured, limits.min_mask_px) for k in candidate.others):
         yield Rejection.OTHER_CHANGE_NOT_RECORDED
+    movers = [a.instance for a in candidate.second if a.kind == "motion"]
+    if len(movers) > 1 and not _recorded_in_motion(second, candidate.target, limits.mover_spread_m):
+        yield Rejection.MOTION_NOT_RECORDED
     # Chance is one over what the same visit truly holds: of several changes one may take another instance away.
     visits = [(first, measured.world_1), (second, measured.world_2)][not relation.past :]
     for recorded, there in visits:
@@ -107,6 +110,11 @@ def _recorded(candidate: Candidate, instance: str, first: WorldState, second: Wo
     """Whether a changed instance is recorded in the tour, or tours, that define its change."""
     in_first, in_second = _defined_in(candidate, instance)
     return (not in_first or instance in first.ids) and (not in_second or instance in second.ids)
+
+
+def _recorded_in_motion(second: WorldState, mover: str, least_m: float) -> bool:
+    """Whether the recorded places of a mover spread farther than `least_m`: else the record does not tell it from what stands."""
+    return any(instance.id == mover and instance.extent_m > least_m for instance in second)
 
 
 def _other_recorded(candidate: Candidate, instance: str, measured: TrialMeasurement, min_mask_px: int) -> bool:

@@ -35,6 +35,7 @@ class Rejection(StrEnum):
     OTHER_CHANGE_NEAR = "other_change_near"
     CHANGED_INSTANCE_NOT_RECORDED = "changed_instance_not_recorded"
     OTHER_CHANGE_NOT_RECORDED = "other_change_not_recorded"
+    MOTION_NOT_RECORDED = "motion_not_recorded"
     ABOVE_CHANCE = "above_chance"
     REFERENT_ABSENT = "referent_absent"
     REFERENT_AMBIGUOUS = "referent_ambiguous"
@@ -68,6 +69,7 @@ _STAGES = {
     Rejection.OTHER_CHANGE_NEAR: RejectionStage.GEOMETRY,
     Rejection.CHANGED_INSTANCE_NOT_RECORDED: RejectionStage.OBSERVATION,
     Rejection.OTHER_CHANGE_NOT_RECORDED: RejectionStage.OBSERVATION,
+    Rejection.MOTION_NOT_RECORDED: RejectionStage.OBSERVATION,
     Rejection.ABOVE_CHANCE: RejectionStage.OBSERVATION,
     Rejection.REFERENT_ABSENT: RejectionStage.OBSERVATION,
     Rejection.REFERENT_AMBIGUOUS: RejectionStage.OBSERVATION,

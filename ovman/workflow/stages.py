@@ -36,6 +36,7 @@ _JUDGING = (
     "admissibility.validity_radius_m",
     "admissibility.drift_tolerance_m",
     "admissibility.motion_m",
+    "admissibility.mover_spread_m",
     "admissibility.above_chance",
     "success.visible_px",
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -316,6 +317,40 @@ def test_another_change_may_be_as_near_as_the_settings_say_and_no_nearer() -> No
     assert of_others(beside("displace", px, px, float(np.nextafter(apart_m, 0.0)))) == {Rejection.OTHER_CHANGE_NEAR}
 
 
+def two_movers(apart_m: float, px: int, movers: int = 2) -> Trial:
+    """A trial whose mover the second tour records at two places so far apart; another instance moves beside it."""
+    trial = admitted(Relation.MOVING)
+    assert trial.measured.sightings is not None
+    target, elsewhere = trial.candidate.target, Roam.over(9.0, 0.0, 0.25, [(0, 0)])
+    also = Alteration(kind="motion", instance="other|1", roam=elsewhere)
+    candidate = trial.candidate.model_copy(update={"second": (*trial.candidate.second, also)[:movers]})
+    kept = [seen for seen in trial.measured.sightings.second if seen.instance != target]
+    least = ADMISSIBILITY.min_mask_px
+    seen = [
+        Sighting(view=view, instance=target, px=size, x=x, z=0.0)
+        for view, x, size in ((0, 0.0, least), (1, 0.5 * apart_m, least), (2, apart_m, px), (3, 0.0, least))
+    ]
+    return measured(
+        trial.model_copy(update={"candidate": candidate}),
+        sightings=trial.measured.sightings.model_copy(update={"second": (*kept, *seen)}),
+    )
+
+
+def test_one_of_several_movers_is_recorded_in_motion() -> None:
+    """What the tour records of it spreads farther than the settings say; a mask that is too small records nothing."""
+    least_m, px = ADMISSIBILITY.mover_spread_m, ADMISSIBILITY.min_mask_px
+    more = float(np.nextafter(least_m, 1.0))
+    assert Rejection.MOTION_NOT_RECORDED in reasons(two_movers(least_m, px), CONFIG)
+    assert Rejection.MOTION_NOT_RECORDED not in reasons(two_movers(more, px), CONFIG)
+    assert Rejection.MOTION_NOT_RECORDED in reasons(two_movers(more, px - 1), CONFIG)
+
+
+def test_a_mover_alone_is_told_by_any_motion() -> None:
+    px, least_m = ADMISSIBILITY.min_mask_px, 0.5 * ADMISSIBILITY.mover_spread_m
+    assert Rejection.MOTION_NOT_RECORDED in reasons(two_movers(least_m, px), CONFIG)
+    assert Rejection.MOTION_NOT_RECORDED not in reasons(two_movers(least_m, px, movers=1), CONFIG)
+
+
 # --- the verdict as a whole -----------------------------------------------------------------------
 
 
@@ -409,6 +444,31 @@ def test_a_smaller_split_is_the_beginning_of_a_larger_one():
     largest = select(pool, 9, np.random.default_rng(3))
     assert [select(pool, k, np.random.default_rng(3)) for k in range(7)] == [largest[:k] for k in range(7)]
     assert {k[0] for k in largest[:3]} == {"a", "b", "c"} and {k[0] for k in largest[3:5]} == {"a", "c"}
+
+
+@settings(derandomize=True, max_examples=80, deadline=None)
+@given(POOLS, st.integers(0, 25), st.integers(0, 99), st.integers(1, 4))
+def test_instances_take_turns(pool, wanted, seed, instances):
+    """No instance is asked about twice before each is asked about once, and so on; of one use scenes take turns as ever."""
+    instance_of = {k: f"{scene}|{int(k.split('/')[1]) % instances}" for scene, ids in pool.items() for k in ids}
+    chosen = select(pool, wanted, np.random.default_rng(seed), instance_of)
+    assert len(chosen) == len(set(chosen)) == min(wanted, sum(map(len, pool.values())))
+    there, asked = Counter(instance_of.values()), Counter(instance_of[k] for k in chosen)
+    for instance, number in there.items():
+        if asked[instance] < number:
+            assert max(asked.values(), default=0) <= asked[instance] + 1
+    uses = [sum(instance_of[k] == instance_of[before] for before in chosen[:at]) for at, k in enumerate(chosen)]
+    assert uses == sorted(uses)
+    again = {scene: list(reversed(ids)) for scene, ids in reversed(pool.items())}
+    assert select(again, wanted, np.random.default_rng(seed), instance_of) == chosen
+
+
+@settings(derandomize=True, max_examples=40, deadline=None)
+@given(POOLS, st.integers(0, 25), st.integers(0, 99))
+def test_turns_among_instances_of_one_episode_each_change_nothing(pool, wanted, seed):
+    each = {k: k for ids in pool.values() for k in ids}
+    alone = select(pool, wanted, np.random.default_rng(seed))
+    assert select(pool, wanted, np.random.default_rng(seed), each) == alone
 
 
 def test_the_split_depends_on_the_seed():
@@ -505,13 +565,14 @@ def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(
     names = ("split",) if split == MAIN else ("split", split)
     pairs = {k: tour_pair(of_split[k]) for k in certified}
     draw = seeds.generator(seed, *names, "pairs")
+    in_turn = {k: t.candidate.target for k, t in of_split.items()} if split == "everyday" else None
     # A pair of tours with several changes serves several queries.
     apart = certified if split == "multi" else independent(pairs, relation_of, wanted, draw)
     released = []
     for relation in Relation:
         pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
         pool = {scene: ids for scene, ids in pool.items() if ids}
-        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value))
+        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn)
     released.sort(key=lambda k: (CONFIG.benchmark.scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
     shared = [] if split == "multi" else left_out(pairs, released)
     against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)

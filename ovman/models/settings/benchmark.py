@@ -118,6 +118,9 @@ class Admissibility(Section):
     validity_radius_m: Metres = Field(description="metres")
     drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    mover_spread_m: Annotated[float, Field(ge=0)] = Field(
+        description="metres, exceeded by the largest distance between two recorded places of a mover beside others"
+    )
     above_chance: Annotated[float, Field(ge=0, le=1)] = Field(description="by which a uniform pick of an instance may exceed 1/n")
     runs: Some = Field(description="certification runs")
 

@@ -99,6 +99,9 @@ class Split(Section):
         None, description="the level of section sensors by which depth and poses err; null for exact ones"
     )
     episodes: PerRelation = Field(description="episodes released per relation")
+    instances_in_turn: bool = Field(
+        False, description="whether a relation is asked about every certified instance before it is asked about one again"
+    )
     draws: PerRelation = Field(description="candidates per relation and scene")
     tries: Some = Field(
         description="how often a relation chooses at most what changes in a scene, for each candidate that is asked for"
