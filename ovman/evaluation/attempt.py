@@ -21,6 +21,7 @@ from ovman.evaluation.predictions import VISITS
 from ovman.evaluation.rollout import Start, alias, play, start
 from ovman.evaluation.supervision import Supervised, failures, function
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, Answer
 from ovman.models.relation import Relation
 from ovman.models.run import Rollout
 from ovman.models.settings import Source
@@ -40,7 +41,8 @@ class Attempt:
     """One run that has not begun.
 
     session: as `session_for` makes it. settings: of the stage `rollouts` for a job of the arm. store: of the episode's scene.
-    sightings: of the episode, for an arm that is given positions. Nothing else is read: the run follows from the episode.
+    sightings: of the episode, for an arm that is given positions. answered: what the arm that this one executes answered, offered
+    to the agent; None where it is not known. Nothing else is read: the run follows from the episode.
     """
 
     session: Session
@@ -50,6 +52,7 @@ class Attempt:
     settings: StageSettings
     store: ObservationStore
     sightings: Sightings | None = None
+    answered: Answer | Abstention | None = None
 
     def context(self) -> RolloutContext:
         """What the agent is made with."""
@@ -58,7 +61,8 @@ class Attempt:
             follow = self._name_of(self.episode.target) if self.episode.relation is Relation.MOVING else None
             privileged = PrivilegedAnswer(self.episode.answer, follow)
         pilot = Pilot(self.episode.protocol.primitives, self._draws("paths"))
-        return RolloutContext(self._draws("picks"), agent_settings(self.episode, self.settings), pilot, self.store, privileged)
+        settings = agent_settings(self.episode, self.settings)
+        return RolloutContext(self._draws("picks"), settings, pilot, self.store, privileged, self.answered)
 
     def tour(self, which: str, reachable: np.ndarray) -> Visit:
         """The visit "first" or "second" as the arm is given it; reachable: positions (K, 2) in metres.
@@ -120,6 +124,7 @@ def run_episode(
     store: ObservationStore | None = None,
     sightings: Sightings | None = None,
     made: Callable[[Attempt], Any] | None = None,
+    answered: Answer | Abstention | None = None,
 ) -> Rollout:
     """One run of an embodied arm on an episode; parameters as of `Attempt`.
 
@@ -129,7 +134,7 @@ def run_episode(
     """
     lens = episode.protocol.camera.field_of_view_deg
     store = ObservationStore(arm, settings, lens, VISITS / episode.scene) if store is None else store
-    attempt = Attempt(session, episode, arm, seed, settings, store, sightings)
+    attempt = Attempt(session, episode, arm, seed, settings, store, sightings, answered)
     make = partial(_of_arm, function(arm.name, arm.agent)) if made is None else made
     with failures(f"arms.{arm.name}.agent is {arm.agent!r}: it"):
         agent = make(attempt)

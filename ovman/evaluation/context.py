@@ -14,6 +14,7 @@ from ovman.agents.pilot import Pilot
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.privileged_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.models.episode import Episode
+from ovman.models.prediction import Abstention, Answer
 from ovman.models.settings import Arm, Need, Settings, Source
 from ovman.models.sighting import Sighting, Sightings, VisitPair
 from ovman.models.world_state import WorldState
@@ -32,13 +33,14 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RolloutContext:
-    """An `AgentContext`. store: of the episode's scene; privileged: None but for the oracle."""
+    """An `AgentContext`. store: of the episode's scene; privileged: None but for the oracle; answered: by the executed arm."""
 
     rng: np.random.Generator
     settings: Settings
     pilot: Pilot
     store: ObservationStore
     privileged: PrivilegedAnswer | None = None
+    answered: Answer | Abstention | None = None
 
     @property
     def mapper(self) -> Mapper:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import overload
 
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.perception.backprojection import Camera
 from ovman.perception.tour_files import cameras, digest, view
 
 
@@ -17,7 +18,11 @@ class RecordedTour(Sequence[Observation]):
     """The frames of a recorded tour, each read from its files when it is indexed."""
 
     def __init__(self, directory: Path, field_of_view_deg: float) -> None:
-        self._directory, self._cameras = directory, cameras(directory, field_of_view_deg)
+        self.directory, self.field_of_view_deg = directory, field_of_view_deg
+
+    @cached_property
+    def _cameras(self) -> list[Camera]:
+        return cameras(self.directory, self.field_of_view_deg)
 
     def __len__(self) -> int:
         return len(self._cameras)
@@ -32,17 +37,33 @@ class RecordedTour(Sequence[Observation]):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         number = range(len(self))[index]
         camera = self._cameras[number]
-        seen = view(self._directory, number, camera)
+        seen = view(self.directory, number, camera)
         pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
         return Observation(seen.rgb, seen.depth, pose, camera.field_of_view_deg)
+
+
+class RecordedVisit(Visit):
+    """A visit that was recorded. Nothing of it is read before its first use: an agent that asks for nothing costs nothing."""
+
+    __slots__ = ()
+
+    def __init__(self, tour: RecordedTour, reachable: np.ndarray) -> None:
+        object.__setattr__(self, "observations", tour)
+        object.__setattr__(self, "reachable", reachable)
+
+    @property
+    def content(self) -> str:
+        """See `Visit`. TourError where no tour is recorded."""
+        assert isinstance(self.observations, RecordedTour)
+        return content(self.observations.directory, self.observations.field_of_view_deg)
 
 
 def recorded(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
     """The visit that was recorded in a directory (``ovman.sim.visit``), with the positions (K, 2) that can be reached in it.
 
-    Raises TourError where no tour is recorded.
+    Its first use raises TourError where no tour is recorded.
     """
-    return Visit(RecordedTour(directory, field_of_view_deg), reachable, content(directory, field_of_view_deg))
+    return RecordedVisit(RecordedTour(directory, field_of_view_deg), reachable)
 
 
 @lru_cache(maxsize=256)

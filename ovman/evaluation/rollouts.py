@@ -17,7 +17,7 @@ from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import VISITS as RECORDED
 from ovman.evaluation.predictions import predict, sightings_of, store_of
 from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
+from ovman.models.prediction import Abstention, Answer, Predicted, Prediction
 from ovman.models.record import lines
 from ovman.models.run import Rollout
 from ovman.models.settings.arms import ArmJob
@@ -50,11 +50,13 @@ def cache_key(
     settings: StageSettings,
     store: ObservationStore,
     sightings: Sightings | None = None,
+    answered: Predicted | None = None,
 ) -> str:
     """Key of a run in the journal: all that it depends on.
 
     Of an arm that executes another one's answer, that answer stands for perception and for the constants of the decision: a
-    threshold of the agent that changes none of its answers starts no simulator.
+    threshold of the agent that changes none of its answers starts no simulator. answered: that answer, where its prediction is at
+    hand; else it is decided here.
     """
     stage = json.loads(settings.canonical)
     executed = stage["arm"].pop("executed", None)
@@ -63,12 +65,13 @@ def cache_key(
         visits = [episode.visits[which] for which in VISITS]
         known = None if sightings is None else sightings.to_json()
         return digest(seed, run_on, store.cache_key(visits, episode.noun), known, stage)
-    outcome, _ = predict(ArmJob.model_validate(executed), episode, settings, store, sightings)
-    answered = Prediction.of(episode.id, arm.name, seed, outcome).model_dump(mode="json", by_alias=True)
+    if answered is None:
+        answered, _ = predict(ArmJob.model_validate(executed), episode, settings, store, sightings)
+    goal = Prediction.of(episode.id, arm.name, seed, answered).model_dump(mode="json", by_alias=True)
     of_agent = set(stage.pop("of_agent"))
     stage["constants"] = {k: v for k, v in stage["constants"].items() if k not in of_agent and not k.startswith(DECIDING)}
     stage["agent"] = stage["agent"][:1]
-    return digest(seed, run_on, answered, stage)
+    return digest(seed, run_on, goal, stage)
 
 
 def run(
@@ -81,26 +84,31 @@ def run(
     sightings_file: Path | None = None,
     visits: Path = RECORDED,
     files: Mapping[str, Sequence[Path]] = {},
+    predictions: Path | None = None,
 ) -> None:
     """Run an arm on the episodes of a scene under every seed of `outputs` (seed -> file); `journal` keeps finished runs.
 
     sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
-    perceived, as for `ovman.evaluation.predictions.run`.
+    perceived, as for `ovman.evaluation.predictions.run`. predictions: of the arm that this one executes, one an episode; an agent
+    is offered its answer. An episode without one is decided here.
     """
     episodes = Episode.load(episodes_file, scene)
     sightings = sightings_of(arm, sightings_file)
     stores: dict[tuple[str, float], ObservationStore] = {}
+    answers = {} if predictions is None else {one.episode: one.outcome for one in Prediction.read(predictions)}
     kept = Journal(journal)
     made: dict[int, list[Rollout]] = {seed: [] for seed in outputs}
     units = Units(len(episodes) * len(outputs))
 
     def rollout(session: Session, episode: Episode, seed: int) -> Rollout:
         store, seen = store_of(arm, episode, settings, visits, files, stores), sightings.get(episode.id)
+        answered = answers.get(episode.id)
+        offered = answered if isinstance(answered, Answer | Abstention) else None
 
         def work() -> Rollout:
-            return run_episode(session, episode, arm, seed, settings, store, seen)
+            return run_episode(session, episode, arm, seed, settings, store, seen, answered=offered)
 
-        key = cache_key(arm, seed, episode, settings, store, seen)
+        key = cache_key(arm, seed, episode, settings, store, seen, answered)
         return Rollout.from_json(kept.unit(key, lambda: session.with_restarts(work).to_json()), f"{journal}: {key}")
 
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):

@@ -9,7 +9,7 @@ from typing import Any, Literal, Self
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ovman.models.geometry import Point
-from ovman.models.record import Record, Text
+from ovman.models.record import Record, Text, rounded
 
 
 class AbstentionReason(StrEnum):
@@ -39,6 +39,13 @@ class Abstention:
     """No answer, and why."""
 
     reason: AbstentionReason
+
+
+def as_recorded(outcome: Answer | Abstention) -> Answer | Abstention:
+    """An outcome to the digits that its record keeps, 0.1 mm: an agent that drives there drives to the recorded answer."""
+    if isinstance(outcome, Abstention):
+        return outcome
+    return Answer(rounded(outcome.x), rounded(outcome.z), rounded(outcome.confidence))
 
 
 @dataclass(frozen=True, slots=True)

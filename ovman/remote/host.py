@@ -13,6 +13,7 @@ from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAn
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import with_sections
 from ovman.evaluation.supervision import function
+from ovman.models.prediction import Abstention, Answer
 from ovman.models.settings import Need, Settings
 from ovman.models.settings.benchmark import Camera, Primitives
 from ovman.perception.detected import Detected
@@ -41,6 +42,7 @@ class HostedContext:
     arm: str
     visits: list[Visit] = field(default_factory=list)
     privileged: PrivilegedAnswer | None = None
+    answered: Answer | Abstention | None = None
 
     @property
     def mapper(self) -> Mapper:

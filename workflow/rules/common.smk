@@ -115,6 +115,16 @@ def sightings_answered(wildcards):
     return "results/episodes/" + ("" if split == SPLITS[0] else f"{split}_") + "sightings.jsonl"
 
 
+def executed_answers(wildcards):
+    """The predictions of the arm that an embodied one executes, where each is one answer and the split asks that arm."""
+    executed = settings.arms.get(named(ARMS, wildcards.arm).executes)
+    split = split_answered(wildcards)
+    asked = executed is not None and (split == SPLITS[0] or executed.name in settings.splits[split].arms)
+    if not asked or executed.made_by is not None or not executed.answers_once:
+        return []
+    return [f"results/predictions/{wildcards.of}{executed.name}.jsonl"]
+
+
 def arms_of_split(split, kind):
     """The arms of a kind that a split names; what names an arm that is not there is left out."""
     return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]

@@ -3,6 +3,7 @@ rule rollouts:
     input:
         episodes=episodes_answered,
         sightings=handed(sightings_answered),
+        predictions=executed_answers,
         visits=needed(["tours", "maps", "detections", "segments"], "results/visits/{scene}.json"),
         maps=needed(["maps"], "results/maps/{scene}.npz"),
         dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),

@@ -13,4 +13,5 @@ with job(snakemake) as work:
         work.journal(),
         next(iter(work.inputs("sightings")), None),
         files={name: work.inputs(name) for name in ("maps", "dualmap", "detections", "segments", "nouns")},
+        predictions=next(iter(work.inputs("predictions")), None),
     )

@@ -15,6 +15,7 @@ import numpy as np
 from ovman.agents.controls.samples import Sample, Shown, sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
+from ovman.models.prediction import as_recorded
 from ovman.models.settings import Settings
 
 Differs = Callable[[Sample, Shown, Settings], np.ndarray]
@@ -95,7 +96,7 @@ class DifferenceAgent:
 
     def ask(self, query: Query) -> None:
         """Compares the tours once."""
-        self._goal = answer(query.relation.past, self._first, self._second, self._differs, self._settings)
+        self._goal = as_recorded(answer(query.relation.past, self._first, self._second, self._differs, self._settings))
         self._pilot.set_out(self._second.reachable, query.relation)
 
     def act(self, observation: Observation) -> Action:

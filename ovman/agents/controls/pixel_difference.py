@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ovman.agents.answered import Driver, driver
 from ovman.agents.controls.difference import DifferenceAgent, answer
 from ovman.agents.controls.samples import Sample, Shown
 from ovman.agents.interface import Abstention, AgentContext, Answer, PredictionContext, Query
@@ -27,6 +28,6 @@ def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstenti
     return answer(query.relation.past, context.tour("first"), context.tour("second"), discoloured, context.settings), None
 
 
-def agent(context: AgentContext) -> DifferenceAgent:
+def agent(context: AgentContext) -> Driver | DifferenceAgent:
     """The embodied arm."""
-    return DifferenceAgent(context.pilot, discoloured, context.settings)
+    return driver(context) or DifferenceAgent(context.pilot, discoloured, context.settings)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from ovman.agents.answered import Driver, driver
 from ovman.agents.dynamem.answers import Tours, located
 from ovman.agents.interface import Abstention, Action, AgentContext, Observation, Query, Visit
 from ovman.language import noun
+from ovman.models.prediction import as_recorded
 
 
 class DynamemAgent:
@@ -27,7 +29,7 @@ class DynamemAgent:
         """Remembers both tours and decides, once."""
         constants, tours = self._context.settings.dynamem, (self._first, self._second)
         both = Tours.of([(tour, self._context.detections(tour)) for tour in tours], constants).remembered()
-        self._goal = located(*both, self._context.noun(noun(query.category)), constants)
+        self._goal = as_recorded(located(*both, self._context.noun(noun(query.category)), constants))
         self._context.pilot.set_out(self._second.reachable, query.relation)
 
     def act(self, observation: Observation) -> Action:
@@ -37,6 +39,6 @@ class DynamemAgent:
         return self._context.pilot.act(observation, (self._goal.x, self._goal.z))
 
 
-def agent(context: AgentContext) -> DynamemAgent:
+def agent(context: AgentContext) -> Driver | DynamemAgent:
     """The embodied arm."""
-    return DynamemAgent(context)
+    return driver(context) or DynamemAgent(context)

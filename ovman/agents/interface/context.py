@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from ovman.agents.interface.observation import Visit
+from ovman.models.prediction import Abstention, Answer
 from ovman.models.settings import Need, Settings
 from ovman.models.sighting import VisitPair
 
@@ -67,6 +68,13 @@ class AgentContext(Protocol):
     @property
     def privileged(self) -> PrivilegedAnswer | None:
         """The answer, for an arm that is given it."""
+
+    @property
+    def answered(self) -> Answer | Abstention | None:
+        """What the static arm that this arm `executes` answered, as its prediction has it; None where that is not at hand.
+
+        An agent may drive there instead of deciding again.
+        """
 
     def detections(self, visit: Visit) -> Detected:
         """The detections in the frames of a recorded visit. For an arm that needs detections."""

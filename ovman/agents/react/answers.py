@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ovman.agents.answered import Driver, driver
 from ovman.agents.interface import (
     VISITS,
     Abstention,
@@ -28,6 +29,7 @@ from ovman.agents.reference.decision import decide, moving_by_last_sighting
 from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of
 from ovman.agents.reference.two_visits import ReferenceAgent
+from ovman.models.prediction import as_recorded
 from ovman.models.settings import Settings
 from ovman.perception.object_map import ObjectMap
 
@@ -122,9 +124,10 @@ class ReactAgent(ReferenceAgent):
     def _decided(self, query: Query, phrase: np.ndarray) -> Answer | Abstention:
         margin = self._settings.grounding.similarity_margin
         meant = [grounded(objects.f, phrase, margin) for objects in (self._first, self._second)]
-        return answered(query.relation, self._first, self._second, *meant, embedding=self._nouns, settings=self._settings)[0]
+        maps = self._first, self._second
+        return as_recorded(answered(query.relation, *maps, *meant, embedding=self._nouns, settings=self._settings)[0])
 
 
-def agent(context: AgentContext) -> ReactAgent:
+def agent(context: AgentContext) -> Driver | ReactAgent:
     """The embodied arm."""
-    return ReactAgent(context.pilot, context.mapper, context.noun, context.settings)
+    return driver(context) or ReactAgent(context.pilot, context.mapper, context.noun, context.settings)

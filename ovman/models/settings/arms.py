@@ -134,6 +134,11 @@ class Arm(Section):
         handed = self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
         return handed and not self.reads_labels
 
+    @property
+    def answers_once(self) -> bool:
+        """Whether it is a static arm whose prediction for an episode is one answer to the episode's own question."""
+        return self.kind is Kind.STATIC and not self.expected and self.runs == 1 and self.withheld is None
+
 
 WORDS = ("system", "memory", "control", "ablates")
 """Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""

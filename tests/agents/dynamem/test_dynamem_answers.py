@@ -14,6 +14,7 @@ from ovman.agents.dynamem.looks import Look, looks
 from ovman.agents.dynamem.memory import Memory, remembered
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
+from ovman.models.prediction import as_recorded
 from ovman.perception.backprojection import Camera
 from ovman.workflow.parameter import stage_settings
 from tests.agents.moved_chair import home as made
@@ -153,7 +154,7 @@ def test_the_embodied_arm_drives_to_the_static_answer_and_abstains_without_one(h
             return Action.STOP
 
     class Driving(Context):
-        pilot = Recording(CONFIG.primitives, np.random.default_rng(0))
+        pilot, answered = Recording(CONFIG.primitives, np.random.default_rng(0)), None
 
         def detections(self, visit):
             return next(one.detected for one in self._tours.values() if one.visit is visit)
@@ -166,7 +167,7 @@ def test_the_embodied_arm_drives_to_the_static_answer_and_abstains_without_one(h
         return driver.act(Observation(None, None, CameraPose(0.0, 1.5, 0.0, 0.0, 0.0), 90.0))
 
     assert driven(Driving(home), home.before.visit, home.after.visit) is Action.STOP
-    answer, _ = predict_current(Query("Chair", Relation.MOVED), Context(home))
+    answer = as_recorded(predict_current(Query("Chair", Relation.MOVED), Context(home))[0])
     assert went == [(answer.x, answer.z)] and agent.DynamemAgent.looks is False
     empty = Driving(home)
     empty._chair = np.zeros_like(home.chair)

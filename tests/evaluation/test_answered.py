@@ -1,0 +1,206 @@
+"""An arm that executes another one's answers is offered them: it drives as if it had decided, and looks at nothing."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ovman.agents.answered import Driver, driver
+from ovman.agents.controls import depth_difference, pixel_difference
+from ovman.agents.dynamem import agent as dynamem
+from ovman.agents.interface import (
+    Abstention,
+    AbstentionReason,
+    Action,
+    Agent,
+    AgentContext,
+    Answer,
+    CameraPose,
+    Observation,
+    Visit,
+)
+from ovman.agents.pilot import Pilot
+from ovman.agents.react import answers as react
+from ovman.agents.reference import positions_two_visits, single_visit, two_visits
+from ovman.evaluation import rollouts
+from ovman.evaluation.context import RolloutContext
+from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.recorded_tour import recorded
+from ovman.models.prediction import Prediction, as_recorded
+from ovman.models.query import Query
+from ovman.models.record import lines
+from ovman.models.relation import Relation
+from ovman.models.run import Rollout
+from ovman.models.settings.arms import arms_of
+from ovman.models.visit_files import TourError
+from ovman.workflow.parameter import StageSettings, canonical
+from tests.arms import CONFIG
+from tests.episodes import EPISODES, of_scene
+
+SCENE = "FloorPlan429"
+SIDE, STEP_M = 5, CONFIG.primitives.step_m
+FLOOR = np.array([(i * STEP_M, j * STEP_M) for i in range(SIDE) for j in range(SIDE)])
+NOWHERE = Path("no such directory")
+metres = st.floats(-0.5, SIDE * STEP_M, allow_nan=False)
+outcomes = st.one_of(
+    st.builds(Answer, metres, metres, st.none() | st.floats(0, 1)), st.builds(Abstention, st.sampled_from(AbstentionReason))
+)
+
+
+class Deciding(Driver):
+    """An agent that is offered nothing, or ignores it: it finds the answer itself."""
+
+    def __init__(self, pilot: Pilot, outcome: Answer | Abstention) -> None:
+        super().__init__(pilot, Abstention(AbstentionReason.UNSURE))
+        self._outcome = outcome
+
+    def ask(self, query: Query) -> None:
+        self._answered = as_recorded(self._outcome)
+        super().ask(query)
+
+
+def trace(agent: Agent) -> list[Action]:
+    """What an agent does on an empty floor, where it gets where it wants to."""
+    agent.familiarise(Visit((), FLOOR))
+    agent.revisit(Visit((), FLOOR))
+    agent.ask(Query("Chair", Relation.MOVED))
+    x, z, yaw_deg, done = 0.0, 0.0, 0.0, []
+    while len(done) < 100 and done[-1:] not in ([Action.STOP], [Action.ABSTAIN]):
+        done.append(agent.act(Observation(None, None, CameraPose(x, 1.5, z, yaw_deg, 0.0), 90.0)))
+        if done[-1] is Action.MOVE_AHEAD:
+            x, z = x + STEP_M * np.sin(np.radians(yaw_deg)), z + STEP_M * np.cos(np.radians(yaw_deg))
+        turn = {Action.ROTATE_LEFT: -1, Action.ROTATE_RIGHT: 1}.get(done[-1], 0) * CONFIG.primitives.turn_deg
+        yaw_deg = (yaw_deg + turn) % 360
+    return done
+
+
+@given(outcomes)
+def test_an_answer_with_the_digits_of_its_record_is_the_recorded_one(outcome):
+    record = Prediction.parse(Prediction.of("e", "arm", 0, outcome).to_line())
+    assert record.outcome == as_recorded(outcome) == as_recorded(as_recorded(outcome))
+
+
+@given(outcomes, st.integers(0, 20))
+def test_what_drives_to_the_offered_answer_does_what_decides_itself(outcome, seed):
+    offered = Prediction.parse(Prediction.of("e", "arm", 0, outcome).to_line()).outcome
+    taking, deciding = (
+        make(Pilot(CONFIG.primitives, np.random.default_rng(seed)), one) for make, one in ((Driver, offered), (Deciding, outcome))
+    )
+    done = trace(taking)
+    assert done == trace(deciding) and (done == [Action.ABSTAIN]) == isinstance(outcome, Abstention)
+
+
+def context(answered: Answer | Abstention | None) -> RolloutContext:
+    """Without an observation to look at."""
+    stage = StageSettings.parse(canonical(CONFIG, "rollouts", "two_visits_embodied"))
+    pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
+    store = ObservationStore(stage.arm, stage, 90.0, NOWHERE)
+    return RolloutContext(np.random.default_rng(0), stage, pilot, store, answered=answered)
+
+
+TAKING = (dynamem, depth_difference, pixel_difference, react, two_visits)
+
+
+@pytest.mark.parametrize("module", TAKING, ids=lambda module: module.__name__)
+def test_the_agents_that_execute_one_answer_take_it_and_look_at_nothing(module):
+    agent = module.agent(context(Answer(STEP_M, STEP_M)))
+    assert isinstance(agent, Agent) and agent.looks is False
+    assert trace(agent)[-1] is Action.STOP
+    assert trace(module.agent(context(Abstention(AbstentionReason.NO_MOTION)))) == [Action.ABSTAIN]
+
+
+def test_every_arm_of_one_answer_takes_it_but_the_one_that_follows_an_instance():
+    arms = {arm.name: arm for arm in arms_of(CONFIG.arms)}
+    once = {arm.agent for arm in arms.values() if arm.executes is not None and arms[arm.executes].answers_once}
+    assert once == {f"{module.__name__}:agent" for module in (*TAKING, positions_two_visits)}
+    assert f"{single_visit.__name__}:agent" not in once
+
+
+HERE = __name__
+PLACE = Answer(0.123456789, 0.987654321)
+
+
+def static(query: Query, context: object) -> tuple[Answer, None]:
+    return PLACE, None
+
+
+def ignoring(context: AgentContext) -> Deciding:
+    return Deciding(context.pilot, PLACE)
+
+
+def taking(context: AgentContext) -> Driver:
+    return driver(context) or ignoring(context)
+
+
+def offered_alone(context: AgentContext) -> Driver:
+    made = driver(context)
+    assert made is not None, "nothing is offered"
+    return made
+
+
+@dataclass
+class Made:
+    """Runs of a scene, and the keys that they are kept under."""
+
+    runs: bytes
+    keys: set[str]
+
+
+def made(directory: Path, agent: str, predictions: Path | None) -> Made:
+    """The runs of an arm of this module that executes `static`. It needs nothing, and nothing is there."""
+    text = json.loads(canonical(CONFIG, "rollouts", "two_visits_embodied"))
+    for entry, function in ((text["arm"], agent), (text["arm"]["executed"], "static")):
+        entry |= {"agent": f"{HERE}:{function}", "needs": [], "constants": []}
+    stage, name = StageSettings.parse(json.dumps(text)), f"{agent}{'_offered' if predictions else ''}"
+    output, journal = directory / f"{name}.jsonl", directory / "journal" / f"{name}.jsonl"
+    rollouts.run(stage.arm, SCENE, EPISODES, stage, {0: output}, journal, visits=NOWHERE, predictions=predictions)
+    return Made(output.read_bytes(), {json.loads(line)["key"] for line in journal.read_text().splitlines()})
+
+
+@pytest.fixture
+def predictions(tmp_path) -> Path:
+    """What `static` answered, as the workflow's predictions have it."""
+    file = tmp_path / "static.jsonl"
+    file.write_text(lines(Prediction.of(episode.id, "static", 0, PLACE) for episode in of_scene(SCENE)))
+    return file
+
+
+def test_a_scene_is_run_alike_with_the_offer_without_it_and_by_an_agent_that_ignores_it(tmp_path, predictions):
+    decided, offered = (made(tmp_path, "taking", file) for file in (None, predictions))
+    assert len(offered.keys) == len(of_scene(SCENE)) and b'"trace"' in decided.runs
+    assert decided.runs == offered.runs == made(tmp_path, "offered_alone", predictions).runs
+    assert decided.runs == made(tmp_path, "ignoring", predictions).runs == made(tmp_path, "ignoring", None).runs
+
+
+def test_an_arm_that_takes_the_offer_opens_no_tour_and_nothing_that_was_made_of_it(tmp_path, predictions):
+    stage = StageSettings.parse(canonical(CONFIG, "rollouts", "dynamem_current_embodied"))
+    output = tmp_path / "runs.jsonl"
+    rollouts.run(
+        stage.arm, SCENE, EPISODES, stage, {0: output}, tmp_path / "journal.jsonl", visits=NOWHERE, predictions=predictions
+    )
+    assert {run.episode: run.outcome for run in Rollout.read(output)} == {one.id: "stopped" for one in of_scene(SCENE)}
+    visit = recorded(NOWHERE, 90.0, FLOOR)
+    assert visit.reachable is FLOOR
+    for first_use in (lambda: visit.content, lambda: len(visit.observations)):
+        with pytest.raises(TourError, match="no such directory"):
+            first_use()
+
+
+def test_a_run_is_keyed_by_the_offered_answer_whoever_drives(tmp_path, predictions):
+    before = {agent: made(tmp_path / "a", agent, predictions).keys for agent in ("taking", "ignoring")}
+    *others, last = predictions.read_text().splitlines(keepends=True)
+    changed = json.loads(last) | {"x": 0.2}
+    predictions.write_text("".join(others) + json.dumps(changed) + "\n")
+    after = {agent: made(tmp_path / "b", agent, predictions).keys for agent in before}
+    assert {agent: len(before[agent] & after[agent]) for agent in before} == dict.fromkeys(before, len(others))
+
+
+def test_an_episode_without_a_prediction_is_decided_by_the_agent(tmp_path, predictions):
+    predictions.write_text("".join(predictions.read_text().splitlines(keepends=True)[1:]))
+    assert made(tmp_path, "taking", predictions).runs == made(tmp_path, "ignoring", None).runs
