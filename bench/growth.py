@@ -3,7 +3,8 @@
 DIRECTORY is a working directory in which `make tables` has run from nothing; where it has not, this says so and measures nothing.
 What a job took stands in benchmarks/, in seconds of the wall clock: Snakemake looks at a job's processor time every half minute
 alone. A job of one scene knows no other, so that scenes add up; what a scene costs is set against the tours that were recorded
-in it (generation) and its episodes (evaluation). What is left are jobs of all scenes.
+in it (generation) and its episodes (evaluation). What is left are jobs of all scenes. The run is one with
+evaluation.scenes_per_job 1, as a job of several scenes does not say what each took.
 """
 
 from __future__ import annotations
@@ -49,6 +50,8 @@ def costs(benchmarks: Path, scenes: list[str]) -> Costs:
     """What the jobs of a run took, but for those of scenes that are none of `scenes`."""
     every = frozenset(floorplan.names())
     generation, evaluation, pooled = Counter[str](), Counter[str](), 0.0
+    if any(benchmarks.glob("rollouts/**/*-*.tsv")):
+        raise SystemExit(f"{benchmarks} is of jobs of several scenes each: run with evaluation.scenes_per_job 1, then again")
     for path in sorted(benchmarks.rglob("*.tsv")):
         seconds = sum(float(row["s"]) for row in csv.DictReader(path.open(encoding="utf-8"), delimiter="\t"))
         if path.stem not in every:

@@ -266,3 +266,14 @@ def test_no_job_outlives_its_snakemake(directory):
     assert not (directory / "one.txt").exists()
     late = start("with job(rule()): Path('late').touch()", **{WORKFLOW_PID: str(snakemake.pid)})
     assert late.wait(timeout=30) == 1 and not (directory / "late").exists()
+
+
+def test_the_journal_of_a_scene_is_the_same_in_a_job_of_several(directory):
+    alone = Named(of="multi/", arm="mine", scene="FloorPlan1")
+    with job(rule(wildcards=alone)) as work:
+        place = work.journal()
+    batch = rule(wildcards=Named(of="multi/", arm="mine"))
+    batch.rule = "scenes_1"
+    with job(batch) as work:
+        places = [work.journal(scene) for scene in ("FloorPlan1", "FloorPlan2")]
+    assert place == places[0] == Path("results/journal/scenes/multi/mine/FloorPlan1.jsonl") != places[1]

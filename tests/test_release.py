@@ -135,6 +135,6 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path):
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
         outputs = {0: tmp_path / f"{arm.name}.jsonl"}
         of_arm = constants("rollouts", arm)
-        rollouts.run(of_arm.arm, scene, EPISODES, of_arm, outputs, journal(arm.name), SIGHTINGS)
+        rollouts.run(of_arm.arm, EPISODES, of_arm, {scene: outputs}, {scene: journal(arm.name)}, SIGHTINGS)
         scores.run([outputs[0]], EPISODES, [tmp_path / "judged.jsonl"], of_arm.arm)
         assert (tmp_path / "judged.jsonl").read_text() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_text()

@@ -1,4 +1,4 @@
-"""Stage `rollouts`: the embodied arms run the released episodes of a scene, measured at the stop. Nothing is judged here.
+"""Stage `rollouts`: the embodied arms run the released episodes of some scenes, measured at the stop. Nothing is judged here.
 
 An episode runs from its record alone; an arm that is given positions needs the episode's sightings, too.
 """
@@ -76,31 +76,30 @@ def cache_key(
 
 def run(
     arm: ArmJob,
-    scene: str,
     episodes_file: Path,
     settings: StageSettings,
-    outputs: Mapping[int, Path],
-    journal: Path,
+    outputs: Mapping[str, Mapping[int, Path]],
+    journals: Mapping[str, Path],
     sightings_file: Path | None = None,
     visits: Path = RECORDED,
     files: Mapping[str, Sequence[Path]] = {},
     predictions: Path | None = None,
 ) -> None:
-    """Run an arm on the episodes of a scene under every seed of `outputs` (seed -> file); `journal` keeps finished runs.
+    """Run an arm on the episodes of some scenes under some seeds. One simulator serves all episodes that may share it.
 
-    sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
-    perceived, as for `ovman.evaluation.predictions.run`. predictions: of the arm that this one executes, one an episode; an agent
-    is offered its answer. An episode without one is decided here.
+    outputs: scene -> seed -> file. journals: keep the finished runs, by scene. sightings_file: of the episodes, for an arm that
+    reads it. visits: directory of all scenes' recorded visits. files: what was perceived, as for
+    `ovman.evaluation.predictions.run`. predictions: of the arm that this one executes, one an episode; an agent is offered its
+    answer. An episode without one is decided here.
     """
-    episodes = Episode.load(episodes_file, scene)
+    episodes = [episode for scene in outputs for episode in Episode.load(episodes_file, scene)]
     sightings = sightings_of(arm, sightings_file)
-    stores: dict[tuple[str, float], ObservationStore] = {}
     answers = {} if predictions is None else {one.episode: one.outcome for one in Prediction.read(predictions)}
-    kept = Journal(journal)
-    made: dict[int, list[Rollout]] = {seed: [] for seed in outputs}
-    units = Units(len(episodes) * len(outputs))
+    kept = {scene: Journal(journals[scene]) for scene in outputs}
+    made: dict[str, dict[int, list[Rollout]]] = {scene: {seed: [] for seed in of_seeds} for scene, of_seeds in outputs.items()}
+    units = Units(sum(len(made[episode.scene]) for episode in episodes))
 
-    def rollout(session: Session, episode: Episode, seed: int) -> Rollout:
+    def rollout(session: Session, episode: Episode, seed: int, stores: dict[tuple[str, float], ObservationStore]) -> Rollout:
         store, seen = store_of(arm, episode, settings, visits, files, stores), sightings.get(episode.id)
         answered = answers.get(episode.id)
         offered = answered if isinstance(answered, Answer | Abstention) else None
@@ -108,17 +107,21 @@ def run(
         def work() -> Rollout:
             return run_episode(session, episode, arm, seed, settings, store, seen, answered=offered)
 
-        key = cache_key(arm, seed, episode, settings, store, seen, answered)
-        return Rollout.from_json(kept.unit(key, lambda: session.with_restarts(work).to_json()), f"{journal}: {key}")
+        key, journal = cache_key(arm, seed, episode, settings, store, seen, answered), kept[episode.scene]
+        return Rollout.from_json(journal.unit(key, lambda: session.with_restarts(work).to_json()), f"{journal.path}: {key}")
 
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):
         group = list(alike)
         with session_for(group[0], arm, settings) as session:
-            for episode in group:  # all seeds of one: the simulator keeps the last few worlds
-                for seed in outputs:
-                    record = rollout(session, episode, seed)
-                    made[seed].append(record)
-                    units.done(f"{episode.id} {arm.name} seed {seed}: {record.outcome} after {record.actions} actions")
-    for seed, output in outputs.items():
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(lines(made[seed]), encoding="utf-8")
+            for scene, of_scene in groupby(group, key=lambda episode: episode.scene):
+                session.scene = scene
+                stores: dict[tuple[str, float], ObservationStore] = {}  # what was seen of one scene alone is held
+                for episode in of_scene:  # all seeds of one: the simulator keeps the last few worlds
+                    for seed, records in made[scene].items():
+                        records.append(rollout(session, episode, seed, stores))
+                        said = f"{records[-1].outcome} after {records[-1].actions} actions"
+                        units.done(f"{episode.id} {arm.name} seed {seed}: {said}")
+    for scene, of_seeds in outputs.items():
+        for seed, output in of_seeds.items():
+            output.parent.mkdir(parents=True, exist_ok=True)
+            output.write_text(lines(made[scene][seed]), encoding="utf-8")

@@ -47,6 +47,7 @@ def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float
 class Session:
     """One scene on a simulator. The simulator starts at the first reset: a job without work starts none. A context manager.
 
+    scene: the one that the next reset makes; it may be set to another one between two pieces of work.
     constants: a stage's settings; must own benchmark.backend, camera.*, primitives.step_m and primitives.turn_deg. embodiment:
     None for that of the benchmark. start: gives the Controller, None for `controller.start`. A step that fails raises
     SimulatorError unless failure is allowed, and SimulatorDied if the simulator has ended; see `with_restarts`.

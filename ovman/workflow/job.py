@@ -81,9 +81,13 @@ class Job:
             for place in map(Path, self._snakemake.output):
                 shutil.copyfile(Path(directory, place.name), self._beside(place))
 
-    def journal(self) -> Path:
-        """The journal of this job, which belongs to this process until the job ends; waits for a process that still has it."""
-        path = Path("results", "journal", self._snakemake.rule, *map(str, self._snakemake.wildcards)).with_suffix(".jsonl")
+    def journal(self, scene: str | None = None) -> Path:
+        """The journal of this job, which belongs to this process until the job ends; waits for a process that still has it.
+
+        scene: of whose units it is, for a job of several scenes. Its place is that of a job of this scene alone.
+        """
+        wildcards = dict(self._snakemake.wildcards.items()) | ({} if scene is None else {"scene": scene})
+        path = Path("results", "journal", self.constants.stage, *map(str, wildcards.values())).with_suffix(".jsonl")
         self._stack.enter_context(held(path.with_suffix(".lock")))
         return path
 

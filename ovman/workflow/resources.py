@@ -64,14 +64,14 @@ TRAINING: Mapping[str, tuple[int, int]] = {
 
 RULE = re.compile(r"^(?:use )?rule (\w+)(?: as (\w+) with)?:\n(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
 BENCHMARK = re.compile(r'^    benchmark:\n        "benchmarks/(.+)\.tsv"', re.MULTILINE)
-WILDCARDS = {"scene": r"FloorPlan\d+", "of": r"(?:[a-z0-9_]+/)?"}
+WILDCARDS = {"scene": r"FloorPlan\d+(?:-FloorPlan\d+)?", "of": r"(?:[a-z0-9_]+/)?"}
 
 
 @dataclass(frozen=True)
 class Measured:
     """What the jobs of a rule took at most: seconds of the clock and MB resident, in a run of so many scenes and episodes.
 
-    of_scene: whether a job is of one scene, else of all of them.
+    of_scene: whether a job is of one scene, or of a batch of a few, else of all of them.
     """
 
     rule: str

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import fcntl
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -17,6 +17,9 @@ USED: Mapping[str, str] = {
     "Workflow.overwrite_configfiles": "the overlays of --configfile, beside which agents lie and which messages name",
     "Workflow.is_main_process": "what is done once and not in every job",
     "Workflow.dryrun": "a dry run writes no results",
+    "Workflow.ruleorder": "the Snakefile's own `ruleorder` takes no names that are worked out",
+    "Workflow.group_settings": "the group that a profile gives to a rule is that of the rules in its place",
+    "ResourceSettings._parsed_overwrite_resources": "the same of time and memory",
     "Workflow.local_exec": "jobs that are processes of this machine",
     "JobScheduler.job_rate_limiter": "no option switches the limit off, and its timers take half a core while jobs wait",
     "Persistence: .snakemake/locks": "--unlock is a command of its own, and a killed Snakemake leaves its locks",
@@ -45,6 +48,27 @@ def lift_rate_limit(workflow: Any) -> None:
     """
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
+
+
+def go_before(workflow: Any, names: Sequence[str], rule: str) -> None:
+    """Rules that make some files of `rule` in its place. What a profile gives to `rule`, time and memory, it gives to them, too.
+
+    names: of rules that are not defined yet.
+    """
+    if names:
+        workflow.ruleorder(*names, rule)
+    asked = workflow.resource_settings._parsed_overwrite_resources
+    asked.update({name: asked[rule] for name in names if rule in asked})
+
+
+def group_like(workflow: Any, rule: str) -> Callable[[object], str | None]:
+    """The `group` of a rule that is in the group of `rule`, which a profile names after the rules are read."""
+
+    def group(wildcards: object) -> str | None:
+        found: str | None = workflow.group_settings.overwrite_groups.get(rule)
+        return found
+
+    return group
 
 
 def overlays(workflow: Any) -> list[Path]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 
 # "a.b" is one constant, "a.*" is all of a section. A change reruns the stages that own the constant and all that follow them.
 # benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
+# evaluation.scenes_per_job decides which job makes a file; no stage owns it.
 _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
     _GAIT := ("mover.pause_probability", "mover.turn_probability")

@@ -159,7 +159,7 @@ def made(directory: Path, agent: str, predictions: Path | None) -> Made:
         entry |= {"agent": f"{HERE}:{function}", "needs": [], "constants": []}
     stage, name = StageSettings.parse(json.dumps(text)), f"{agent}{'_offered' if predictions else ''}"
     output, journal = directory / f"{name}.jsonl", directory / "journal" / f"{name}.jsonl"
-    rollouts.run(stage.arm, SCENE, EPISODES, stage, {0: output}, journal, visits=NOWHERE, predictions=predictions)
+    rollouts.run(stage.arm, EPISODES, stage, {SCENE: {0: output}}, {SCENE: journal}, visits=NOWHERE, predictions=predictions)
     return Made(output.read_bytes(), {json.loads(line)["key"] for line in journal.read_text().splitlines()})
 
 
@@ -182,7 +182,13 @@ def test_an_arm_that_takes_the_offer_opens_no_tour_and_nothing_that_was_made_of_
     stage = StageSettings.parse(canonical(CONFIG, "rollouts", "dynamem_current_embodied"))
     output = tmp_path / "runs.jsonl"
     rollouts.run(
-        stage.arm, SCENE, EPISODES, stage, {0: output}, tmp_path / "journal.jsonl", visits=NOWHERE, predictions=predictions
+        stage.arm,
+        EPISODES,
+        stage,
+        {SCENE: {0: output}},
+        {SCENE: tmp_path / "journal.jsonl"},
+        visits=NOWHERE,
+        predictions=predictions,
     )
     assert {run.episode: run.outcome for run in Rollout.read(output)} == {one.id: "stopped" for one in of_scene(SCENE)}
     visit = recorded(NOWHERE, 90.0, FLOOR)

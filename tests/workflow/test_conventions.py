@@ -14,6 +14,7 @@ import yaml
 from snakemake.persistence import MetadataRecord
 from snakemake.persistence import file as persistence
 from snakemake.scheduling.job_scheduler import JobScheduler
+from snakemake.settings.types import ResourceSettings
 from snakemake.workflow import Workflow
 
 from ovman.cli import main
@@ -44,6 +45,7 @@ def test_what_is_used_of_snakemake_without_documentation_is_there(name):
     owner, _, attribute = name.partition(".")
     there = {
         "Workflow": lambda: hasattr(Workflow, attribute) or f"self.{attribute} =" in inspect.getsource(Workflow.__init__),
+        "ResourceSettings": lambda: hasattr(ResourceSettings, attribute),
         "JobScheduler": lambda: f"self.{attribute} =" in inspect.getsource(JobScheduler),
         "FilePersistence": lambda: hasattr(persistence.FilePersistence, attribute),
         "MetadataRecord": lambda: attribute in MetadataRecord.model_fields,

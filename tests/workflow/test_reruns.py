@@ -247,7 +247,7 @@ def kinds() -> list[list[str]]:
     """Constants that rerun the same stages, together; without those that say which files there are or count others."""
     found: dict[frozenset[str], list[str]] = {}
     for name in VALUES:
-        if name not in ("benchmark.scenes", "evaluation.seeds", "sensitivity.combinations"):
+        if name not in ("benchmark.scenes", "evaluation.seeds", "evaluation.scenes_per_job", "sensitivity.combinations"):
             found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
     return list(found.values())
 

@@ -1,18 +1,36 @@
-# One job runs a scene under all seeds: the simulator starts once.
+# One job runs a scene under all seeds: the simulator starts once. An arm without networks runs several scenes in a job: a rule for
+# each batch of them (ovman/workflow/batches.py), which comes before the rule of one scene.
+BATCHES = batches(SCENES_OF, settings.evaluation.scenes_per_job)
+BATCHED = "|".join(arm.name for arm in ARMS if arm.made_by is None and Need.NETWORKS not in arm.needs) or "none"
+go_before(workflow, [f"rollouts_{batch.number}" for batch in BATCHES], "rollouts")
+
+
+def driven_with(scenes):
+    """The inputs of a job of these scenes."""
+    return {
+        "episodes": episodes_answered,
+        "sightings": handed(sightings_answered),
+        "predictions": executed_answers,
+        "visits": needed(["tours", "maps", "detections", "segments"], *expand("results/visits/{scene}.json", scene=scenes)),
+        "maps": needed(["maps"], *expand("results/maps/{scene}.npz", scene=scenes)),
+        "dualmap": needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=scenes)),
+        "detections": needed(["detections"], *expand("results/detections/{scene}.npz", scene=scenes)),
+        "segments": needed(["segments"], *expand("results/segments/{scene}.npz", scene=scenes)),
+        "nouns": needed(["maps", "dualmap", "detections", "segments"], "results/nouns.npz"),
+        "networks": needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
+    }
+
+
+def driven(scenes):
+    """The outputs of a job of these scenes, by seed."""
+    return {f"seed{seed}": [f"results/rollouts/{{of}}{{arm}}/seed{seed}/{scene}.jsonl" for scene in scenes] for seed in SEEDS}
+
+
 rule rollouts:
     input:
-        episodes=episodes_answered,
-        sightings=handed(sightings_answered),
-        predictions=executed_answers,
-        visits=needed(["tours", "maps", "detections", "segments"], "results/visits/{scene}.json"),
-        maps=needed(["maps"], "results/maps/{scene}.npz"),
-        dualmap=needed(["dualmap"], "results/dualmap/{scene}.npz"),
-        detections=needed(["detections"], "results/detections/{scene}.npz"),
-        segments=needed(["segments"], "results/segments/{scene}.npz"),
-        nouns=needed(["maps", "dualmap", "detections", "segments"], "results/nouns.npz"),
-        networks=needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
+        **driven_with(["{scene}"]),
     output:
-        **{f"seed{seed}": f"results/rollouts/{{of}}{{arm}}/seed{seed}/{{scene}}.jsonl" for seed in SEEDS},
+        **driven(["{scene}"]),
     log:
         "logs/rollouts/{of}{arm}/{scene}.log",
     benchmark:
@@ -25,3 +43,29 @@ rule rollouts:
         constants=stage_of_arm("rollouts"),
     script:
         "../scripts/rollouts.py"
+
+
+for batch in BATCHES:
+
+    rule:
+        name:
+            f"rollouts_{batch.number}"
+        input:
+            **driven_with(batch.scenes),
+        output:
+            **driven(batch.scenes),
+        log:
+            f"logs/rollouts/{{of}}{{arm}}/{batch.name}.log",
+        benchmark:
+            f"benchmarks/rollouts/{{of}}{{arm}}/{batch.name}.tsv"
+        wildcard_constraints:
+            of="|".join("" if split == SPLITS[0] else f"{split}/" for split in batch.splits),
+            arm=BATCHED,
+        group:
+            group_like(workflow, "rollouts")
+        resources:
+            gpu=GPU,
+        params:
+            constants=stage_of_arm("rollouts"),
+        script:
+            "../scripts/rollouts.py"
