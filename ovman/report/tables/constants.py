@@ -38,6 +38,7 @@ SHOWN: tuple[Shown, ...] = (
     Shown("perception.detector.confidence", "", "detector confidence", ""),
     Shown("perception.detector.min_mask_px", "", "smallest detected mask", "px"),
     Shown("admissibility.motion_m", "", "distance between two positions that counts as motion", "m"),
+    Shown("admissibility.mover_spread_m", "", "recorded places of one of several movers lie farther apart than", "m"),
     Shown("admissibility.min_mask_px", "", "smallest recorded instance mask", "px"),
     Shown("success.visible_px", "", "smallest mask that counts as visible at the stop", "px"),
     Shown("success.sweep_deg", "", "look-down sweep at the stop", "°"),
