@@ -87,11 +87,11 @@ def test_a_job_that_was_killed_goes_on_and_another_size_of_batches_loses_nothing
     whole.job(SCENES)
     run, runs, allowed = rollouts.run_episode, [], 8  # in the second scene
 
-    def counted(session, episode, *rest):
+    def counted(session, episode, *rest, **offered):
         if len(runs) == allowed:
             raise RuntimeError("killed")
         runs.append(episode.id)
-        return run(session, episode, *rest)
+        return run(session, episode, *rest, **offered)
 
     monkeypatch.setattr(rollouts, "run_episode", counted)
     with pytest.raises(RuntimeError, match="killed"):
