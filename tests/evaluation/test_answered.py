@@ -104,7 +104,9 @@ def context(answered: Answer | Abstention | None) -> RolloutContext:
     return RolloutContext(np.random.default_rng(0), stage, pilot, store, answered=answered)
 
 
-TAKING = (dynamem, depth_difference, pixel_difference, react, two_visits)
+TAKING = (dynamem, depth_difference, pixel_difference)
+DECIDING = (react, two_visits, positions_two_visits)
+"""They drive to what a record rounds, or follow an instance."""
 
 
 @pytest.mark.parametrize("module", TAKING, ids=lambda module: module.__name__)
@@ -115,10 +117,10 @@ def test_the_agents_that_execute_one_answer_take_it_and_look_at_nothing(module):
     assert trace(module.agent(context(Abstention(AbstentionReason.NO_MOTION)))) == [Action.ABSTAIN]
 
 
-def test_every_arm_of_one_answer_takes_it_but_the_one_that_follows_an_instance():
+def test_an_arm_of_one_answer_takes_it_or_decides_itself():
     arms = {arm.name: arm for arm in arms_of(CONFIG.arms)}
     once = {arm.agent for arm in arms.values() if arm.executes is not None and arms[arm.executes].answers_once}
-    assert once == {f"{module.__name__}:agent" for module in (*TAKING, positions_two_visits)}
+    assert once == {f"{module.__name__}:agent" for module in (*TAKING, *DECIDING)}
     assert f"{single_visit.__name__}:agent" not in once
 
 

@@ -112,6 +112,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
     "dualmap": ("dualmap_objects", "predictions:dualmap"),
     "predictions:dualmap": ("metrics",),
     "predictions:tours": ("metrics", "split_metrics"),
+    "predictions:executed": ("metrics", "rollouts", "split_metrics"),
     "dualmap_objects": ("tables",),
     "nouns": (
         "rollouts",
@@ -123,7 +124,7 @@ FOLLOWS: Mapping[str, tuple[str, ...]] = {
         "probes",
         "readmitted_predictions",
     ),
-    "predictions": ("appearance", "fragments", "language", "metrics", "split_metrics"),
+    "predictions": ("appearance", "fragments", "language", "metrics", "rollouts", "split_metrics"),
     "rollouts": ("scores", "split_scores"),
     "rollouts:main": ("scores:main",),
     "scores": ("metrics",),
@@ -153,6 +154,8 @@ IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
 ASKED_AGAIN = {CONFIG.comparisons.agent, CONFIG.comparisons.memory.baseline, CONFIG.appearance.agent}
 """Static arms whose agents other stages ask as well."""
+EXECUTED = {arm.executes for arm in CONFIG.arms.values() if arm.executes and CONFIG.arms[arm.executes].answers_once}
+"""Static arms whose answers rollouts read."""
 ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m": 0.03, "validity_radius_m": 1.1} | {
     "spawn_clearance_m": 1.9,
     "min_mask_px": 500,
@@ -221,7 +224,7 @@ def made(arm: Arm) -> str:
     """The stage that makes an arm's records. Of an arm that no other stage asks only metrics are made."""
     if arm.kind is Kind.EMBODIED:
         return OF_ARMS[arm.kind] + ("" if arm.name in IN_SPLITS else ":main")
-    return OF_ARMS[arm.kind] + ("" if arm.name in ASKED_AGAIN else ":tours")
+    return OF_ARMS[arm.kind] + ("" if arm.name in ASKED_AGAIN else ":executed" if arm.name in EXECUTED else ":tours")
 
 
 def owners(*names: str) -> set[str]:

@@ -10,7 +10,6 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ovman.agents.answered import Driver, driver
 from ovman.agents.interface import (
     VISITS,
     Abstention,
@@ -29,7 +28,6 @@ from ovman.agents.reference.decision import decide, moving_by_last_sighting
 from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of
 from ovman.agents.reference.two_visits import ReferenceAgent
-from ovman.models.prediction import as_recorded
 from ovman.models.settings import Settings
 from ovman.perception.object_map import ObjectMap
 
@@ -124,10 +122,9 @@ class ReactAgent(ReferenceAgent):
     def _decided(self, query: Query, phrase: np.ndarray) -> Answer | Abstention:
         margin = self._settings.grounding.similarity_margin
         meant = [grounded(objects.f, phrase, margin) for objects in (self._first, self._second)]
-        maps = self._first, self._second
-        return as_recorded(answered(query.relation, *maps, *meant, embedding=self._nouns, settings=self._settings)[0])
+        return answered(query.relation, self._first, self._second, *meant, embedding=self._nouns, settings=self._settings)[0]
 
 
-def agent(context: AgentContext) -> Driver | ReactAgent:
+def agent(context: AgentContext) -> ReactAgent:
     """The embodied arm."""
-    return driver(context) or ReactAgent(context.pilot, context.mapper, context.noun, context.settings)
+    return ReactAgent(context.pilot, context.mapper, context.noun, context.settings)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ovman.agents.answered import Driver, driver
 from ovman.agents.interface import (
     Abstention,
     Action,
@@ -22,7 +21,6 @@ from ovman.agents.interface import (
 from ovman.agents.pilot import Pilot
 from ovman.agents.reference.reasoning import two_visits_asked, two_visits_recorded
 from ovman.language import noun
-from ovman.models.prediction import as_recorded
 from ovman.models.settings import Settings
 from ovman.perception.object_map import ObjectMap
 
@@ -65,12 +63,12 @@ class ReferenceAgent:
         return self._pilot.act(observation, (self._goal.x, self._goal.z))
 
     def _decided(self, query: Query, phrase: np.ndarray) -> Answer | Abstention:
-        return as_recorded(two_visits_asked(query.relation, self._first, self._second, phrase, self._settings)[0])
+        return two_visits_asked(query.relation, self._first, self._second, phrase, self._settings)[0]
 
 
-def agent(context: AgentContext) -> Driver | ReferenceAgent:
+def agent(context: AgentContext) -> ReferenceAgent:
     """The embodied arm two_visits_embodied."""
-    return driver(context) or ReferenceAgent(context.pilot, context.mapper, context.noun, context.settings)
+    return ReferenceAgent(context.pilot, context.mapper, context.noun, context.settings)
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:

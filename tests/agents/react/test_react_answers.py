@@ -21,7 +21,6 @@ from ovman.agents.interface import (
 from ovman.agents.pilot import Pilot
 from ovman.agents.react.answers import agent, among, answered, predict_two_visits, read
 from ovman.agents.reference.association import Association
-from ovman.models.prediction import as_recorded
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
 from ovman.workflow.parameter import stage_settings
@@ -159,7 +158,7 @@ def test_the_embodied_arm_drives_to_the_static_answer(home):
             return Action.STOP
 
     class Driving(Context):
-        pilot, answered = Recording(CONFIG.primitives, np.random.default_rng(0)), None
+        pilot = Recording(CONFIG.primitives, np.random.default_rng(0))
 
         def mapper(self, visit):
             return next(one.clusters() for one in self._tours.values() if one.visit is visit)
@@ -169,5 +168,5 @@ def test_the_embodied_arm_drives_to_the_static_answer(home):
     driver.revisit(home.after.visit)
     driver.ask(Query("Chair", Relation.MOVED))
     assert driver.act(Observation(None, None, CameraPose(0.0, 1.5, 0.0, 0.0, 0.0), 90.0)) is Action.STOP
-    answer = as_recorded(predict_two_visits(Query("Chair", Relation.MOVED), Context(home))[0])
+    answer, _ = predict_two_visits(Query("Chair", Relation.MOVED), Context(home))
     assert went == [(answer.x, answer.z)]
