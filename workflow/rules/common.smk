@@ -202,3 +202,24 @@ def weights(*names):
     files = [located(functools.reduce(getattr, name.split("."), settings.perception)) for name in names]
     files += [beside(file) for name, file in zip(names, files) if graph and name == "encoder.weights"]
     return [str(file) for file in files if file is not None and file.is_file()]
+
+
+def driven_with(scenes):
+    """The inputs of a job of these scenes."""
+    return {
+        "episodes": episodes_answered,
+        "sightings": handed(sightings_answered),
+        "predictions": executed_answers,
+        "visits": needed(["tours", "maps", "detections", "segments"], *expand("results/visits/{scene}.json", scene=scenes)),
+        "maps": needed(["maps"], *expand("results/maps/{scene}.npz", scene=scenes)),
+        "dualmap": needed(["dualmap"], *expand("results/dualmap/{scene}.npz", scene=scenes)),
+        "detections": needed(["detections"], *expand("results/detections/{scene}.npz", scene=scenes)),
+        "segments": needed(["segments"], *expand("results/segments/{scene}.npz", scene=scenes)),
+        "nouns": needed(["maps", "dualmap", "detections", "segments"], "results/nouns.npz"),
+        "networks": needed(["networks"], *weights("detector.weights", "encoder.weights", "encoder.model")),
+    }
+
+
+def driven(scenes):
+    """The outputs of a job of these scenes, by seed."""
+    return {f"seed{seed}": [f"results/rollouts/{{of}}{{arm}}/seed{seed}/{scene}.jsonl" for scene in scenes] for seed in SEEDS}
