@@ -74,8 +74,9 @@ release: tables $(FULL)
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
+# A process has one thread, as a job of the workflow has: several in each of $(CORES) processes wait for each other's cores.
 test: $(FULL)
-	@.venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 soak: $(FULL)
 	@.venv/bin/python -m pytest -q -m soak

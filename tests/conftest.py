@@ -26,24 +26,40 @@ LONGEST = (
     "tests/workflow/test_restored_tables.py",
     "tests/entry/test_apart.py",
     "tests/workflow/test_kill.py",
-    "tests/entry/test_wheel.py",
-    "tests/workflow/test_splits.py",
-    "tests/gym/test_environment.py",
-    "tests/workflow/test_pictures.py",
-    "tests/workflow/test_reruns.py",
+    "packages/ovman-engine/tests/test_rest.py",
     "tests/entry/test_merge.py",
     "tests/entry/test_eval.py",
+    "tests/workflow/test_splits.py",
+    "tests/test_release.py",
+    "tests/generation/test_released.py",
+    "tests/workflow/test_pictures.py",
+    "tests/workflow/test_reruns.py",
+    "tests/entry/test_score.py",
+    "tests/entry/test_wheel.py",
     "tests/workflow/test_declared_inputs.py",
+    "tests/perception/test_shipped_networks.py",
+    "tests/perception/test_networks.py",
+    "tests/gym/test_environment.py",
+    "packages/ovman-released/tests/test_rules.py",
+    "tests/generation/test_others.py",
+    "tests/gym/test_score.py",
     "tests/entry/test_verify.py",
     "tests/workflow/test_restore.py",
+    "tests/sim/test_session.py",
+    "tests/test_doctor.py",
+    "tests/evaluation/test_episode_alone.py",
+    "tests/generation/test_two_days.py",
     "tests/workflow/test_errors.py",
     "tests/workflow/test_agents.py",
-    "tests/gym/test_score.py",
-    "tests/test_config.py",
+    "tests/report/paper_comparison/test_page.py",
+    "packages/ovman-engine/tests/test_fuzz.py",
+    "tests/report/test_charts.py",
     "tests/agents/dynamem/test_dynamem_answers.py",
+    "tests/test_config.py",
     "tests/dataset/test_dataset.py",
     "tests/workflow/test_gpu.py",
     "tests/agents/joint/test_joint_answers.py",
+    "tests/entry/test_rrd.py",
     "tests/workflow/test_judgement.py",
     "tests/entry/test_leaderboard.py",
     "tests/workflow/test_plugins.py",
@@ -59,11 +75,15 @@ def tours(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_collection() -> Generator[None, object, object]:
-    """No garbage is collected while tests are: what is imported stays, and was gone through 25 times in each process."""
+    """No garbage is collected while tests are: what is imported stays, and was gone through 25 times in each process.
+
+    Nor is it gone through afterwards: that takes a second each time, and forked processes would copy it.
+    """
     gc.disable()
     try:
         return (yield)
     finally:
+        gc.freeze()
         gc.enable()
 
 

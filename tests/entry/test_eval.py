@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+from functools import cache
 
 import pytest
 
@@ -20,6 +21,7 @@ from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import EntryError, Release
 from ovman.entry.summary import as_json, as_text, summary_of
 from ovman.entry.tour_cache import recording_key
+from ovman.models.episode import Episode
 from ovman.models.relation import Relation
 from ovman.models.run import Score
 from ovman.models.settings import MAIN, Kind
@@ -173,7 +175,9 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
 
 
 @pytest.mark.parametrize("parts", [1, 3, 8, 219])
-def test_shards_are_all_of_a_split_once(parts):
+def test_shards_are_all_of_a_split_once(parts, monkeypatch):
+    """The file of episodes is read once: it is the same for each shard."""
+    monkeypatch.setattr(Episode, "load", cache(Episode.load))
     shards = [asked(RELEASE, MAIN, None, [], (k, parts), [0]).chosen for k in range(1, parts + 1)]
     assert [episode.id for shard in shards for episode in shard] == [episode.id for episode in released()]
     assert max(map(len, shards)) - min(map(len, shards)) <= 1

@@ -70,11 +70,18 @@ def test_runs_that_differ_are_refused(by_seed, tmp_path, capsys):
     assert f"{other}: {runs[0]['episode']}, seed 1: spl: {runs[0]['spl']}, another folder has" in capsys.readouterr().err
 
 
-def test_a_gap_is_refused(tours, by_seed, tmp_path, capsys):
-    """A scene under one seed and another under both are no evaluation of both scenes under both seeds."""
+@pytest.fixture(scope="module")
+def another_scene(tours, tmp_path_factory):
+    """The evaluation of the control on another scene, under the first seed. No test writes into it."""
+    out = tmp_path_factory.mktemp("another") / "out"
     options = ["--arm", DEPTH, "--split", MAIN, "--scenes", "FloorPlan7", "--seeds", "0"]
-    assert command("eval", "--out", tmp_path / "one", "--cache", tours, *options) == 0
-    assert command("merge", tmp_path / "out", *by_seed, tmp_path / "one") == 1
+    assert command("eval", "--out", out, "--cache", tours, *options) == 0
+    return out
+
+
+def test_a_gap_is_refused(by_seed, another_scene, tmp_path, capsys):
+    """A scene under one seed and another under both are no evaluation of both scenes under both seeds."""
+    assert command("merge", tmp_path / "out", *by_seed, another_scene) == 1
     assert "seed 1 in none with it; run it under seed 1, too" in capsys.readouterr().err
 
 
@@ -85,17 +92,16 @@ def test_a_folder_that_holds_something_is_left_alone(by_seed, tmp_path, capsys):
     assert "is there already" in capsys.readouterr().err and (tmp_path / "out" / "mine").read_text() == "mine"
 
 
-def evaluation(out, tours, workers):
+def evaluation(out, tours):
     command = [sys.executable, "-m", "ovman.cli", "eval", "--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "FloorPlan7"]
-    return [*command, "--seeds", "0", "--out", str(out), "--cache", str(tours), "--workers", workers]
+    return [*command, "--seeds", "0", "--out", str(out), "--cache", str(tours), "--workers", "2"]
 
 
-def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(tours, tmp_path):
+def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(by_seed, another_scene, tours, tmp_path):
+    """Of one process a scene, merged."""
     one, two = tmp_path / "one", tmp_path / "two"
-    subprocess.run(evaluation(one, tours, "1"), cwd=ROOT, check=True, capture_output=True)
-    with subprocess.Popen(
-        evaluation(two, tours, "2"), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as process:
+    assert command("merge", one, by_seed[0], another_scene) == 0
+    with subprocess.Popen(evaluation(two, tours), cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline().startswith("1/")
         children = subprocess.run(["pgrep", "-P", str(process.pid)], capture_output=True, text=True, check=True).stdout.split()
         workers = [child for child in map(int, children) if b"spawn_main" in Path(f"/proc/{child}/cmdline").read_bytes()]
@@ -103,7 +109,7 @@ def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(tours, 
         _, said = process.communicate(timeout=60)
     if process.returncode:  # else the worker had nothing left to do
         assert said == "ovman eval: a worker was ended by signal 9; finished runs are kept, and the same command goes on\n"
-    subprocess.run(evaluation(two, tours, "2"), cwd=ROOT, check=True, capture_output=True)
+    subprocess.run(evaluation(two, tours), cwd=ROOT, check=True, capture_output=True)
     for name in ("runs.jsonl", "summary.json", "manifest.json"):
         assert (one / name).read_bytes() == (two / name).read_bytes()
 

@@ -105,10 +105,11 @@ def test_it_scores(away):
     assert scored["whole"] and scored["released"] and scored["tests"]
 
 
-def test_it_evaluates_verifies_and_shows(away, depth_driving):
+def test_it_evaluates_verifies_and_shows(away, depth_driving, tours):
+    """The tours that the checkout has recorded are those that it needs: they are keyed by the code."""
     here, run = away
     options = ["--split", "main", "--scenes", SCENE, "--seeds", "0", "1"]
-    done = run("eval", "--arm", DEPTH, *options, "--out", "mine")
+    done = run("eval", "--arm", DEPTH, *options, "--out", "mine", "--cache", tours)
     assert done.returncode == 0, done.stderr
     assert (here / "mine" / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
     code = [json.loads((folder / "manifest.json").read_text())["code"] for folder in (here / "mine", depth_driving)]
@@ -121,6 +122,7 @@ def test_it_evaluates_verifies_and_shows(away, depth_driving):
 
 
 def test_an_agent_of_the_users_runs_with_it(away):
+    """On tours that it records itself, into the empty home."""
     here, run = away
     (here / "still.py").write_text(
         "from ovman.agents.interface import Action\n"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import torch
-from torchvision.ops import nms
 
 from ovman.perception.non_max_suppression import non_max_suppression
 
@@ -13,6 +12,8 @@ from ovman.perception.non_max_suppression import non_max_suppression
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("spread", [5, 40, 1000])
 def test_the_same_boxes_stay_in_the_same_order(seed, spread):
+    from torchvision.ops import nms  # takes a second, in each process that collects the tests
+
     draw = np.random.default_rng(seed)
     corner = draw.uniform(0, spread, (120, 2))
     boxes = np.concatenate([corner, corner + draw.uniform(0, 30, (120, 2))], 1).astype(np.float32)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import subprocess
@@ -39,6 +40,7 @@ def _become(arguments: list[str], directory: Path, environment: dict[str, str], 
     """Be the process that `python -m snakemake` would be."""
     from snakemake import cli
 
+    gc.freeze()  # what was imported before stays; going through it takes a fifth of a dry run
     output = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_APPEND)
     for stream in (1, 2):
         os.dup2(output, stream)
