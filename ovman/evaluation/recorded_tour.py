@@ -18,11 +18,11 @@ class RecordedTour(Sequence[Observation]):
     """The frames of a recorded tour, each read from its files when it is indexed."""
 
     def __init__(self, directory: Path, field_of_view_deg: float) -> None:
-        self.directory, self.field_of_view_deg = directory, field_of_view_deg
+        self._directory, self._field_of_view_deg = directory, field_of_view_deg
 
     @cached_property
     def _cameras(self) -> list[Camera]:
-        return cameras(self.directory, self.field_of_view_deg)
+        return cameras(self._directory, self._field_of_view_deg)
 
     def __len__(self) -> int:
         return len(self._cameras)
@@ -37,7 +37,7 @@ class RecordedTour(Sequence[Observation]):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         number = range(len(self))[index]
         camera = self._cameras[number]
-        seen = view(self.directory, number, camera)
+        seen = view(self._directory, number, camera)
         pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
         return Observation(seen.rgb, seen.depth, pose, camera.field_of_view_deg)
 
@@ -55,7 +55,7 @@ class RecordedVisit(Visit):
     def content(self) -> str:
         """See `Visit`. TourError where no tour is recorded."""
         assert isinstance(self.observations, RecordedTour)
-        return content(self.observations.directory, self.observations.field_of_view_deg)
+        return content(self.observations._directory, self.observations._field_of_view_deg)
 
 
 def recorded(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ovman.generation import others, placement
-from ovman.generation.others import NOBODY, Beside
+from ovman.generation.beside import Beside
+from ovman.generation.others import NOBODY
 from ovman.generation.placement import FreeFloor
 from ovman.generation.protocol import Drawing, drawings, keeps_free
 from ovman.generation.roaming import roam

@@ -5,56 +5,30 @@ Of each kind of change as many are drawn as the split asks for, of instances and
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from functools import partial
 from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 
 from ovman.generation import placement
-from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
-from ovman.generation.protocol import keeps_free
-from ovman.generation.roaming import carries, goes_m, roam, side
-from ovman.generation.script import Script
-from ovman.generation.sight import Sight
+from ovman.generation.beside import Beside, meets
+from ovman.generation.placement import CLEARANCE_M
+from ovman.generation.roaming import goes_m, roam, side
+from ovman.generation.script import KIND_OF, Kind, Script
 from ovman.models.change import Alteration
-from ovman.models.geometry import Point
+from ovman.models.query import Query
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Others, Settings
-from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
+from ovman.models.settings import Settings
 from ovman.sim.mover import streams
-from ovman.workflow import seeds
 
-Kind = Literal["displace", "enable", "disable", "motion"]
-"""As `Change.kind`: "enable" is gone in the first visit alone."""
 KINDS: tuple[Kind, ...] = ("displace", "enable", "disable")
 """What may change beside any scripted change; instances move on their own beside such a one only."""
-KIND_OF: Mapping[Relation, Kind] = {
-    Relation.MOVED: "displace",
-    Relation.FORMER: "displace",
-    Relation.STABLE: "displace",
-    Relation.MOVING: "motion",
-    Relation.APPEARED: "enable",
-    Relation.REMOVED: "disable",
-}
-"""The kind of the scripted change of each relation."""
-SURE_SR = 0.022
-"""Steradians from which on an instance is foreseen to be recorded: 500 pixels of the default camera's picture. Of 153 instances
-of the benchmark's scenes for which more was foreseen, the untouched tours recorded 151 with 300 pixels or more."""
-UNEVEN = frozenset({"Sofa"})
-"""Categories whose top is not that of their box: of 62 placements that the simulator refused, 47 met a sofa."""
-NEAR_FLOOR_M = 0.9
-"""An answer that is farther from where the agent can stand is foreseen to be out of reach."""
-PLACES = 40
-"""So many places of an instance are looked at."""
-SETTLES_M = 0.1
-"""What is put somewhere may come to rest so far from there."""
+PLACED = frozenset((Relation.MOVED, Relation.FORMER, Relation.APPEARED, Relation.REMOVED))
+"""Relations whose answer is where a change is scripted, from the start of the second visit on."""
 NOBODY: Mapping[str, str] = MappingProxyType({})
 """No other changes."""
 
@@ -66,98 +40,6 @@ class Found:
     first: tuple[Alteration, ...]
     second: tuple[Alteration, ...]
     categories: Mapping[str, str]
-
-
-class Beside:
-    """What may change in a scene beside a scripted change, and what the tours are foreseen to record of it."""
-
-    def __init__(self, scene: Scene, tours: VisitPair[Tour], terms: Others, constants: Settings) -> None:
-        self.scene, self.tours, self.terms, self.keeps_free = scene, tours, terms, keeps_free(scene, tours)
-        self._constants = constants
-        self._sights = Sight.of(scene, tours.first.waypoints), Sight.of(scene, tours.second.waypoints)
-        self.free = [o for o in scene.objects if o.dynamic and not carries(scene, o)]
-        self._angle_sr = {
-            o.id: tuple(sight.solid_angle(o, _centre(o)) for sight in self._sights) for o in scene.objects if o.dynamic
-        }
-        number = Counter(o.category for o in scene.objects)
-        self.several = frozenset(category for category in number if number[category] > 1)
-        self._seen = {name: tuple(angle_sr >= SURE_SR for angle_sr in both) for name, both in self._angle_sr.items()}
-        self._places: dict[str, list[Alteration]] = {}
-        step_m = constants.mover.step_m
-        walks = {o.id: roam(scene, o, self.floor(scene, o), step_m) for o in self.free if o.id in scene.mobile}
-        self._walks = {k: Alteration(kind="motion", instance=k, roam=floor) for k, floor in walks.items() if floor is not None}
-
-    def shows_sr(self, item: SceneObject, kind: Kind) -> float:
-        """How large an instance is foreseen to look in the tour from which its change takes it, or to which it brings it."""
-        return self._angle_sr[item.id][kind in ("enable", "motion")]
-
-    def floor(self, scene: Scene, item: SceneObject) -> FreeFloor:
-        """The free floor for an instance, off the waypoints of the second tour and the place of the agent."""
-        return FreeFloor.of(scene, item, self._constants.primitives.step_m, self.keeps_free)
-
-    def serves(self, item: SceneObject, relation: Relation) -> bool:
-        """Whether a query for `relation` about `item` is foreseen to be recorded as it must be, and its answer within reach."""
-        first, second = self._seen[item.id]
-        if relation is Relation.MOVING:
-            return second and item.id in self._walks
-        if relation is Relation.MOVED:
-            return first
-        at = item.position.x, item.position.z
-        near = float(np.hypot(*np.subtract(self.floor(self.scene, item).nearest(at), at))) <= NEAR_FLOOR_M
-        seen = {Relation.APPEARED: second, Relation.STABLE: first and second}.get(relation, first)
-        return near and seen
-
-    def recorded_at(self, item: SceneObject, made: Alteration) -> bool:
-        """Whether the second tour is foreseen to record the instance where it is put."""
-        assert made.placement is not None and made.height_m is not None
-        centre = made.placement[0], made.height_m + item.size.y / 2, made.placement[1]
-        return self._sights[1].solid_angle(item, centre) >= SURE_SR
-
-    def made(
-        self, item: SceneObject, kind: Kind, away: Sequence[Point], full: Sequence[SceneObject], rng: np.random.Generator
-    ) -> Alteration | None:
-        """A change of `item` of that kind; None where there is none. away: points to keep away from; full: boxes to leave alone.
-
-        What is to move on its own sets off from where it stands if it can. Otherwise it is put somewhere first, and what is given
-        back is that displacement.
-        """
-        first, second = self._seen[item.id]
-        if not self._away((item.position.x, item.position.z), away):
-            return None
-        if kind == "motion" and second and item.id in self._walks:
-            return self._walks[item.id]
-        if kind == "enable":
-            return _gone(item) if second else None
-        if kind == "disable":
-            return _gone(item) if first else None
-        if kind == "displace" and not first:
-            return None
-        on_floor = round(self.scene.floor_y + ABOVE_SURFACE_M, 4)
-        apart = [
-            made
-            for made in self._places_of(item)
-            if made.placement is not None and self._away(made.placement, away) and not _meets(item, made.placement, full)
-            if kind == "displace" or made.height_m == on_floor
-        ]
-        return apart[int(rng.integers(len(apart)))] if apart else None
-
-    def _away(self, point: Point, away: Sequence[Point]) -> bool:
-        apart_m = self._constants.candidates.apart_m + SETTLES_M
-        return all(float(np.hypot(point[0] - x, point[1] - z)) >= apart_m for x, z in away)
-
-    def _places_of(self, item: SceneObject) -> list[Alteration]:
-        """Where the instance may be put; the same whatever it is put there beside."""
-        if item.id not in self._places:
-            rng = seeds.generator(self._constants.benchmark.seed, "places", self.scene.scene, item.id)
-            floor, least_m = self.floor(self.scene, item), self._constants.candidates.delta_min_m + SETTLES_M
-            uneven = [o for o in self.scene.objects if o.category in UNEVEN and o.id != item.id]
-            everywhere = (
-                Alteration(kind="displace", instance=item.id, placement=(spot.x, spot.z), height_m=spot.height_m)
-                for spot in placement.spots(self.scene, item, floor, least_m, rng)
-                if not _meets(item, (spot.x, spot.z), uneven)
-            )
-            self._places[item.id] = [made for made in islice(everywhere, PLACES) if self.recorded_at(item, made)]
-        return self._places[item.id]
 
 
 def draw(
@@ -175,7 +57,8 @@ def draw(
 
     first, second: the scripted alterations; walk_rng: of the movers of the second tour. Of those that change alike, as many look
     larger than the scripted one as is drawn: who answers with the largest change, or the smallest, is no better off than who
-    answers with any. Likewise categories with several instances go first: of the queried one there are several. The others are
+    answers with any. Likewise categories with several instances go first: of the queried one there are several, and what changes
+    alike is as free of its like as the answer (candidates.crowding_m): what changes among its like is hard to see. The others are
     farther than candidates.apart_m from where the scripted change is made and from the answer.
     """
     terms = beside.terms
@@ -194,17 +77,38 @@ def draw(
     above = int(rng.integers(alike + 1))
     there, moving, categories = beside.scene, [changed] if relation is Relation.MOVING else [], dict[str, str]()
     begins: dict[str, Alteration] = {}
+    likes: list[Script] = []
+
+    def like(item: SceneObject) -> Script:
+        return Script(beside.scene, Query(item.category, relation), item.id)
+
+    def uncrowded(item: SceneObject, kind: Kind, made: Alteration) -> bool:
+        """Whether every instance that changes as the scripted one does stays as free of its like as the answer has to be."""
+        if relation not in PLACED:
+            return True
+        visits = ((*first, made), second) if kind == "enable" else (first, (*second, made))
+        apart_m = constants.candidates.crowding_m
+        return not any(one.crowded(*visits, apart_m) for one in (*likes, *([like(item)] if kind == own else [])))
+
     for number in range(wanted):
         turns: list[Kind] = [own] if number < alike else [KINDS[k] for k in rng.permutation(len(KINDS))]
         ranked = pool if number >= alike else larger if number < above else smaller
         ranked = sorted(ranked, key=lambda o: o.category not in beside.several)
         options = ((kind, o) for kind in turns for o in ranked if o.id not in categories and not _touch(o, full))
-        chosen = next(((kind, o, made) for kind, o in options if (made := beside.made(o, kind, away, full, rng))), None)
+        chosen = next(
+            (
+                (kind, o, made)
+                for kind, o in options
+                if (made := beside.made(o, kind, away, full, partial(uncrowded, o, kind), rng)) is not None
+            ),
+            None,
+        )
         if chosen is None:
             break
         kind, item, made = chosen
         categories[item.id] = item.category
         full.append(item)
+        likes += [like(item)] if kind == own else []
         if kind == "motion":
             begins[item.id] = made
             moving.append(item if made.placement is None else _standing(_put(item, made), beside.scene.floor_y))
@@ -252,14 +156,6 @@ def _walks(
     return tuple(walks)
 
 
-def _centre(item: SceneObject) -> tuple[float, float, float]:
-    return item.position.x, item.position.y, item.position.z
-
-
-def _gone(item: SceneObject) -> Alteration:
-    return Alteration(kind="disable", instance=item.id)
-
-
 def _put(item: SceneObject, made: Alteration) -> SceneObject:
     assert made.placement is not None
     x, z = made.placement
@@ -282,18 +178,8 @@ def _half_m(item: SceneObject) -> float:
     return float(np.hypot(item.size.x, item.size.z)) / 2
 
 
-def _meets(item: SceneObject, at: Point, full: Sequence[SceneObject]) -> bool:
-    """Whether the instance's box at a point would stand over, under or in one of these, seen from above."""
-    half = item.size.x / 2, item.size.z / 2
-    return any(
-        abs(at[0] - o.position.x) <= half[0] + o.size.x / 2 + CLEARANCE_M
-        and abs(at[1] - o.position.z) <= half[1] + o.size.z / 2 + CLEARANCE_M
-        for o in full
-    )
-
-
 def _touch(item: SceneObject, full: Sequence[SceneObject]) -> bool:
     """Whether an instance is on, under or in one of these: a change of the one would change the other."""
-    return any(item.id == o.id or o.id in item.parents or item.id in o.parents for o in full) or _meets(
+    return any(item.id == o.id or o.id in item.parents or item.id in o.parents for o in full) or meets(
         item, (item.position.x, item.position.z), full
     )

@@ -7,16 +7,14 @@ from __future__ import annotations
 
 import csv
 import hashlib
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
-
-import numpy as np
 
 from ovman.evaluation.scoring import judged
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.independence import independent, left_out, tour_pair
+from ovman.generation.selection import select, size
 from ovman.language import noun, sentence
 from ovman.models.certification import Certification, CertificationRun, OracleRun
 from ovman.models.change import Alteration, Change
@@ -127,28 +125,6 @@ def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
     )
 
 
-def select(
-    certified: Mapping[str, Sequence[str]], wanted: int, rng: np.random.Generator, instance_of: Mapping[str, str] | None = None
-) -> list[str]:
-    """`wanted` of the certified ids by scene: one scene after another in random order, one id of each per round.
-
-    instance_of: the instance that each id asks about, where instances take turns: all ids that ask about another instance of
-    their scene come before any that ask about one for the second time, in all scenes.
-    """
-    order = sorted(certified)
-    queues = {scene: [sorted(certified[scene])[k] for k in rng.permutation(len(certified[scene]))] for scene in order}
-    scenes = [order[k] for k in rng.permutation(len(order))]
-    turns: list[tuple[int, int, int, str]] = []
-    for place, scene in enumerate(scenes):
-        asked, length = Counter[str](), Counter[int]()
-        for k in queues[scene]:
-            instance = k if instance_of is None else instance_of[k]
-            turns.append((asked[instance], length[asked[instance]], place, k))
-            length[asked[instance]] += 1
-            asked[instance] += 1
-    return [k for *_, k in sorted(turns)[:wanted]]
-
-
 def run(
     trials_files: Sequence[Path],
     admissible_files: Sequence[Path],
@@ -170,13 +146,15 @@ def run(
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
     asked, where, draws = settings.benchmark.split, "benchmark.split", "candidates.draws"
     names: tuple[str, ...] = ("split",)
-    targets = None
+    targets, sizes = None, None
     if split != MAIN:
         asked, where, draws = settings.splits[split].episodes, f"splits.{split}.episodes", f"splits.{split}.draws"
         names = ("split", split)
         if settings.splits[split].instances_in_turn:
             targets = {k: trial.candidate.target for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
+    if split != MAIN and settings.splits[split].sizes_in_turn and settings.splits[split].others is not None:
+        sizes = {k: size(trials[k]) for k in certified}
     wishes = {relation: getattr(asked, relation.value) for relation in Relation}
     if split == MAIN or settings.splits[split].single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
@@ -191,7 +169,7 @@ def run(
             if relation_of[k] is relation:
                 pool.setdefault(trials[k].candidate.scene, []).append(k)
         wanted = wishes[relation]
-        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value), targets)
+        chosen = select(pool, wanted, seeds.generator(settings.benchmark.seed, *names, relation.value), targets, sizes)
         there = sum(map(len, pool.values()))
         print(
             f"{split}, {relation.value}: {len(chosen)} released of {there} certified and independent, {wanted} wanted", flush=True

@@ -2,15 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from ovman.models.change import Alteration
 from ovman.models.geometry import Point
 from ovman.models.query import Query
+from ovman.models.relation import Relation
 from ovman.models.scene import Scene
 from ovman.models.world_state import Instance, WorldState
 from ovman.task import answer, crowding
+
+Kind = Literal["displace", "enable", "disable", "motion"]
+"""As `Change.kind`: "enable" is gone in the first visit alone."""
+KIND_OF: Mapping[Relation, Kind] = {
+    Relation.MOVED: "displace",
+    Relation.FORMER: "displace",
+    Relation.STABLE: "displace",
+    Relation.MOVING: "motion",
+    Relation.APPEARED: "enable",
+    Relation.REMOVED: "disable",
+}
+"""The kind of the scripted change of each relation."""
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,7 @@ def _recorded(candidate: Candidate, instance: str, first: WorldState, second: Wo
 
 def _recorded_in_motion(second: WorldState, mover: str, least_m: float) -> bool:
     """Whether the recorded places of a mover spread farther than `least_m`: else the record does not tell it from what stands."""
-    return any(instance.id == mover and instance.extent_m > least_m for instance in second)
+    return mover in second and second[mover].extent_m > least_m
 
 
 def _other_recorded(candidate: Candidate, instance: str, measured: TrialMeasurement, min_mask_px: int) -> bool:

@@ -245,7 +245,7 @@ def owned(stage: str, names: Iterable[str]) -> tuple[str, ...]:
 _DRAWN = ("name", "main_job", "scenes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
 ENTRIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "candidates": {"splits": _DRAWN},
-    "episodes": {"splits": (*_DRAWN, "episodes", "instances_in_turn")},
+    "episodes": {"splits": (*_DRAWN, "episodes", "instances_in_turn", "sizes_in_turn")},
 }
 """Of the entries of these sections a stage owns these fields only: who answers a split changes no episode of it."""
 

@@ -64,5 +64,4 @@ def test_content_is_what_the_tour_shows(tmp_path):
 def test_nothing_says_what_was_changed(tmp_path):
     visit = recorded(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
     public = {name for name in dir(visit.observations) if not name.startswith("_")}
-    # The directory's name does say it: to agents that run beside the truth, and not to those with a process of their own.
-    assert public == {"count", "index", "directory", "field_of_view_deg"} and "Chair" not in repr(visit)
+    assert public == {"count", "index"} and "Chair" not in repr(visit)

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.independence import independent, left_out, tour_pair
-from ovman.generation.release import ShortSplitError, episode, known, rejection, run, select, sightings, trial_digest
+from ovman.generation.release import ShortSplitError, episode, known, rejection, run, sightings, trial_digest
+from ovman.generation.selection import Size, select, size
 from ovman.generation.verdict import reasons, verdict
 from ovman.models.certification import Certification, OracleRun
 from ovman.models.change import Alteration, Roam
@@ -471,6 +472,29 @@ def test_turns_among_instances_of_one_episode_each_change_nothing(pool, wanted, 
     assert select(pool, wanted, np.random.default_rng(seed), each) == alone
 
 
+@settings(derandomize=True, max_examples=80, deadline=None)
+@given(POOLS, st.integers(0, 99), st.integers(1, 4), st.randoms(use_true_random=False))
+def test_sizes_take_turns(pool, seed, instances, random):
+    """Instances take turns as ever. Of one use, the largest are within one of chance while there are both."""
+    ids = [k for each in pool.values() for k in each]
+    instance_of = {k: f"{scene}|{int(k.split('/')[1]) % instances}" for scene, each in pool.items() for k in each}
+    size_of = {k: Size(random.random() < 0.6, random.randint(2, 4)) for k in sorted(ids)}
+    chosen = select(pool, len(ids), np.random.default_rng(seed), instance_of, size_of)
+    plain = select(pool, len(ids), np.random.default_rng(seed), instance_of)
+    assert sorted(chosen) == sorted(ids)
+    uses = {k: sum(instance_of[k] == instance_of[before] for before in plain[:at]) for at, k in enumerate(plain)}
+    assert [uses[k] for k in chosen] == [uses[k] for k in plain]
+    for number in set(uses.values()):
+        one = [k for k in chosen if uses[k] == number]
+        before = [k for k in chosen if uses[k] < number]
+        for at in range(1, len(one)):
+            if len({size_of[k].largest for k in one[at - 1 :]}) == 2 and not before:
+                excess = sum(size_of[k].largest - 1 / size_of[k].among for k in one[:at])
+                assert abs(excess) <= 1
+    same = dict.fromkeys(ids, Size(True, 1))
+    assert select(pool, len(ids), np.random.default_rng(seed), instance_of, same) == plain
+
+
 def test_the_split_depends_on_the_seed():
     pool = {scene: [f"{scene}{k}" for k in range(5)] for scene in "abcd"}
     assert len({tuple(select(pool, 6, np.random.default_rng(seed))) for seed in range(8)}) > 4
@@ -566,13 +590,14 @@ def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(
     pairs = {k: tour_pair(of_split[k]) for k in certified}
     draw = seeds.generator(seed, *names, "pairs")
     in_turn = {k: t.candidate.target for k, t in of_split.items()} if split == "everyday" else None
+    sizes = {k: size(of_split[k]) for k in certified} if split == "everyday" else None
     # A pair of tours with several changes serves several queries.
     apart = certified if split == "multi" else independent(pairs, relation_of, wanted, draw)
     released = []
     for relation in Relation:
         pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
         pool = {scene: ids for scene, ids in pool.items() if ids}
-        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn)
+        released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn, sizes)
     released.sort(key=lambda k: (CONFIG.benchmark.scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
     shared = [] if split == "multi" else left_out(pairs, released)
     against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from ovman.generation import candidates, others, release, verdict
+from ovman.generation.beside import Beside
 from ovman.generation.candidates import Asked
-from ovman.generation.others import Beside
 from ovman.generation.protocol import drawings
 from ovman.models.candidate import Candidate
 from ovman.models.certification import Certification

@@ -102,6 +102,10 @@ class Split(Section):
     instances_in_turn: bool = Field(
         False, description="whether a relation is asked about every certified instance before it is asked about one again"
     )
+    sizes_in_turn: bool = Field(
+        False,
+        description="whether the scripted change is the largest of those that are alike as often as chance has it, beside others",
+    )
     draws: PerRelation = Field(description="candidates per relation and scene")
     tries: Some = Field(
         description="how often a relation chooses at most what changes in a scene, for each candidate that is asked for"
