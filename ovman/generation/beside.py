@@ -90,10 +90,11 @@ class Beside:
         serves: Callable[[Alteration], bool],
         rng: np.random.Generator,
     ) -> Alteration | None:
-        """A change of `item` of that kind; None where there is none. away: points to keep away from; full: boxes to leave alone.
+        """A change of `item` of that kind, or None.
 
-        serves: whether a change of `item` may be this one. What is to move on its own sets off from where it stands if it can.
-        Otherwise it is put somewhere first, and what is given back is that displacement.
+        away: points on the floor that the change is far from; full: boxes that it meets none of; serves: whether a change of
+        `item` may be this one. What is to move on its own sets off from where it stands if it can. Otherwise it is put somewhere
+        first, and that displacement is returned.
         """
         first, second = self._seen[item.id]
         gone = Alteration(kind="disable", instance=item.id)
