@@ -69,6 +69,7 @@ for plugin in PLUGINS:
 
 onstart:
     lift_rate_limit(workflow)
+    fork_scripts(workflow, ForkServer().run)
 
 
 onerror:

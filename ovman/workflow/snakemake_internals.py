@@ -6,10 +6,15 @@
 from __future__ import annotations
 
 import fcntl
+import os
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
+from ovman.workflow.fork_server import Fork
 from ovman.workflow.locks import flock
 
 USED: Mapping[str, str] = {
@@ -23,12 +28,16 @@ USED: Mapping[str, str] = {
     "Workflow.local_exec": "jobs that are processes of this machine",
     "JobScheduler.job_rate_limiter": "no option switches the limit off, and its timers take half a core while jobs wait",
     "Persistence: .snakemake/locks": "--unlock is a command of its own, and a killed Snakemake leaves its locks",
+    "PythonScript.execute_script": "a script's process is a fork of one with its imports; no option starts it otherwise",
+    "benchmarked": "what a `benchmark` file says of a process, for one that Snakemake has not started itself",
     "FilePersistence._read_record": "the release says under which parameter each output was made (snakemake_records)",
     "FilePersistence._write_record": "what is restored is done, and a changed constant reruns it (snakemake_records)",
     "MetadataRecord.params": "in it the one parameter of a rule",
     "MetadataRecord.input_checksums": "an input that was made again with the same bytes reruns nothing",
 }
 """Attributes and files, and why each is used."""
+TEMPORARY = ("TMPDIR", "TMP", "TEMPDIR", "TEMP")
+"""Variables that Snakemake sets to the resource `tmpdir` for a script."""
 LOCKS = Path(".snakemake", "locks")
 ALIVE = Path(".snakemake", "ovman.alive")
 """Every Snakemake that works in a directory shares a lock on this file; the kernel releases it when the process ends."""
@@ -48,6 +57,33 @@ def lift_rate_limit(workflow: Any) -> None:
     """
     if workflow.local_exec:
         workflow.scheduler.job_rate_limiter = None
+
+
+def fork_scripts(workflow: Any, run: Callable[[str, Mapping[str, str]], Fork]) -> None:
+    """Have the scripts of rules run by `run`, where jobs are processes of this machine; when the jobs start.
+
+    A script of several threads, or of an environment or a container of its own, gets a process as Snakemake starts it.
+    """
+    if not workflow.local_exec:
+        return
+    from snakemake.benchmark import benchmarked
+    from snakemake.script import PythonScript
+
+    started = PythonScript.execute_script
+
+    def execute_script(self: Any, fname: str, edit: bool = False) -> None:
+        own = (self.conda_env, self.container_img, self.env_modules, self.resources.get("shell_exec"))
+        if edit or self.threads != 1 or any(one is not None for one in own):
+            started(self, fname, edit)
+            return
+        environment = os.environ | dict.fromkeys(TEMPORARY, str(self.resources.get("tmpdir", tempfile.gettempdir())))
+        fork = run(fname, environment)
+        with benchmarked(fork.pid if self.bench_record is not None else False, self.bench_record):
+            status = fork.wait()
+        if status:
+            raise subprocess.CalledProcessError(status, [sys.executable, fname])
+
+    PythonScript.execute_script = execute_script
 
 
 def go_before(workflow: Any, names: Sequence[str], rule: str) -> None:

@@ -11,9 +11,11 @@ import jsonschema
 import pytest
 import snakemake.api  # noqa: F401 (Snakemake's modules import each other in a circle that begins here)
 import yaml
+from snakemake import benchmark
 from snakemake.persistence import MetadataRecord
 from snakemake.persistence import file as persistence
 from snakemake.scheduling.job_scheduler import JobScheduler
+from snakemake.script import PythonScript
 from snakemake.settings.types import ResourceSettings
 from snakemake.workflow import Workflow
 
@@ -47,6 +49,8 @@ def test_what_is_used_of_snakemake_without_documentation_is_there(name):
         "Workflow": lambda: hasattr(Workflow, attribute) or f"self.{attribute} =" in inspect.getsource(Workflow.__init__),
         "ResourceSettings": lambda: hasattr(ResourceSettings, attribute),
         "JobScheduler": lambda: f"self.{attribute} =" in inspect.getsource(JobScheduler),
+        "PythonScript": lambda: list(inspect.signature(PythonScript.execute_script).parameters) == ["self", "fname", "edit"],
+        "benchmarked": lambda: [*inspect.signature(benchmark.benchmarked).parameters][:2] == ["pid", "benchmark_record"],
         "FilePersistence": lambda: hasattr(persistence.FilePersistence, attribute),
         "MetadataRecord": lambda: attribute in MetadataRecord.model_fields,
         "Persistence: ": lambda: '"locks"' in inspect.getsource(persistence) and ".lock" in inspect.getsource(persistence),

@@ -19,11 +19,12 @@ from ovman.models.settings import (
 from ovman.models.variant import VARIANTS
 from ovman.workflow.batches import batches
 from ovman.workflow.config import ConfigError, load
+from ovman.workflow.fork_server import ForkServer
 from ovman.workflow.parameter import canonical
 from ovman.workflow.plugins import plugins_of
 from ovman.perception.weights import beside, is_graph, located
 from ovman.workflow.snakefile import check_agents, prepare, print_deaths
-from ovman.workflow.snakemake_internals import go_before, group_like, lift_rate_limit, overlays
+from ovman.workflow.snakemake_internals import fork_scripts, go_before, group_like, lift_rate_limit, overlays
 
 prepare(workflow)
 

@@ -1,0 +1,119 @@
+"""Engines that are forks of the process that drives them, where many are started: imports and kernels of one take .7 s.
+
+A process calls `warm` once and is forked itself; the client in each fork then starts engines as forks of its own. Embree has no
+threads of its own here, and nothing of the engine that was warmed up is kept but code.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+import traceback
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+from typing import IO, Any, NoReturn
+
+from ovman_engine import executable, kernels
+
+MILLISECONDS = 1000.0
+
+
+class ForkedEngine:
+    """An engine's process, with what the client uses of `subprocess.Popen`. May be waited for by several threads."""
+
+    def __init__(self, options: Sequence[str], environment: Mapping[str, str], output: IO[Any]) -> None:
+        """Fork this process. options: of the engine's command line; output: where it prints to."""
+        self.returncode: int | None = None
+        self._lock = threading.Lock()
+        self.pid = os.fork()
+        if self.pid == 0:
+            _become(options, environment, output)
+        self._ended = os.pidfd_open(self.pid)
+
+    def poll(self) -> int | None:
+        """The exit status, negative for a signal; None while it runs."""
+        with self._lock:
+            if self.returncode is None:
+                pid, status = os.waitpid(self.pid, os.WNOHANG)
+                if pid:
+                    os.close(self._ended)
+                    self.returncode = os.waitstatus_to_exitcode(status)
+            return self.returncode
+
+    def wait(self, timeout: float | None = None) -> int:
+        """The exit status, once it has ended; subprocess.TimeoutExpired after so many seconds."""
+        while (status := self.poll()) is None:
+            poll = select.poll()
+            poll.register(self._ended, select.POLLIN)
+            if not poll.poll(None if timeout is None else timeout * MILLISECONDS):
+                raise subprocess.TimeoutExpired("ovman_engine", timeout or 0.0)
+        return status
+
+    def send_signal(self, number: int) -> None:
+        """Send it a signal, unless it has ended."""
+        if self.poll() is None:
+            os.kill(self.pid, number)
+
+    def kill(self) -> None:
+        """End it now."""
+        self.send_signal(signal.SIGKILL)
+
+
+def warm(client: ModuleType) -> None:
+    """Load what an engine needs, and have the module `ai2thor.controller` fork engines in this process and in forks of it.
+
+    Once is enough. Nothing is done where the kernels are not compiled yet: the first engine compiles them.
+    """
+    if isinstance(client.subprocess, _Subprocess) or not kernels.ready():
+        return
+    from ovman_engine.engine import Engine
+
+    kernels.without_blas()
+    engine = Engine(kernels.SIDE_PX, kernels.SIDE_PX)
+    for action, arguments in (
+        ("Reset", {"sceneName": f"{kernels.SCENES[0]}_physics"}),
+        ("Initialize", dict.fromkeys(kernels.KINDS, True)),
+        ("RotateRight", {}),
+    ):
+        engine.answer(json.dumps({"action": action, **arguments}).encode())
+    client.subprocess = _Subprocess("subprocess")  # type: ignore[attr-defined]
+
+
+class _Subprocess(ModuleType):
+    """The module `subprocess` for the client: what it starts as this package's engine is forked."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(subprocess, name)
+
+    @staticmethod
+    def Popen(command: Sequence[str], env: Mapping[str, str], stdout: IO[Any], stderr: IO[Any]) -> Any:  # noqa: N802
+        own = shlex.split(executable())
+        if [*command[: len(own)]] != own or own[0] != sys.executable:
+            return subprocess.Popen(command, env=env, stdout=stdout, stderr=stderr)
+        return ForkedEngine(command[len(own) :], env, stderr)
+
+
+def _become(options: Sequence[str], environment: Mapping[str, str], output: IO[Any]) -> NoReturn:
+    """Be the process that the command line would start."""
+    status = 1
+    try:
+        for stream in (1, 2):
+            os.dup2(output.fileno(), stream)
+        os.closerange(3, os.sysconf("SC_OPEN_MAX"))  # a lock that the driving process holds is not the engine's
+        for number in (signal.SIGCHLD, signal.SIGTERM):
+            signal.signal(number, signal.SIG_DFL)
+        os.environ.clear()
+        os.environ.update(environment)
+        from ovman_engine.__main__ import main
+
+        status = main(options)
+    except BaseException:
+        traceback.print_exc()
+    finally:
+        os._exit(status)
