@@ -10,12 +10,15 @@ draws others. Mutation testing takes `mutants`, which does not look for the smal
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Generator
 from pathlib import Path
 
 import pytest
 from hypothesis import Phase, settings
 
+from ovman.sim import client
+from ovman_engine import forked
 from tests import shared
 
 settings.register_profile("same", derandomize=True)
@@ -65,6 +68,13 @@ LONGEST = (
     "tests/workflow/test_plugins.py",
 )
 """Files of some ten seconds of a processor and more, the longest first: the first makes the world."""
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _forked_engines() -> None:
+    """Engines of this process are forks of it, as those of the workflow's jobs are; the engine's own tests start processes."""
+    client.controller()
+    forked.warm(sys.modules["ai2thor.controller"])
 
 
 @pytest.fixture(scope="session")

@@ -34,16 +34,19 @@ APART = ("ovman.training", "ovman.report", "ovman.doctor", "ovman.analysis")
 
 
 class Fork:
-    """A script that runs in a process of its own."""
+    """A script that runs in a process of its own. processor_s: what it and its children took, once it was waited for."""
 
     def __init__(self, reply: socket.socket) -> None:
         self._reply = reply
         self.pid = int(self._line())
+        self.processor_s: float | None = None
 
     def wait(self) -> int:
         """The exit status, negative for a signal as in `subprocess`, once the process has ended."""
         with self._reply:
-            return int(self._line())
+            status, processor_s = self._line().split()
+        self.processor_s = float(processor_s)
+        return int(status)
 
     def _line(self) -> str:
         said = self._reply.recv(LARGEST)
@@ -127,9 +130,9 @@ def _serve(requests: socket.socket) -> str:
         ready, _, _ = select.select([requests.fileno(), woken], [], [])
         if woken in ready:
             os.read(woken, LARGEST)
-            for pid, status in _ended():
+            for pid, status, processor_s in _ended():
                 with replies.pop(pid) as reply, suppress(OSError):  # nobody may wait for it any more
-                    reply.send(str(status).encode())
+                    reply.send(f"{status} {processor_s}".encode())
         if requests.fileno() not in ready:
             continue
         asked, fds, _, _ = socket.recv_fds(requests, LARGEST, 1)
@@ -145,14 +148,16 @@ def _serve(requests: socket.socket) -> str:
                 os.close(descriptor)
             for one in (requests, reply, *replies.values()):
                 one.close()
-            _become(wanted["directory"], wanted["environment"])
+            _become(Path(wanted["script"]), wanted["directory"], wanted["environment"])
             return str(wanted["script"])
         replies[pid] = reply
         with suppress(OSError):
             reply.send(str(pid).encode())
 
 
-def _become(directory: str, environment: Mapping[str, str]) -> None:
+def _become(script: Path, directory: str, environment: Mapping[str, str]) -> None:
+    with suppress(OSError):  # what `ps` and `top` call it: of Snakemake's tmpabc.rollouts.py, rollouts
+        Path("/proc/self/comm").write_text(script.stem.rpartition(".")[2])
     for number in (signal.SIGCHLD, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -161,12 +166,13 @@ def _become(directory: str, environment: Mapping[str, str]) -> None:
     os.chdir(directory)
 
 
-def _ended() -> list[tuple[int, int]]:
-    """Processes that have ended, and their exit statuses."""
+def _ended() -> list[tuple[int, int, float]]:
+    """Processes that have ended, their exit statuses, and the seconds of the processor that they and their children took."""
     found = []
     with suppress(ChildProcessError):
-        while (ended := os.waitpid(-1, os.WNOHANG))[0]:
-            found.append((ended[0], os.waitstatus_to_exitcode(ended[1])))
+        while (ended := os.wait4(-1, os.WNOHANG))[0]:
+            pid, status, usage = ended
+            found.append((pid, os.waitstatus_to_exitcode(status), round(usage.ru_utime + usage.ru_stime, 3)))
     return found
 
 

@@ -80,6 +80,8 @@ def fork_scripts(workflow: Any, run: Callable[[str, Mapping[str, str]], Fork]) -
         fork = run(fname, environment)
         with benchmarked(fork.pid if self.bench_record is not None else False, self.bench_record):
             status = fork.wait()
+        if self.bench_record is not None and self.bench_record.data_collected:  # Snakemake looks every half minute
+            self.bench_record.cpu_time = fork.processor_s
         if status:
             raise subprocess.CalledProcessError(status, [sys.executable, fname])
 

@@ -64,13 +64,14 @@ def test_a_script_is_main_where_it_lies_with_what_it_is_given(tmp_path, server, 
         import atexit, colorsys, os, sys
         from pathlib import Path
         from neighbour import VALUE
-        said = [__name__, sys.argv, os.getcwd(), os.environ.get("GIVEN"), os.environ.get("HOME"), VALUE, sys.path[0]]
+        name = Path("/proc/self/comm").read_text().strip()
+        said = [__name__, sys.argv, os.getcwd(), os.environ.get("GIVEN"), os.environ.get("HOME"), VALUE, sys.path[0], name]
         atexit.register(Path("said").write_text, repr(said))
         """,
     )
     assert server.run(path, {"GIVEN": "yes"}).wait() == 0
     here = str(tmp_path)
-    assert (tmp_path / "said").read_text() == repr(["__main__", [str(path)], here, "yes", None, 5, str(path.parent)])
+    assert (tmp_path / "said").read_text() == repr(["__main__", [str(path)], here, "yes", None, 5, str(path.parent), "script"])
 
 
 def test_what_one_script_imports_the_next_one_has_and_nothing_else_of_it(tmp_path, server, monkeypatch):
@@ -96,6 +97,15 @@ def test_what_cannot_be_imported_is_the_scripts_to_report(tmp_path, server, capf
     said = capfd.readouterr().err
     assert "ModuleNotFoundError: No module named 'nowhere_at_all'" in said and "OSError: no such thing" in said
     assert run(server, script(tmp_path, "pass", "third.py")) == 0
+
+
+def test_what_a_script_and_its_children_took_is_known(tmp_path, server):
+    burns = "import time\nwhile time.process_time() < {s}: pass\n"
+    child = script(tmp_path, burns.format(s=0.2), "child.py")
+    path = script(tmp_path, f"import subprocess, sys\nsubprocess.run([sys.executable, {str(child)!r}])\n" + burns.format(s=0.3))
+    fork = server.run(path, os.environ)
+    assert fork.wait() == 0
+    assert 0.4 < fork.processor_s < 2.0
 
 
 def test_scripts_run_side_by_side(tmp_path, server):

@@ -7,7 +7,6 @@ import os
 import random
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -30,12 +29,12 @@ LONGEST_S = 40.0
 
 
 def at_work(directory: Path) -> dict[int, str]:
-    """Every process that works in `directory` and its command line."""
+    """Every process that works in `directory` and its name."""
     found = {}
     for process in Path("/proc").glob("[0-9]*"):
         try:
             if (process / "cwd").readlink() == directory:
-                found[int(process.name)] = (process / "cmdline").read_text().replace("\0", " ")
+                found[int(process.name)] = (process / "comm").read_text().strip()
         except OSError:
             continue
     return found
@@ -74,9 +73,7 @@ def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
     if not job:
         kill(world, run)
         return kept(world, stage)
-    (victim,) = (
-        pid for pid, line in at_work(world.directory).items() if line.startswith(sys.executable) and f".{stage}.py" in line
-    )
+    (victim,) = (pid for pid, name in at_work(world.directory).items() if name == stage)
     os.kill(victim, signal.SIGKILL)
     assert run.wait(timeout=FINISHED_S) != 0
     return kept(world, stage)

@@ -6,6 +6,7 @@ threads of its own here, and nothing of the engine that was warmed up is kept bu
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -16,6 +17,7 @@ import sys
 import threading
 import traceback
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from types import ModuleType
 from typing import IO, Any, NoReturn
 
@@ -108,6 +110,8 @@ def _become(options: Sequence[str], environment: Mapping[str, str], output: IO[A
         os.closerange(3, os.sysconf("SC_OPEN_MAX"))  # a lock that the driving process holds is not the engine's
         for number in (signal.SIGCHLD, signal.SIGTERM):
             signal.signal(number, signal.SIG_DFL)
+        with contextlib.suppress(OSError):
+            Path("/proc/self/comm").write_text("ovman_engine")  # what `ps` and `top` call it
         os.environ.clear()
         os.environ.update(environment)
         from ovman_engine.__main__ import main

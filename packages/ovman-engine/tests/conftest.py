@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -34,6 +35,16 @@ def display(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         patch.setenv("DISPLAY", ":0")
         patch.delenv("CUDA_VISIBLE_DEVICES", raising=False)
         patch.setenv("HOME", str(tmp_path_factory.mktemp("home")))
+        yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _started_engines() -> Iterator[None]:
+    """Engines are started as a client starts them, also where other tests of this process have them forked."""
+    from ai2thor import controller
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(controller, "subprocess", subprocess)
         yield
 
 
