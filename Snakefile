@@ -69,7 +69,6 @@ for plugin in PLUGINS:
 
 onstart:
     lift_rate_limit(workflow)
-    fork_scripts(workflow, ForkServer().run)
 
 
 onerror:

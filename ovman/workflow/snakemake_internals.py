@@ -60,12 +60,10 @@ def lift_rate_limit(workflow: Any) -> None:
 
 
 def fork_scripts(workflow: Any, run: Callable[[str, Mapping[str, str]], Fork]) -> None:
-    """Have the scripts of rules run by `run`, where jobs are processes of this machine; when the jobs start.
+    """Have the scripts of rules run by `run`, where jobs are processes of this machine.
 
     A script of several threads, or of an environment or a container of its own, gets a process as Snakemake starts it.
     """
-    if not workflow.local_exec:
-        return
     from snakemake.benchmark import benchmarked
     from snakemake.script import PythonScript
 
@@ -73,7 +71,7 @@ def fork_scripts(workflow: Any, run: Callable[[str, Mapping[str, str]], Fork]) -
 
     def execute_script(self: Any, fname: str, edit: bool = False) -> None:
         own = (self.conda_env, self.container_img, self.env_modules, self.resources.get("shell_exec"))
-        if edit or self.threads != 1 or any(one is not None for one in own):
+        if edit or not workflow.local_exec or self.threads != 1 or any(one is not None for one in own):
             started(self, fname, edit)
             return
         environment = os.environ | dict.fromkeys(TEMPORARY, str(self.resources.get("tmpdir", tempfile.gettempdir())))

@@ -27,6 +27,7 @@ from ovman.workflow.snakefile import check_agents, prepare, print_deaths
 from ovman.workflow.snakemake_internals import fork_scripts, go_before, group_like, lift_rate_limit, overlays
 
 prepare(workflow)
+fork_scripts(workflow, ForkServer().run)
 
 try:
     files = [os.path.join(workflow.basedir, "config.yaml"), *overlays(workflow)]

@@ -7,6 +7,7 @@ threads of its own here, and nothing of the engine that was warmed up is kept bu
 from __future__ import annotations
 
 import contextlib
+import gc
 import json
 import os
 import select
@@ -105,6 +106,7 @@ def _become(options: Sequence[str], environment: Mapping[str, str], output: IO[A
     """Be the process that the command line would start."""
     status = 1
     try:
+        gc.freeze()  # going through what the driving process holds would copy all of it
         for stream in (1, 2):
             os.dup2(output.fileno(), stream)
         os.closerange(3, os.sysconf("SC_OPEN_MAX"))  # a lock that the driving process holds is not the engine's
