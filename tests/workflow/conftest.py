@@ -60,7 +60,7 @@ class World:
         """Run it to its end; standard error is in stdout."""
         command = self.command(*arguments, overlay=overlay, target=target)
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
-        self._begin_with_sources()
+        self.begin_with_sources()
         if self.checkout != ROOT:  # a forked process would have this checkout's modules
             environment["PYTHONPATH"] = str(self.checkout)
             merged = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
@@ -69,7 +69,8 @@ class World:
         self._keep_sources()
         return said
 
-    def _begin_with_sources(self) -> None:
+    def begin_with_sources(self) -> None:
+        """Spare a Snakemake that begins in an empty directory what another one found in the files of the code."""
         file = self.directory / SOURCES
         if _sources and not file.exists():
             file.parent.mkdir(parents=True, exist_ok=True)

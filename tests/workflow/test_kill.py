@@ -42,6 +42,7 @@ def at_work(directory: Path) -> dict[int, str]:
 
 def started(world: World, *target: str) -> subprocess.Popen:
     environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
+    world.begin_with_sources()
     command = world.command(target=target) if target else world.command()
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     return subprocess.Popen(command, cwd=ROOT, env=environment, start_new_session=True, **quiet)

@@ -71,9 +71,10 @@ class ForkedEngine:
 def warm(client: ModuleType) -> None:
     """Load what an engine needs, and have the module `ai2thor.controller` fork engines in this process and in forks of it.
 
-    Once is enough. Nothing is done where the kernels are not compiled yet: the first engine compiles them.
+    Once is enough. Nothing is done where the kernels are not compiled yet, since the first engine compiles them, or where the
+    system gives no descriptors of processes.
     """
-    if isinstance(client.subprocess, _Subprocess) or not kernels.ready():
+    if isinstance(client.subprocess, _Subprocess) or not (kernels.ready() and _has_descriptors()):
         return
     from ovman_engine.engine import Engine
 
@@ -86,6 +87,14 @@ def warm(client: ModuleType) -> None:
     ):
         engine.answer(json.dumps({"action": action, **arguments}).encode())
     client.subprocess = _Subprocess("subprocess")  # type: ignore[attr-defined]
+
+
+def _has_descriptors() -> bool:
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+    except (AttributeError, OSError):  # an old Python, kernel or sandbox
+        return False
+    return True
 
 
 class _Subprocess(ModuleType):
