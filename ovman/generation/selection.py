@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from ovman.generation.script import KIND_OF, SHOWN_IN
+from ovman.generation.script import KIND_OF
 from ovman.models.trial import Trial
 
 
@@ -22,7 +22,8 @@ class Size:
 
 
 def size(trial: Trial) -> Size:
-    """Of a measured trial of a split with others: by the largest masks in the tour that shows a change's instance.
+    """Of a measured trial of a split with others: by the largest masks in the tour from which a change takes an instance, or to
+    which it brings it.
 
     ValueError for a trial that ended before its tours.
     """
@@ -33,7 +34,7 @@ def size(trial: Trial) -> Size:
     changes = candidate.first if kind == "enable" else candidate.second
     written = "disable" if kind == "enable" else kind
     alike = [one.instance for one in changes if one.kind == written]
-    which = SHOWN_IN[kind]
+    which = "second" if kind in ("enable", "motion") else "first"
     px = dict.fromkeys(alike, 0)
     for seen in measured.sightings[which]:
         if seen.instance in px:
