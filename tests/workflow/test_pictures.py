@@ -6,6 +6,7 @@ The engine is changed in a copy of the checkout, which goes on with a copy of th
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from pathlib import Path
@@ -37,14 +38,18 @@ def checkout(directory: Path) -> Path:
 
 
 def repaint(code: Path) -> None:
-    """Give wood another hue."""
+    """Give wood another hue. The file keeps its size and its time, so that the compiled kernels hold."""
     path = code / "packages" / "ovman-engine" / "ovman_engine" / "paint" / "tones.py"
     text = path.read_text()
     woods = re.search(r"WOODS.*?\n\)", text, re.DOTALL)
     assert woods
     repainted = re.sub(r"\(0\.(\d+), ", lambda hue: f"({(float('0.' + hue[1]) + 0.5) % 1.0:.3f}, ", woods[0])
-    assert repainted != woods[0]
+    assert repainted != woods[0] and len(repainted) == len(woods[0])
+    before = path.stat()
     path.write_text(text.replace(woods[0], repainted))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    for compiled in path.parent.glob("__pycache__/tones.*.pyc"):  # Python tells by size and time, too
+        compiled.unlink()
 
 
 def records(world: World, stage: str) -> dict[str, bytes]:
