@@ -29,6 +29,8 @@ ENDING_S = 2.0
 """Time limit for the end of the server after its socket was closed."""
 LARGEST = 1 << 20
 """Bytes of a request; an environment is some kilobytes."""
+BEFORE = {"ovman", "snakemake", *sys.stdlib_module_names}
+"""Packages of which modules are imported before a fork. Nobody knows what a user's or a plug-in's do when they are imported."""
 APART = ("ovman.training", "ovman.report", "ovman.doctor", "ovman.analysis")
 """What few jobs import and no other one should wait for. PyTorch and what pandas imports begin threads, too."""
 
@@ -97,9 +99,9 @@ class ForkServer:
 def _load(script: Path) -> None:
     """Import what a script imports, so that no later one has to. What cannot be imported is the script's to report."""
     for name in _imported_by(ast.parse(script.read_bytes())):
-        if name.startswith(APART):
+        if name.partition(".")[0] not in BEFORE or name.startswith(APART):
             continue
-        with suppress(Exception):
+        with suppress(Exception, SystemExit):
             if find_spec(name) is not None:  # a name that a script imports from a module may be no module
                 import_module(name)
     # What these import only when they first drive or see something.

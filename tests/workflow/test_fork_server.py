@@ -90,6 +90,16 @@ def test_what_one_script_imports_the_next_one_has_and_nothing_else_of_it(tmp_pat
     assert (tmp_path / "said").read_text() == "(True, False, False)"
 
 
+def test_what_is_no_module_of_ours_is_imported_in_the_fork(tmp_path, server, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    script(tmp_path, "import os\nfrom pathlib import Path\nPath('said').write_text(repr(os.getpid()))\n", "threads.py")
+    path = script(
+        tmp_path, "import os, threads\nfrom pathlib import Path\nassert Path('said').read_text() == repr(os.getpid())\n"
+    )
+    monkeypatch.setenv("PYTHONPATH", str(path.parent))
+    assert run(server, path) == run(server, path) == 0
+
+
 def test_what_cannot_be_imported_is_the_scripts_to_report(tmp_path, server, capfd):
     script(tmp_path, "raise OSError('no such thing')\n", "broken.py")
     assert run(server, script(tmp_path, "import nowhere_at_all\n")) == 1

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import threading
 import traceback
+import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import ModuleType
@@ -38,6 +39,7 @@ class ForkedEngine:
         if self.pid == 0:
             _become(options, environment, output)
         self._ended = os.pidfd_open(self.pid)
+        weakref.finalize(self, os.close, self._ended)
 
     def poll(self) -> int | None:
         """The exit status, negative for a signal; None while it runs."""
@@ -45,7 +47,6 @@ class ForkedEngine:
             if self.returncode is None:
                 pid, status = os.waitpid(self.pid, os.WNOHANG)
                 if pid:
-                    os.close(self._ended)
                     self.returncode = os.waitstatus_to_exitcode(status)
             return self.returncode
 
