@@ -13,6 +13,7 @@ import gc
 import sys
 from collections.abc import Generator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import Phase, settings
@@ -20,6 +21,9 @@ from hypothesis import Phase, settings
 from ovman.sim import client
 from ovman_engine import forked
 from tests import shared
+
+if TYPE_CHECKING:
+    from ai2thor.controller import Controller
 
 settings.register_profile("same", derandomize=True)
 settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
@@ -71,10 +75,19 @@ LONGEST = (
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _forked_engines() -> None:
-    """Engines of this process are forks of it, as those of the workflow's jobs are; the engine's own tests start processes."""
-    client.controller()
-    forked.warm(sys.modules["ai2thor.controller"])
+def _forked_engines() -> Generator[None, None, None]:
+    """Engines of this process are forks of it, as those of the workflow's jobs are; those of the engine's own tests are not. What
+    they need is loaded with the first: a process that starts none, as that of a mutant, loads nothing."""
+    found = client.controller
+
+    def forking() -> type[Controller]:
+        made = found()
+        forked.warm(sys.modules[made.__module__])
+        return made
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(client, "controller", forking)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -19,11 +19,13 @@ import socket
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+
+from ovman.workflow.provenance import imported
 
 ENDING_S = 2.0
 """Time limit for the end of the server after its socket was closed."""
@@ -98,7 +100,7 @@ class ForkServer:
 
 def _load(script: Path) -> None:
     """Import what a script imports, so that no later one has to. What cannot be imported is the script's to report."""
-    for name in _imported_by(ast.parse(script.read_bytes())):
+    for name, _ in imported(ast.parse(script.read_bytes())):  # a script has no relative imports
         if name.partition(".")[0] not in BEFORE or name.startswith(APART):
             continue
         with suppress(Exception, SystemExit):
@@ -110,15 +112,6 @@ def _load(script: Path) -> None:
         import_module("ovman_engine.forked").warm(sys.modules["ai2thor.controller"])
     if "ovman.perception.graph" in sys.modules:
         import_module("onnxruntime")
-
-
-def _imported_by(tree: ast.AST) -> Iterator[str]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (one.name for one in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module is not None:
-            yield node.module
-            yield from (f"{node.module}.{one.name}" for one in node.names)
 
 
 def _serve(requests: socket.socket) -> str:

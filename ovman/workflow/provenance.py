@@ -10,6 +10,7 @@ import ast
 import hashlib
 import json
 import sys
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
@@ -276,17 +277,22 @@ def _reader() -> str:
 
 def _parsed(source: bytes) -> Parsed:
     tree = ast.parse(source)
-    imports: list[tuple[str, int]] = []
+    imports = tuple(imported(tree))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [statement for statement in node.body if not _prose(statement)]
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports
+
+
+def imported(tree: ast.AST) -> Iterator[tuple[str, int]]:
+    """What a source imports, by name and level, 0 for an absolute name. For an attribute of a module there is no such module."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            imports += [(alias.name, 0) for alias in node.names]
+            yield from ((alias.name, 0) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             module = node.module or ""
-            imports.append((module, node.level))
-            imports += [(f"{module}.{alias.name}".lstrip("."), node.level) for alias in node.names]
-        elif isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [statement for statement in node.body if not _prose(statement)]
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), tuple(imports)
+            yield module, node.level
+            yield from ((f"{module}.{alias.name}".lstrip("."), node.level) for alias in node.names)
 
 
 def _prose(statement: ast.stmt) -> bool:

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -96,7 +97,7 @@ def test_what_is_no_module_of_ours_is_imported_in_the_fork(tmp_path, server, mon
     path = script(
         tmp_path, "import os, threads\nfrom pathlib import Path\nassert Path('said').read_text() == repr(os.getpid())\n"
     )
-    monkeypatch.setenv("PYTHONPATH", str(path.parent))
+    monkeypatch.setenv("PYTHONPATH", str(path.parent), prepend=os.pathsep)
     assert run(server, path) == run(server, path) == 0
 
 
@@ -175,7 +176,7 @@ def test_the_server_ends_with_the_process_that_started_it(tmp_path):
     for _ in range(500):
         if not alive(server):
             return
-        signal.sigtimedwait([], 0.01)
+        time.sleep(0.01)
     raise AssertionError("the server is still there")
 
 
