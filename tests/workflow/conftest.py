@@ -61,11 +61,9 @@ class World:
         command = self.command(*arguments, overlay=overlay, target=target)
         environment = {k: v for k, v in os.environ.items() if k != "OVMAN_WORKFLOW_PID"}
         self.begin_with_sources()
-        if self.checkout != ROOT:  # a forked process would have this checkout's modules
+        if self.checkout != ROOT:
             environment["PYTHONPATH"] = str(self.checkout)
-            merged = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-            return subprocess.run(command, cwd=self.checkout, env=environment, **merged)
-        said = forked.snakemake(command[len(SNAKEMAKE) :], ROOT, environment)
+        said = forked.snakemake(command[len(SNAKEMAKE) :], self.checkout, environment)
         self._keep_sources()
         return said
 

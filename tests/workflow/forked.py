@@ -47,5 +47,6 @@ def _become(arguments: list[str], directory: Path, environment: dict[str, str], 
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(directory)
+    sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
     sys.argv = ["snakemake", *arguments]
     cli.main()

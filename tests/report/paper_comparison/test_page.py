@@ -114,7 +114,8 @@ def test_what_fails_is_named_at_the_top_and_marked_below():
 def test_without_a_file_the_page_says_so_once_a_statement(name):
     text = of(without(papers_files(), name))
     metrics = metrics_of(without(papers_files(), name))
-    untold = [statement for statement in (*STATEMENTS, *OWN) if judged(statement, metrics).verdict is Verdict.UNKNOWN]
+    reading = [one for one in (*STATEMENTS, *OWN) if name.removesuffix(".csv") in one.model_dump_json()]
+    untold = [statement for statement in reading if judged(statement, metrics).verdict is Verdict.UNKNOWN]
     assert untold and text.count(f"  - cannot be told: there is no {name}") == len(untold)
     assert not re.search(r"\bnan\b|None", text)
 
