@@ -165,7 +165,7 @@ class _Sources:
                 continue
             found[name] = path
             package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-            waiting += self._imports(path, package)
+            waiting += [one for one in self._imports(path, package) if one not in found]
             # A package with __main__ is also started as a process by modules that import it.
             if path.name == "__init__.py":
                 waiting.append(f"{name}.__main__")

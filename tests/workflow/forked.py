@@ -5,14 +5,23 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import re
 import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+ROOT = Path(__file__).parents[2]
 LIBRARIES = ("snakemake.cli", "snakemake.report.html_reporter", "pandas", "pydantic", "smart_open", "yte")
-"""Nothing of ovman: that is imported as the Snakefile has it imported."""
+OURS = tuple(
+    sorted(
+        name
+        for file in (ROOT / "workflow" / "rules").glob("*.smk")
+        for name in re.findall(r"^from (ovman\.[\w.]+) import", file.read_text(), re.MULTILINE)
+    )
+)
+"""What the rules import of this checkout. None of it looks at its directory or environment before the Snakefile calls it."""
 
 
 def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[str, str]) -> subprocess.CompletedProcess[str]:
@@ -25,7 +34,7 @@ def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[st
 
 def _run(arguments: Sequence[str], directory: Path, environment: Mapping[str, str], said: Path) -> int:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*LIBRARIES])
+    context.set_forkserver_preload([*LIBRARIES, *OURS])
     process = context.Process(target=_become, args=([*arguments], directory, dict(environment), said))
     process.start()
     try:
@@ -47,6 +56,5 @@ def _become(arguments: list[str], directory: Path, environment: dict[str, str], 
     os.environ.clear()
     os.environ.update(environment)
     os.chdir(directory)
-    sys.path[:0] = filter(None, environment.get("PYTHONPATH", "").split(os.pathsep))
     sys.argv = ["snakemake", *arguments]
     cli.main()
