@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from ovman.models.record import lines
 from ovman.models.relation import Relation
 from ovman.models.scene import Scene
 from ovman.models.trial import Trial, Verdict
+from ovman.shipped import HOME
 from ovman.workflow import seeds
 from tests.arms import CONFIG
 from tests.episodes import DATA
@@ -34,6 +36,16 @@ def test_a_scene_gives_its_candidates(scene: str, tmp_path: Path) -> None:
     splits = {candidate.split for candidate in released}
     assert lines(candidate for candidate in Candidate.read(drawn) if candidate.split in splits) == lines(released)
     assert len(released) > 0
+
+
+def test_the_threshold_that_the_readme_changes_changes_no_episode() -> None:
+    """Else what it calls half a minute has tours recorded and agents driven again."""
+    found = re.search(r"drift_tolerance_m: ([\d.]+)/drift_tolerance_m: ([\d.]+)/", (HOME / "README.md").read_text())
+    assert found and float(found[1]) == CONFIG.admissibility.drift_tolerance_m
+    certified = {one.id for scene in SCENES for one in Certification.read(DATA / "certified" / f"{scene}.jsonl")}
+    trials = [one for scene in SCENES for one in Trial.read(DATA / "trials" / f"{scene}.jsonl") if one.candidate.id in certified]
+    drifts_m = [drift_m for one in trials for drift_m in (one.measured.drift_m or {}).values()]
+    assert float(found[1]) > float(found[2]) >= max(drifts_m) > 0
 
 
 @pytest.mark.parametrize("number", (0, 1, 2, 6, 9))
