@@ -53,7 +53,7 @@ class Release:
 
         In the order of the settings, the reference agent first; empty where the release has no metrics of that kind on the split.
         """
-        # What serves an agent reads no metrics, and begins in half the time without what they are read with.
+        # What serves an agent reads no metrics, and begins in two thirds of the time without what they are read with.
         from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
         from ovman.analysis.rates import Rate
         from ovman.analysis.rows import read_rows

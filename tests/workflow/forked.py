@@ -10,18 +10,18 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 LIBRARIES = ("snakemake.cli", "snakemake.report.html_reporter", "pandas", "pydantic", "smart_open", "yte")
-OURS = tuple(
-    sorted(
-        name
-        for file in (ROOT / "workflow" / "rules").glob("*.smk")
-        for name in re.findall(r"^from (ovman\.[\w.]+) import", file.read_text(), re.MULTILINE)
-    )
-)
-"""What the rules import of this checkout. None of it looks at its directory or environment before the Snakefile calls it."""
+
+
+@cache
+def _ours() -> tuple[str, ...]:
+    """What the rules import of this checkout. None of it looks at its directory or environment before the Snakefile calls it."""
+    rules = sorted((ROOT / "workflow" / "rules").glob("*.smk"))
+    return tuple(name for file in rules for name in re.findall(r"^from (ovman\.[\w.]+) import", file.read_text(), re.MULTILINE))
 
 
 def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[str, str]) -> subprocess.CompletedProcess[str]:
@@ -34,7 +34,7 @@ def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[st
 
 def _run(arguments: Sequence[str], directory: Path, environment: Mapping[str, str], said: Path) -> int:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*LIBRARIES, *OURS])
+    context.set_forkserver_preload([*LIBRARIES, *_ours()])
     process = context.Process(target=_become, args=([*arguments], directory, dict(environment), said))
     process.start()
     try:
