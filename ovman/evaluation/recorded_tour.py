@@ -10,12 +10,39 @@ from typing import overload
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.models.visit_files import VisitFiles
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour_files import cameras, digest, view
+from ovman.perception.tour_files import cameras, depth, digest, rgb
+
+
+class RecordedFrame(Observation):
+    """A frame that was recorded. Each picture is read at its first use: who looks at depth alone pays for no colours."""
+
+    _of: tuple[Path, int, VisitFiles]
+
+    @staticmethod
+    def of(directory: Path, number: int, files: VisitFiles, camera: Camera) -> RecordedFrame:
+        """Frame of that number of the tour in a directory. files: the tour's."""
+        pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
+        frame = RecordedFrame(None, None, pose, camera.field_of_view_deg)
+        read_later = vars(frame)
+        del read_later["rgb"], read_later["depth"]
+        read_later["_of"] = directory, number, files
+        return frame
+
+    @cached_property
+    def rgb(self) -> np.ndarray:
+        """(H, W, 3) uint8. TourError that names the file where it cannot be read; so has depth."""
+        return rgb(*self._of)
+
+    @cached_property
+    def depth(self) -> np.ndarray:
+        """(H, W) float32, metres along the optical axis."""
+        return depth(*self._of)
 
 
 class RecordedTour(Sequence[Observation]):
-    """The frames of a recorded tour, each read from its files when it is indexed."""
+    """The frames of a recorded tour, each read from its files when it is looked at."""
 
     def __init__(self, directory: Path, field_of_view_deg: float) -> None:
         self._directory, self._field_of_view_deg = directory, field_of_view_deg
@@ -23,6 +50,10 @@ class RecordedTour(Sequence[Observation]):
     @cached_property
     def _cameras(self) -> list[Camera]:
         return cameras(self._directory, self._field_of_view_deg)
+
+    @cached_property
+    def _files(self) -> VisitFiles:
+        return VisitFiles.load(self._directory)
 
     def __len__(self) -> int:
         return len(self._cameras)
@@ -32,14 +63,11 @@ class RecordedTour(Sequence[Observation]):
     @overload
     def __getitem__(self, index: slice) -> tuple[Observation, ...]: ...
     def __getitem__(self, index: int | slice) -> Observation | tuple[Observation, ...]:
-        """Raises TourError that names the file for a picture that cannot be read."""
+        """Raises TourError that names the file of a recording that cannot be read."""
         if isinstance(index, slice):
             return tuple(self[i] for i in range(*index.indices(len(self))))
         number = range(len(self))[index]
-        camera = self._cameras[number]
-        seen = view(self._directory, number, camera)
-        pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
-        return Observation(seen.rgb, seen.depth, pose, camera.field_of_view_deg)
+        return RecordedFrame.of(self._directory, number, self._files, self._cameras[number])
 
 
 class RecordedVisit(Visit):

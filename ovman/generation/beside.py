@@ -12,7 +12,7 @@ from ovman.generation import placement
 from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
 from ovman.generation.protocol import keeps_free
 from ovman.generation.roaming import carries, roam
-from ovman.generation.script import Kind
+from ovman.generation.script import SHOWN_IN, Kind
 from ovman.generation.sight import Sight
 from ovman.models.change import Alteration
 from ovman.models.geometry import Point
@@ -56,8 +56,8 @@ class Beside:
         self._walks = {k: Alteration(kind="motion", instance=k, roam=floor) for k, floor in walks.items() if floor is not None}
 
     def shows_sr(self, item: SceneObject, kind: Kind) -> float:
-        """How large an instance is foreseen to look in the tour from which its change takes it, or to which it brings it."""
-        return self._angle_sr[item.id][kind in ("enable", "motion")]
+        """How large an instance is foreseen to look in the tour in which its change shows it, steradians."""
+        return self._angle_sr[item.id][("first", "second").index(SHOWN_IN[kind])]
 
     def floor(self, scene: Scene, item: SceneObject) -> FreeFloor:
         """The free floor for an instance, off the waypoints of the second tour and the place of the agent."""

@@ -106,7 +106,7 @@ def _inside(floor: FreeFloor, here: np.ndarray, points: np.ndarray) -> np.ndarra
     beside = floor.cells[from_body <= AGENT_RADIUS_M + floor.step_m]
     chosen = np.flatnonzero(inside)
     samples = (points[chosen][:, None] + body).reshape(-1, 2)
-    on_floor = tree.query(samples)[0] <= AGENT_RADIUS_M
+    on_floor = tree.query(samples, distance_upper_bound=AGENT_RADIUS_M + GROWS_M)[0] <= AGENT_RADIUS_M
     unsure = np.flatnonzero(~on_floor)
     on_floor[unsure] = _between(samples[unsure], here, floor.half, beside)
     inside[chosen] = on_floor.reshape(len(chosen), len(body)).all(axis=1)

@@ -25,6 +25,13 @@ KIND_OF: Mapping[Relation, Kind] = {
     Relation.REMOVED: "disable",
 }
 """The kind of the scripted change of each relation."""
+SHOWN_IN: Mapping[Kind, Literal["first", "second"]] = {
+    "displace": "first",
+    "motion": "second",
+    "enable": "second",
+    "disable": "first",
+}
+"""The tour in which a change shows its instance: the one from which it takes it, or to which it brings it."""
 
 
 @dataclass(frozen=True)

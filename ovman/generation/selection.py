@@ -9,7 +9,7 @@ from itertools import chain
 
 import numpy as np
 
-from ovman.generation.script import KIND_OF
+from ovman.generation.script import KIND_OF, SHOWN_IN
 from ovman.models.trial import Trial
 
 
@@ -22,8 +22,7 @@ class Size:
 
 
 def size(trial: Trial) -> Size:
-    """Of a measured trial of a split with others: by the largest masks in the tour from which a change takes an instance, or to
-    which it brings it.
+    """Of a measured trial of a split with others: by the largest masks in the tour that shows a change's instance.
 
     ValueError for a trial that ended before its tours.
     """
@@ -34,7 +33,7 @@ def size(trial: Trial) -> Size:
     changes = candidate.first if kind == "enable" else candidate.second
     written = "disable" if kind == "enable" else kind
     alike = [one.instance for one in changes if one.kind == written]
-    which = "second" if kind in ("enable", "motion") else "first"
+    which = SHOWN_IN[kind]
     px = dict.fromkeys(alike, 0)
     for seen in measured.sightings[which]:
         if seen.instance in px:

@@ -52,14 +52,24 @@ def cameras(directory: Path, field_of_view_deg: float) -> list[Camera]:
 
 def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
     """The views of a recorded tour in their order. TourError for a picture that cannot be read."""
+    files = VisitFiles.load(directory)
     for number, camera in enumerate(cameras(directory, field_of_view_deg)):
-        yield view(directory, number, camera)
+        yield View(rgb(directory, number, files), depth(directory, number, files), camera)
 
 
 def view(directory: Path, number: int, camera: Camera) -> View:
     """One view of a recorded tour. TourError for a picture that is missing or damaged."""
-    rgb, depth = (picture(_file(directory, number, kind)) for kind in PICTURES)
-    return View(np.ascontiguousarray(rgb[..., ::-1]), depth / MILLIMETRES, camera)
+    return View(rgb(directory, number), depth(directory, number), camera)
+
+
+def rgb(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:
+    """The colours (H, W, 3) uint8 of a view. files: of its tour, if they were loaded already. TourError as `view`."""
+    return np.ascontiguousarray(picture(_file(directory, number, "rgb"), files)[..., ::-1])
+
+
+def depth(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:
+    """The depth (H, W) float32 of a view, metres along the optical axis. files: as `rgb` has it. TourError as `view`."""
+    return picture(_file(directory, number, "depth"), files) / MILLIMETRES
 
 
 def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
@@ -76,12 +86,12 @@ def digest(directory: Path, field_of_view_deg: float, seen_by: str) -> str:
     return found.hexdigest()
 
 
-def picture(path: Path) -> np.ndarray:
+def picture(path: Path, files: VisitFiles | None = None) -> np.ndarray:
     """A picture of a recorded tour as it was recorded: (H, W) of 8 or 16 bit, or (H, W, 3) in the order blue, green, red.
 
-    TourError where it is missing or damaged.
+    files: of its tour, if they were loaded already. TourError where it is missing or damaged.
     """
-    image = cv2.imdecode(np.frombuffer(read_verified(path), np.uint8), cv2.IMREAD_UNCHANGED)
+    image = cv2.imdecode(np.frombuffer(read_verified(path, files), np.uint8), cv2.IMREAD_UNCHANGED)
     if image is None:
         raise TourError(f"{path}: not a picture; {remedy(path.parent)}")
     return image

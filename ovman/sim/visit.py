@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 
 from ovman.atomic import clear_partials, partial_path, put, remove
@@ -24,12 +23,10 @@ from ovman.models.visit_files import MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.light import illuminate
 from ovman.sim.masks import indexed
+from ovman.sim.png import write_png
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow import journal, seeds
-
-PNG = (cv2.IMWRITE_PNG_COMPRESSION, 1, cv2.IMWRITE_PNG_FILTER, cv2.IMWRITE_PNG_FILTER_UP)
-"""One filter for every row: hardly larger than the best filter for each row, in half the time."""
 
 
 def mover_seed(root: int, of: str, alterations: Sequence[Alteration]) -> int | None:
@@ -50,12 +47,6 @@ def visit_name(alterations: Sequence[Alteration], seed: int | None, tour: Tour, 
         return "-".join(["untouched", *own])
     content = journal.digest([a.to_json() for a in alterations], seed)
     return "-".join([alterations[0].kind, alterations[0].instance.split("|")[0], content[:10], *own])
-
-
-def write_png(path: Path, image: np.ndarray) -> None:
-    """Write an image (H, W), or (H, W, 3) in the order blue, green, red, of 8 or 16 bit. OSError if that fails."""
-    if not cv2.imwrite(str(path), image, PNG):
-        raise OSError(f"{path}: could not be written; is the disk full?")
 
 
 def views(tour: Tour) -> list[AgentPose]:
@@ -124,7 +115,7 @@ def record(
             )
         )
         here = now
-        write_png(partial / f"{i:02d}_rgb.png", event.frame[..., ::-1])
+        write_png(partial / f"{i:02d}_rgb.png", event.frame)
         depth = event.depth_frame if sensing is None else sensing.depth(event.depth_frame)
         depth_mm = np.clip(np.round(depth * MILLIMETRES), 0, np.iinfo(np.uint16).max)
         write_png(partial / f"{i:02d}_depth.png", depth_mm.astype(np.uint16))

@@ -16,7 +16,7 @@ import numpy as np
 from ovman.models.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.visit import write_png
+from ovman.sim.png import write_png
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import Picture, pictures
@@ -45,7 +45,7 @@ def write(folder: Path, views: Iterable[Picture]) -> int:
     with (folder / "objects.jsonl").open("w", encoding="utf-8") as objects:
         for count, picture in enumerate(views, start=1):
             name = f"{count - 1:04d}"
-            write_png(folder / "images" / f"{name}.png", picture.rgb[..., ::-1])
+            write_png(folder / "images" / f"{name}.png", picture.rgb)
             write_png(folder / "ids" / f"{name}.png", (picture.ids + 1).astype(np.uint16))
             (folder / "labels" / f"{name}.txt").write_text("".join(f"{line}\n" for line in labels(picture.ids)))
             objects.write(json.dumps([asdict(shown) for shown in picture.objects], separators=(",", ":")) + "\n")

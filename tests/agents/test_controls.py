@@ -106,25 +106,31 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     # A step aside of 0.5 m is 0.5 * 30 / 4 pixels of the wall.
     moved = 0.5 * (SIDE / 2) / FAR_M
     columns = np.arange(EVERY_PX // 2, SIDE, EVERY_PX) + 0.5 - moved
-    seen = np.isfinite(shown.depth)
-    assert (seen == (columns >= 0)[None, :]).all() and np.allclose(shown.away[seen], FAR_M)
-    hidden = seen & (shown.depth < FAR_M)
+    inside = np.zeros(here[0].depth.size, bool)
+    inside[shown.which] = True
+    assert (inside.reshape(here[0].depth.shape) == (columns >= 0)[None, :]).all()
+    assert np.isfinite(shown.depth).all() and np.allclose(shown.away, FAR_M)
+    assert (shown.own() == here[0].rgb.reshape(-1, 3)[inside]).all()
+    hidden = shown.depth < FAR_M
     assert (
-        hidden.any()
-        and np.isnan(shown.colours()[0][hidden]).all()
-        and np.isnan(CONTROLS["depth"](here[0], shown, SETTINGS)[hidden]).all()
+        hidden.any() and np.isnan(shown.colours()[0][hidden]).all() and np.isnan(CONTROLS["depth"](shown, SETTINGS)[hidden]).all()
     )
-    assert (
-        np.isfinite(shown.colours()[0][seen & ~hidden]).all()
-        and (CONTROLS["depth"](here[0], shown, SETTINGS)[seen & ~hidden] < 0).all()
-    )
+    assert np.isfinite(shown.colours()[0][~hidden]).all() and (CONTROLS["depth"](shown, SETTINGS)[~hidden] < 0).all()
+
+
+def test_a_frame_that_looks_elsewhere_says_nothing():
+    away = replace(AHEAD, yaw_deg=180.0)
+    here, other = (sampled(tour(one), EVERY_PX) for one in (frame(), frame(pose=away)))
+    assert list(shown_at(here[0], other, EVERY_PX, HIDDEN_M)) == []
 
 
 def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
     here, tours = sampled(tour(frame()), EVERY_PX)[0], sampled(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
     (shown,) = shown_at(here, tours, EVERY_PX, HIDDEN_M)
-    assert shown.depth is tours[1].depth and all(bound is tours[1].rgb for bound in shown.colours())
+    assert (shown.depth == tours[1].depth.ravel()).all() and len(shown.depth) == here.depth.size
+    assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in shown.colours())
+    assert (shown.own() == here.rgb.reshape(-1, 3)).all() and (shown.away == here.depth.ravel()).all()
     assert len(list(shown_at(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 
 

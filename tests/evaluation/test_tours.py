@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import pickle
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -45,8 +47,18 @@ def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
     assert len(visit.observations[1:]) == 2 and (visit.observations[-1].rgb == last.rgb).all()
     with pytest.raises(IndexError):
         visit.observations[3]
+    first = visit.observations[0]
+    assert first.depth == pytest.approx(1.5)
     with pytest.raises(ValueError, match="00_rgb.png"):
-        visit.observations[0]
+        _ = first.rgb
+
+
+def test_a_recorded_frame_is_replaced_in_as_any_other(tmp_path):
+    frame = recorded(tour(tmp_path / "tour"), FOV_DEG, REACHABLE).observations[1]
+    other = replace(frame, depth=None)
+    assert other.depth is None and (other.rgb == frame.rgb).all() and other.pose == frame.pose
+    copied = pickle.loads(pickle.dumps(frame))
+    assert (copied.depth == frame.depth).all() and (copied.rgb == frame.rgb).all() and str(tmp_path) not in repr(frame)
 
 
 def test_content_is_what_the_tour_shows(tmp_path):

@@ -6,13 +6,13 @@ import numpy as np
 
 from ovman.agents.answered import Driver, driver
 from ovman.agents.controls.difference import DifferenceAgent, answer
-from ovman.agents.controls.samples import Sample, Shown
+from ovman.agents.controls.samples import Shown
 from ovman.agents.interface import Abstention, AgentContext, Answer, PredictionContext, Query
 from ovman.models.settings import Settings
 
 
-def nearer(sample: Sample, shown: Shown, settings: Settings) -> np.ndarray:
-    """By how much (h, w) metres more than controls.changed_m the other frame sees beyond the places of a frame.
+def nearer(shown: Shown, settings: Settings) -> np.ndarray:
+    """By how much (k,) metres more than controls.changed_m the other frame sees beyond the places of a frame.
 
     NaN where it sees something before them, by more than that.
     """

@@ -12,15 +12,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from ovman.agents.controls.samples import Sample, Shown, sampled, shown_at
+from ovman.agents.controls.samples import Shown, sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
 from ovman.models.prediction import as_recorded
 from ovman.models.settings import Settings
 
-Differs = Callable[[Sample, Shown, Settings], np.ndarray]
-"""By how much (h, w) a frame of the other tour says that something else is there: more than 0 if so, less if it is the same, NaN
-where the frame says nothing. settings: controls.*."""
+Differs = Callable[[Shown, Settings], np.ndarray]
+"""By how much (k,) a frame of the other tour says that something else is at k places: more than 0 if so, less if it is the same,
+NaN where the frame says nothing. settings: controls.*."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def _compare(compared: _Compared) -> Answer | Abstention:
     for sample in here:
         votes = np.zeros(sample.depth.shape)
         for shown in shown_at(sample, there, every_px, settings.controls.changed_m):
-            votes += np.nan_to_num(np.sign(differs(sample, shown, settings)))
+            votes.reshape(-1)[shown.which] += np.nan_to_num(np.sign(differs(shown, settings)))
         part = _largest((votes > 0) & np.isfinite(sample.depth))
         if (size := int(np.count_nonzero(part))) > most:
             most, place = size, np.median(sample.points[part], axis=0)

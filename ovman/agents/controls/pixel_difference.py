@@ -10,15 +10,16 @@ import numpy as np
 
 from ovman.agents.answered import Driver, driver
 from ovman.agents.controls.difference import DifferenceAgent, answer
-from ovman.agents.controls.samples import Sample, Shown
+from ovman.agents.controls.samples import Shown
 from ovman.agents.interface import Abstention, AgentContext, Answer, PredictionContext, Query
 from ovman.models.settings import Settings
 
 
-def discoloured(sample: Sample, shown: Shown, settings: Settings) -> np.ndarray:
-    """By how much (h, w) more than controls.changed_level a channel of a frame is beyond the other's bounds; full scale is 1."""
+def discoloured(shown: Shown, settings: Settings) -> np.ndarray:
+    """By how much (k,) more than controls.changed_level a channel of a frame is beyond the other's bounds; full scale is 1."""
     darkest, lightest = shown.colours()
-    red, green, blue = np.moveaxis(np.maximum(darkest - sample.rgb, sample.rgb - lightest), 2, 0)
+    own = shown.own()
+    red, green, blue = np.maximum(darkest - own, own - lightest).T
     votes: np.ndarray = np.maximum(np.maximum(red, green), blue) - settings.controls.changed_level
     return votes
 

@@ -14,21 +14,41 @@ from ovman.perception.backprojection import Camera, pixel_points
 
 NEAREST_M = 0.05
 """What is nearer to a camera than this, or behind it, is not in its picture."""
+NO_PICTURES = "a control compares pictures; write needs: [tours] in its entry"
 AROUND = 3
 """Cells on each side of the square that stands for a place in a picture: places fall between the cells."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """A frame at every n-th pixel, h rows of w. rgb (h, w, 3) in [0, 1]; depth (h, w) in metres along the optical axis, NaN where
-    it is not known; points (h, w, 3): where that is in the world; pose, camera: of the frame; shape: (H, W) of the frame."""
+    """A frame at every n-th pixel, h rows of w. depth (h, w) in metres along the optical axis, NaN where it is not known; points
+    (h, w, 3): where that is in the world; camera: of the frame; frame, pixels: which it is of, and its rows and columns."""
 
-    rgb: np.ndarray
     depth: np.ndarray
     points: np.ndarray
-    pose: CameraPose
     camera: Camera
-    shape: tuple[int, int]
+    frame: Observation
+    pixels: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def pose(self) -> CameraPose:
+        """Of the frame."""
+        return self.frame.pose
+
+    @cached_property
+    def shape(self) -> tuple[int, int]:
+        """(H, W) of the frame."""
+        assert self.frame.depth is not None
+        height, width = self.frame.depth.shape
+        return height, width
+
+    @cached_property
+    def rgb(self) -> np.ndarray:
+        """(h, w, 3) in [0, 1]. ValueError for a frame without colours. Read where it is asked for: depth alone needs none."""
+        if self.frame.rgb is None:
+            raise ValueError(NO_PICTURES)
+        colours: np.ndarray = self.frame.rgb[self.pixels] / 255.0
+        return colours
 
     @cached_property
     def nearest(self) -> np.ndarray:
@@ -49,15 +69,18 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What a frame of another tour shows at the places (h, w) of a sample.
+    """What a frame of another tour shows at the places (h, w) of a sample that are in its picture.
 
-    away: the place's depth for that frame's camera; depth: the nearest depth that the frame shows there; both in metres, NaN
-    where the place is not in the picture. colours: gives the bounds of each channel there, the darkest and the lightest, both
-    (h, w, 3), NaN where the place is hidden.
+    which: of the places, an index into h w of them, which selects k. away (k,): a place's depth for that frame's camera; depth
+    (k,): the nearest depth that the frame shows there, NaN where none is known; both in metres. own, colours: give the colours of
+    the sample at the places (k, 3), and the bounds of each channel that the frame shows there, the darkest and the lightest, both
+    (k, 3), NaN where the place is hidden.
     """
 
+    which: np.ndarray | slice
     away: np.ndarray
     depth: np.ndarray
+    own: Callable[[], np.ndarray]
     colours: Callable[[], tuple[np.ndarray, np.ndarray]]
 
 
@@ -90,49 +113,58 @@ def _sample_once(asked: _Sampled) -> tuple[Sample, ...]:
 
 
 def _sample(frame: Observation, every_px: int) -> Sample:
-    if frame.rgb is None or frame.depth is None:
-        raise ValueError("a control compares pictures; write needs: [tours] in its entry")
+    if frame.depth is None:
+        raise ValueError(NO_PICTURES)
     pose = frame.pose
     camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, frame.field_of_view_deg)
     height, width = frame.depth.shape
     rows, columns = np.meshgrid(*(np.arange(every_px // 2, side, every_px) for side in (height, width)), indexing="ij")
     depth = frame.depth[rows, columns].astype(np.float64)
     points = pixel_points(frame.depth, rows.ravel(), columns.ravel(), camera).reshape(*rows.shape, 3)
-    rgb = frame.rgb[rows, columns] / 255.0
-    return Sample(rgb, np.where(depth > 0, depth, np.nan), points, pose, camera, (height, width))
+    return Sample(np.where(depth > 0, depth, np.nan), points, camera, frame, (rows, columns))
 
 
 def shown_at(sample: Sample, tour: Sequence[Sample], every_px: int, hidden_m: float) -> Iterator[Shown]:
-    """What the frames of `tour` show at the places of `sample`: that of the very pose alone if there is one, else all.
+    """What the frames of `tour` show at the places of `sample`: that of the very pose alone if there is one, else all that have
+    any of them in their pictures.
 
     A place is hidden where a frame shows something nearer by more than `hidden_m`. In the frame of the very pose nothing is
     hidden: pixel stands against pixel.
     """
     for other in tour:
         if other.pose == sample.pose and other.camera == sample.camera and other.depth.shape == sample.depth.shape:
-            yield Shown(sample.depth, other.depth, partial(_twice, other.rgb))
+            yield Shown(slice(None), sample.depth.ravel(), other.depth.ravel(), partial(_colours, sample), partial(_twice, other))
             return
     for other in tour:
-        yield _shown(sample, other, every_px, hidden_m)
+        shown = _shown(sample, other, every_px, hidden_m)
+        if len(shown.away):
+            yield shown
 
 
-def _twice(rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    return rgb, rgb
+def _colours(sample: Sample) -> np.ndarray:
+    return sample.rgb.reshape(-1, 3)
+
+
+def _twice(sample: Sample) -> tuple[np.ndarray, np.ndarray]:
+    return _colours(sample), _colours(sample)
 
 
 def _shown(sample: Sample, other: Sample, every_px: int, hidden_m: float) -> Shown:
-    rows, columns, distances, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
-    away, depth = np.full(sample.depth.size, np.nan), np.full(sample.depth.size, np.nan)
-    away[inside], depth[inside] = distances, other.nearest[rows, columns]
+    rows, columns, away, inside = _cells(sample.points.reshape(-1, 3), other, every_px)
+    depth = other.nearest[rows, columns]
     depth[~np.isfinite(depth)] = np.nan
-    seen = depth[inside] > distances - hidden_m
+
+    def own() -> np.ndarray:
+        colours: np.ndarray = _colours(sample)[inside]
+        return colours
 
     def colours() -> tuple[np.ndarray, np.ndarray]:
-        darkest, lightest = np.full((2, sample.depth.size, 3), np.nan)
-        darkest[inside[seen]], lightest[inside[seen]] = (extreme[rows[seen], columns[seen]] for extreme in other.colours)
-        return darkest.reshape(sample.rgb.shape), lightest.reshape(sample.rgb.shape)
+        seen = depth > away - hidden_m
+        darkest, lightest = np.full((2, len(inside), 3), np.nan)
+        darkest[seen], lightest[seen] = (extreme[rows[seen], columns[seen]] for extreme in other.colours)
+        return darkest, lightest
 
-    return Shown(away.reshape(sample.depth.shape), depth.reshape(sample.depth.shape), colours)
+    return Shown(inside, away, depth, own, colours)
 
 
 def _cells(points: np.ndarray, other: Sample, every_px: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

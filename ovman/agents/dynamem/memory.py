@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,20 +20,28 @@ _APART_M = 1000.0
 class Memory:
     """V voxels in the order of `cell`.
 
-    cell (V,): number of the voxel; point (V, 3): mean of its points, metres; feature (V, K): mean of their features; weight (V,):
-    number of its points; seen (V,): number of the frame that added to it last.
+    cell (V,): number of the voxel; point (V, 3): mean of its points, metres; weight (V,): number of its points; seen (V,): number
+    of the frame that added to it last; row (V,): where in `rows` (R, K) the mean of their features stands.
     """
 
     cell: np.ndarray
     point: np.ndarray
-    feature: np.ndarray
     weight: np.ndarray
     seen: np.ndarray
+    row: np.ndarray
+    rows: np.ndarray = field(repr=False)
 
     @staticmethod
     def empty() -> Memory:
         """A memory of nothing."""
-        return Memory(np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 0)), np.zeros(0), np.zeros(0, np.int64))
+        none = np.zeros(0, np.int64)
+        return Memory(none, np.zeros((0, 3)), np.zeros(0), none, none, np.zeros((0, 0)))
+
+    @property
+    def feature(self) -> np.ndarray:
+        """(V, K): the mean of the features of each voxel's points."""
+        features: np.ndarray = self.rows[self.row]
+        return features
 
     def __len__(self) -> int:
         return len(self.cell)
@@ -42,7 +50,8 @@ class Memory:
         """The voxels of a mask (V,) bool."""
         if kept.all():
             return self
-        return Memory(self.cell[kept], self.point[kept], self.feature[kept], self.weight[kept], self.seen[kept])
+        # Features are nearly all of a memory, and what goes is mostly little: they are copied once a frame, by `added`.
+        return Memory(self.cell[kept], self.point[kept], self.weight[kept], self.seen[kept], self.row[kept], self.rows)
 
 
 def remembered(frames: Sequence[Look], constants: Dynamem, before: Memory | None = None, first: int = 0) -> Memory:
@@ -110,19 +119,20 @@ def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
     if again.any():
         into = np.searchsorted(cells, memory.cell[again])
         points[into] += memory.point[again] * memory.weight[again, None]
-        features[into] += memory.feature[again] * memory.weight[again, None]
+        features[into] += memory.rows[memory.row[again]] * memory.weight[again, None]
         weight[into] += memory.weight[again]
     points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number, np.int64)
     if again.all():
-        return Memory(cells, points, features, weight, seen)
+        return Memory(cells, points, weight, seen, np.arange(len(cells)), features)
     left = memory.where(~again)
     order = np.argsort(every := np.concatenate([left.cell, cells]))
     return Memory(
         every[order],
         np.concatenate([left.point, points])[order],
-        np.concatenate([left.feature, features])[order],
         np.concatenate([left.weight, weight])[order],
         np.concatenate([left.seen, seen])[order],
+        order,
+        np.concatenate([left.feature, features]),
     )
 
 

@@ -24,7 +24,7 @@ import yaml
 
 from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.perception.backprojection import Camera
-from ovman.sim.visit import write_png
+from ovman.sim.png import write_png
 
 DATASET = "self_collected"
 DEPTH_SCALE = 1000.0
@@ -109,7 +109,7 @@ def write_visit(directory: Path, views: Iterable[Seen], floor_y: float) -> Lens:
         lenses.add((width, height, focal_px(height, view.camera.field_of_view_deg)))
         if view.rgb.shape != (height, width, 3) or len(lenses) > 1:
             raise FramesError(f"{directory}: frame {number} has another size or lens than the first; use one camera")
-        for kind, picture in (("rgb", view.rgb[..., ::-1]), ("depth", millimetres(view.depth))):
+        for kind, picture in (("rgb", view.rgb), ("depth", millimetres(view.depth))):
             content.update(np.ascontiguousarray(picture).data)
             write_png(partial / kind / f"{number:06d}.png", picture)
         lines.append(" ".join(repr(float(value)) for value in camera_to_world(view.camera, floor_y).ravel()))

@@ -30,7 +30,8 @@ def memory(*voxels: tuple[float, float, np.ndarray, int]) -> Memory:
     """Voxels by x, z, feature and frame, a metre above the floor."""
     point = np.array([(x, 1.0, z) for x, z, _, _ in voxels])
     feature, seen = np.array([one for _, _, one, _ in voxels]), np.array([one for *_, one in voxels])
-    return Memory(np.arange(len(voxels)), point, feature, np.ones(len(voxels)), seen)
+    number = np.arange(len(voxels))
+    return Memory(number, point, np.ones(len(voxels)), seen, number, feature)
 
 
 def frame(*seen: tuple[tuple[float, float], np.ndarray, float]) -> Look:

@@ -127,7 +127,8 @@ def test_noise_is_what_has_too_few_neighbours_of_its_frame():
     def kept(*rows) -> list[int]:
         every = [point for row in rows for point in row]
         point, seen = np.array([one[:3] for one in every]), np.array([one[3] for one in every])
-        memory = Memory(np.arange(len(every)), point, np.ones((len(every), 1)), np.ones(len(every)), seen)
+        number = np.arange(len(every))
+        memory = Memory(number, point, np.ones(len(every)), seen, number, np.ones((len(every), 1)))
         return without_noise(memory, [0, 1], CONSTANTS).cell.tolist()
 
     assert kept(row(least, 0.0, 0)) == list(range(least)) and kept(row(least - 1, 0.0, 0)) == []
