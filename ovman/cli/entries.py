@@ -40,12 +40,14 @@ def _add_score(commands: Any) -> None:
 
 def _score(options: argparse.Namespace) -> int:
     def work() -> int:
-        from ovman.entry import release, score, score_page
+        from ovman.entry import score, score_page
+        from ovman.entry.defaults import CONFIG, DATA
+        from ovman.entry.release import Release
         from ovman.models.settings import MAIN
         from ovman.workflow.config import load
 
-        settings = load(Path(options.config or release.CONFIG))
-        released = release.Release(Path(options.release or release.DATA), settings)
+        settings = load(Path(options.config or CONFIG))
+        released = Release(Path(options.release or DATA), settings)
         own = None if options.episodes is None else Path(options.episodes)
         found = score.score_file(Path(options.predictions), released, options.split or MAIN, own, options.partial)
         if found.whole or options.partial:

@@ -10,7 +10,9 @@ from ovman.dataset.about import about
 from ovman.dataset.card import SplitOf
 from ovman.dataset.making import Sources, make, verify
 from ovman.dataset.tours import Recordings
-from ovman.entry.release import CONFIG, DATA, EntryError, Release
+from ovman.entry.defaults import CONFIG, DATA
+from ovman.entry.errors import EntryError
+from ovman.entry.release import Release
 from ovman.entry.tour_cache import TourCache
 from ovman.models.episode import Episode
 from ovman.models.settings import MAIN, splits_of

@@ -8,11 +8,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from ovman.entry.defaults import CONFIG, DATA
 from ovman.entry.entrant import entrant, stays
+from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import LOG, Evaluation, asked, evaluate
 from ovman.entry.manifest import Where
 from ovman.entry.merging import merge
-from ovman.entry.release import CONFIG, DATA, EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, function

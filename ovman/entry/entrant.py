@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from pydantic import ValidationError
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.settings import Arm, Kind, Need, Settings
 
 MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})

@@ -15,9 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.entry.errors import EntryError
 from ovman.entry.manifest import Manifest, Where, claim, manifest_of
 from ovman.entry.progress import Progress
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.results import write_results
 from ovman.entry.spread import Keeping, spread
 from ovman.entry.summary import Summary

@@ -16,7 +16,7 @@ from pydantic import Field
 
 from ovman import __version__
 from ovman.atomic import replace_bytes
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.episode import SCHEMA as EPISODE
 from ovman.models.record import Count, Record, RecordError, Text
 from ovman.models.settings import Source

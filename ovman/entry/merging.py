@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from ovman.atomic import replacing
+from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import JOURNAL
 from ovman.entry.manifest import FILE, Manifest, read_manifest
 from ovman.entry.recorded import At, Recorded, read_recorded
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.results import write_results
 from ovman.entry.summary import Summary
 from ovman.models.run import Rollout, Score

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.prediction import Prediction
 from ovman.models.record import records
 

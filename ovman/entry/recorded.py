@@ -12,8 +12,9 @@ from typing import Any
 
 from ovman import __version__
 from ovman.entry.differences import MISSING, flat
+from ovman.entry.errors import EntryError
 from ovman.entry.manifest import FILE, Manifest, installed, this_machine
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.results import SUMMARY
 from ovman.entry.run_files import read_runs, runs_path
 from ovman.entry.summary import as_json, summary_of

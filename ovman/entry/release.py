@@ -5,20 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
+from ovman.analysis.rates import Rate
+from ovman.analysis.rows import read_rows
+from ovman.analysis.significance import Outcome
+from ovman.entry.errors import EntryError
 from ovman.models.settings import MAIN, Kind, Settings, splits_of
-from ovman.shipped import EMBEDDED, HOME
-
-if TYPE_CHECKING:
-    from ovman.analysis.rates import Rate
-    from ovman.analysis.significance import Outcome
-
-CONFIG, DATA = HOME / "config.yaml", HOME / EMBEDDED
-
-
-class EntryError(ValueError):
-    """What stands in the way of a score; the message is one line with the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,11 +46,6 @@ class Release:
 
         In the order of the settings, the reference agent first; empty where the release has no metrics of that kind on the split.
         """
-        # What serves an agent reads no metrics, and begins in two thirds of the time without what they are read with.
-        from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
-        from ovman.analysis.rates import Rate
-        from ovman.analysis.rows import read_rows
-
         name = {MAIN: str(kind)}.get(split, split if kind is Kind.STATIC else f"{split}_{kind}")
         files = [self.directory / "metrics" / f"{name}_{part}.csv" for part in ("rates", "outcomes")]
         if not all(path.is_file() for path in files):

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO, cast
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.run import Score
 
 RUNS = "runs.jsonl"

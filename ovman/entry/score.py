@@ -12,8 +12,9 @@ from pathlib import Path
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import Rate, static_rates
 from ovman.entry.beside import Beside, set_beside
+from ovman.entry.errors import EntryError
 from ovman.entry.predictions import Run, Submitted, read_submitted
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.models.episode import Episode, root_seed
 from ovman.models.prediction import Prediction
 from ovman.models.settings import Kind, Settings

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from ovman.entry.defaults import CONFIG
 from ovman.entry.entrant import entrant
-from ovman.entry.release import CONFIG
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.host import hosted
 from ovman.workflow.config import load

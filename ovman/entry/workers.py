@@ -16,7 +16,7 @@ from contextlib import AbstractContextManager
 from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.episode import Episode
 
 Piece = TypeVar("Piece")

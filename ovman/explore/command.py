@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from ovman.atomic import replace_bytes
-from ovman.entry.release import CONFIG, DATA, Release
+from ovman.entry.defaults import CONFIG, DATA
+from ovman.entry.release import Release
 from ovman.explore.encoding import encoded
 from ovman.explore.page import page
 from ovman.explore.records import read

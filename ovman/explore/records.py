@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.certification import Certification, OracleRun
 from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction

@@ -17,7 +17,8 @@ from ovman.agents.interface import LETTERS, VISITS, Action, Observation, Visit
 from ovman.analysis.outcomes import Case, embodied_outcomes
 from ovman.analysis.rates import embodied_rates
 from ovman.entry.beside import set_beside
-from ovman.entry.release import CONFIG, DATA, Release
+from ovman.entry.defaults import CONFIG, DATA
+from ovman.entry.release import Release
 from ovman.entry.tables import of_arm, table
 from ovman.entry.tour_cache import TourCache
 from ovman.evaluation.attempt import Attempt, session_for

@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from ovman.entry.entrant import checked, with_agent
+from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import asked
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.gym.spaces import CATEGORIES
 from ovman.models.episode import Episode
 from ovman.models.settings import Settings, Source

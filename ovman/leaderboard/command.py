@@ -10,9 +10,11 @@ from pathlib import Path
 
 from ovman.atomic import replace_bytes, replacing
 from ovman.entry.command import checked_workers
+from ovman.entry.defaults import CONFIG, DATA
+from ovman.entry.errors import EntryError
 from ovman.entry.manifest import FILE as MANIFEST
 from ovman.entry.manifest import read_manifest
-from ovman.entry.release import CONFIG, DATA, EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.run_files import COMPRESSED, compressed, runs_path
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
 from ovman.leaderboard.page import as_html, as_markdown

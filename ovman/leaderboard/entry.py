@@ -13,7 +13,7 @@ from typing import Any
 import yaml
 from pydantic import ConfigDict, Field
 
-from ovman.entry.release import EntryError
+from ovman.entry.errors import EntryError
 from ovman.models.record import Record, Text
 
 FILE = "entry.yaml"

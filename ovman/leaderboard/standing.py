@@ -9,9 +9,10 @@ from pathlib import Path
 from ovman.analysis.rates import ALL, Rate
 from ovman.entry import tables
 from ovman.entry.beside import Beside
+from ovman.entry.errors import EntryError
 from ovman.entry.manifest import Manifest, read_manifest
 from ovman.entry.recorded import read_recorded
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.score import score_file
 from ovman.entry.score_page import complaint
 from ovman.entry.summary import summary_of

@@ -16,9 +16,10 @@ from ovman.analysis.frames import csv_text
 from ovman.analysis.rates import Rate
 from ovman.cli import main
 from ovman.entry.command import shard_of
+from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import asked
 from ovman.entry.manifest import Manifest, Where, manifest_of
-from ovman.entry.release import EntryError, Release
+from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summary_of
 from ovman.entry.tour_cache import recording_key
 from ovman.models.episode import Episode
