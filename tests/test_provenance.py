@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.workflow import provenance
+from ovman.workflow import provenance, sources
 from ovman.workflow.stages import STAGES
 
 ONE = '"""One."""\n\nfrom . import two\nfrom ..b import three as other\n\n\ndef f():\n    """Doc."""\n    return two\n'
@@ -77,7 +77,7 @@ def test_a_module_that_moves_counts(root):
 
 def test_what_one_process_found_in_a_file_the_next_one_need_not_find_again(root, tmp_path, monkeypatch):
     def process():
-        monkeypatch.setattr(provenance, "_memory", provenance._Memory())
+        monkeypatch.setattr(provenance, "_memory", sources.Memory())
         provenance.remember(kept)
         return digest(root)
 
@@ -85,18 +85,18 @@ def test_what_one_process_found_in_a_file_the_next_one_need_not_find_again(root,
     found = process()
     assert kept.exists()
     with monkeypatch.context() as patch:
-        patch.setattr(provenance, "_parsed", None)
+        patch.setattr(sources, "_parsed", None)
         assert process() == found
     (root / "ovman/c/five.py").write_text("y = 2\n")
     changed = process()
     assert changed != found
     (root / "ovman/c/five.py").write_text(FILES["ovman/c/five.py"])
     assert process() == found
-    for spoiled in (b"", b'{"', b"[]", kept.read_bytes().replace(provenance._reader().encode(), b"another")):
+    for spoiled in (b"", b'{"', b"[]", kept.read_bytes().replace(sources._reader().encode(), b"another")):
         kept.write_bytes(spoiled)
         assert process() == found
-    monkeypatch.setattr(provenance, "_reader", lambda: "another")
-    monkeypatch.setattr(provenance, "_parsed", lambda source: (str(len(source)), ()))
+    monkeypatch.setattr(sources, "_reader", lambda: "another")
+    monkeypatch.setattr(sources, "_parsed", lambda source: (str(len(source)), ()))
     assert process() != found, "another reader trusts no findings of this one"
 
 
@@ -138,9 +138,9 @@ def test_of_somebody_elses_module_its_own_package_and_ovman_count_and_nothing_is
 
 def test_what_a_source_defines():
     text = "import a.b\nfrom c import d as e\nx, y = 1, 2\nz: int = 3\n\n\nclass F: ...\n\n\ndef g(): ...\n"
-    assert provenance.defined(text.encode()) == {"a", "e", "x", "y", "z", "F", "g"}
-    assert provenance.defined(b"from a import *\n") is None
-    assert provenance.defined(b"try:\n    from a import b\nexcept ImportError:\n    b = None\n") is None
+    assert sources.defined(text.encode()) == {"a", "e", "x", "y", "z", "F", "g"}
+    assert sources.defined(b"from a import *\n") is None
+    assert sources.defined(b"try:\n    from a import b\nexcept ImportError:\n    b = None\n") is None
 
 
 def test_every_stage_has_a_script_and_the_simulator_is_code_of_those_that_start_it():

@@ -25,7 +25,7 @@ from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
 
-from ovman.workflow.provenance import imported
+from ovman.workflow.sources import imported
 
 ENDING_S = 2.0
 """Time limit for the end of the server after its socket was closed."""

@@ -6,19 +6,14 @@ no result is older than the code that is said to have made it.
 
 from __future__ import annotations
 
-import ast
 import hashlib
-import json
-import sys
-from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
-from ovman.atomic import replace_bytes
 from ovman.shipped import HOME
+from ovman.workflow.sources import Memory, Parsed, defined
 
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine"}
@@ -33,9 +28,6 @@ BOUNDARY = frozenset(
     }
 )
 """Excluded: these modules only build the parameter, which Snakemake compares directly. A new line in STAGES is no new code."""
-
-Parsed = tuple[str, tuple[tuple[str, int], ...]]
-"""Digest of a module without its prose, and what it imports as (name, level of a relative import)."""
 
 
 def script(stage: str, root: Path = ROOT) -> Path:
@@ -70,24 +62,6 @@ def module_digest(name: str, root: Path = ROOT) -> str | None:
 def module_file(name: str, root: Path = ROOT) -> Path | None:
     """Where the source of a module lies, by its dotted name; None if it is not there. Nothing is imported."""
     return _sources(root).module_file(name)
-
-
-def defined(source: bytes) -> set[str] | None:
-    """The names that a module has at its top, as far as its source says; None for one that imports all of another."""
-    names: set[str] = set()
-    for node in ast.parse(source).body:
-        match node:
-            case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
-                names.add(name)
-            case ast.Import(names=aliases) | ast.ImportFrom(names=aliases):
-                names |= {(alias.asname or alias.name).split(".")[0] for alias in aliases}
-            case ast.Assign(targets=targets):
-                names |= {node.id for target in targets for node in ast.walk(target) if isinstance(node, ast.Name)}
-            case ast.AnnAssign(target=ast.Name(id=name)):
-                names.add(name)
-            case ast.If() | ast.Try():
-                return None
-    return None if "*" in names else names
 
 
 def lacking(module: str, function: str) -> str | None:
@@ -219,49 +193,7 @@ def _sources(root: Path) -> _Sources:
     return _Sources(root)
 
 
-def _absolute(name: str, level: int, package: str) -> str:
-    if level == 0:
-        return name
-    base = package.split(".")
-    return ".".join(base[: len(base) - level + 1] + ([name] if name else []))
-
-
-class _Memory:
-    """Digests and imports of source files, by the SHA-256 of their content.
-
-    Parsing all files takes longer than the rest of a job's start, so one process hands its findings to the next in a file.
-    """
-
-    def __init__(self) -> None:
-        self._found: dict[str, Parsed] = {}
-        self._handed: dict[str, Any] = {}
-        self._path: Path | None = None
-
-    def keep(self, path: Path) -> None:
-        self._path = path
-        with suppress(OSError, ValueError, AttributeError):  # not there, or cut off
-            self._handed = json.loads(path.read_bytes()).get(_reader(), {})
-
-    def parsed(self, source: bytes) -> Parsed:
-        key = hashlib.sha256(source).hexdigest()
-        if key not in self._found:
-            if key in self._handed:
-                digest, imports = self._handed[key]
-                self._found[key] = digest, tuple((name, level) for name, level in imports)
-            else:
-                self._found[key] = _parsed(source)
-        return self._found[key]
-
-    def save(self) -> None:
-        """Write what this process has needed, if there was anything new in it."""
-        if self._path is None or self._found.keys() <= self._handed.keys():
-            return
-        self._handed = dict(self._found)
-        with suppress(OSError):
-            replace_bytes(self._path, json.dumps({_reader(): self._found}).encode())
-
-
-_memory = _Memory()
+_memory = Memory()
 
 
 def remember(path: Path) -> None:
@@ -269,34 +201,8 @@ def remember(path: Path) -> None:
     _memory.keep(path)
 
 
-@cache
-def _reader() -> str:
-    """Version of the reader: another Python, or another version of this module, may find something else."""
-    return hashlib.sha256(sys.version.encode() + Path(__file__).read_bytes()).hexdigest()
-
-
-def _parsed(source: bytes) -> Parsed:
-    tree = ast.parse(source)
-    imports = tuple(imported(tree))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            node.body = [statement for statement in node.body if not _prose(statement)]
-    return hashlib.sha256(ast.dump(tree).encode()).hexdigest(), imports
-
-
-def imported(tree: ast.AST) -> Iterator[tuple[str, int]]:
-    """What a source imports, by name and level, 0 for an absolute name. For an attribute of a module there is no such module."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from ((alias.name, 0) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            module = node.module or ""
-            yield module, node.level
-            yield from ((f"{module}.{alias.name}".lstrip("."), node.level) for alias in node.names)
-
-
-def _prose(statement: ast.stmt) -> bool:
-    """A docstring (of a module, class, function or attribute), or the number of the version."""
-    if isinstance(statement, ast.Expr):
-        return isinstance(statement.value, ast.Constant) and isinstance(statement.value.value, str)
-    return isinstance(statement, ast.Assign) and [getattr(t, "id", None) for t in statement.targets] == ["__version__"]
+def _absolute(name: str, level: int, package: str) -> str:
+    if level == 0:
+        return name
+    base = package.split(".")
+    return ".".join(base[: len(base) - level + 1] + ([name] if name else []))
