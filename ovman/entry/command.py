@@ -15,6 +15,7 @@ from ovman.entry.evaluation import LOG, Evaluation, asked, evaluate
 from ovman.entry.manifest import Where
 from ovman.entry.merging import merge
 from ovman.entry.release import Release
+from ovman.entry.sources import remembered
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, function
@@ -33,6 +34,7 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     The working directory is on Python's path from then on where an --agent is named. EntryError, ConfigError, RecordError,
     AgentError or SimulatorError, in one line.
     """
+    remembered()
     if options.agent is not None and (here := str(Path.cwd())) not in sys.path:
         sys.path.insert(0, here)
     settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
@@ -53,6 +55,7 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
 
 def verified(options: argparse.Namespace, say: Callable[[str], None]) -> Verification:
     """Verify as the options say, and say what comes of it. EntryError, ConfigError, RecordError, SimulatorError, in one line."""
+    remembered()
     release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
     episodes_file = None if options.episodes is None else Path(options.episodes)
     found = verify(Path(options.directory), release, episodes_file, say, checked_workers(options.workers))

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ovman.entry.defaults import CONFIG
 from ovman.entry.entrant import entrant
+from ovman.entry.sources import remembered
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.host import hosted
 from ovman.workflow.config import load
@@ -33,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def serve(options: argparse.Namespace) -> None:
     """Serve until the process is told to end. ConfigError, EntryError, AgentError, in one line."""
+    remembered()
     sys.path.insert(0, str(Path(options.path).absolute()))
     settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
     make = hosted(stage_settings(settings, "rollouts", name), settings)

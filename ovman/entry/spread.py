@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ovman.entry.progress import Progress
+from ovman.entry.sources import remembered
 from ovman.entry.tour_cache import TourCache
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.scores import score
@@ -98,6 +99,7 @@ def spread(
 @contextmanager
 def _opened(drive: Drive, doing: Evaluation, journal: Path, cache: Path) -> Iterator[Work[Sequence[str]]]:
     """In a worker: what makes the runs of a floor plan that the journal lacks, by an agent of the worker's own."""
+    remembered()
     with doing.opened() as remotes:
 
         def work(texts: Sequence[str], send: Send) -> None:

@@ -9,6 +9,8 @@ from tests.episodes import of_scene
 
 SCENE = "FloorPlan10"
 """Two episodes of main, none of which moves."""
+SECOND_SCENE = "FloorPlan429"
+"""Six episodes of main, none of which moves."""
 ORACLE = next(name for name, arm in CONFIG.arms.items() if arm.answer == "handed")
 DEPTH = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.role == "depth_driving")
 

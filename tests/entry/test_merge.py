@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from ovman.models.settings import MAIN
-from tests.entry.evaluations import DEPTH, SCENE, command, lines
+from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines
 from tests.episodes import ROOT
 
 
@@ -74,7 +74,7 @@ def test_runs_that_differ_are_refused(by_seed, tmp_path, capsys):
 def another_scene(tours, tmp_path_factory):
     """The evaluation of the control on another scene, under the first seed. No test writes into it."""
     out = tmp_path_factory.mktemp("another") / "out"
-    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", "FloorPlan7", "--seeds", "0"]
+    options = ["--arm", DEPTH, "--split", MAIN, "--scenes", SECOND_SCENE, "--seeds", "0"]
     assert command("eval", "--out", out, "--cache", tours, *options) == 0
     return out
 
@@ -93,7 +93,7 @@ def test_a_folder_that_holds_something_is_left_alone(by_seed, tmp_path, capsys):
 
 
 def evaluation(out, tours):
-    command = [sys.executable, "-m", "ovman.cli", "eval", "--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, "FloorPlan7"]
+    command = [sys.executable, "-m", "ovman.cli", "eval", "--arm", DEPTH, "--split", MAIN, "--scenes", SCENE, SECOND_SCENE]
     return [*command, "--seeds", "0", "--out", str(out), "--cache", str(tours), "--workers", "2"]
 
 
@@ -123,7 +123,7 @@ def test_a_worker_has_an_agent_process_of_its_own(tours, tmp_path, monkeypatch, 
         "    def act(self, observation): raise RuntimeError('lost')\n"
     )
     monkeypatch.chdir(tmp_path)
-    options = ["--agent", "ill:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, "FloorPlan7", "--seeds", "0"]
+    options = ["--agent", "ill:Agent", "--needs", "--split", MAIN, "--scenes", SCENE, SECOND_SCENE, "--seeds", "0"]
     options += ["--cache", tours, "--workers", "2"]
     assert command("eval", "--out", tmp_path / "stops", *options) == 1
     said = capsys.readouterr().err

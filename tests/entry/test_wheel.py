@@ -31,10 +31,9 @@ def installed(tmp_path_factory):
             shutil.copy2(source, copy / name)
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--no-input"]
     offline = ["--no-deps", "--no-index"]
-    folders = [copy, copy / "packages" / "ovman-engine", copy / "packages" / "ovman-client"]
-    for folder in folders:
-        done = [*pip, "wheel", *offline, "--no-build-isolation", "--wheel-dir", str(wheels), str(folder)]
-        subprocess.run(done, check=True, capture_output=True, text=True)
+    folders = [str(folder) for folder in (copy, copy / "packages" / "ovman-engine", copy / "packages" / "ovman-client")]
+    done = [*pip, "wheel", *offline, "--no-build-isolation", "--wheel-dir", str(wheels), *folders]
+    subprocess.run(done, check=True, capture_output=True, text=True)
     names = [str(wheel) for wheel in sorted(wheels.glob("*.whl"))]
     subprocess.run([*pip, "install", *offline, "--target", str(target), *names], check=True, capture_output=True, text=True)
     lay_kernels(target / "ovman_engine")

@@ -19,6 +19,7 @@ from ovman.workflow.config import load
 from tests.perception import ultralytics_own
 from tests.workflow.test_reruns import merged
 
+pytestmark = pytest.mark.usefixtures("one_tokenizer")
 TOWERS = {
     "embed_dim": 8,
     "vision_cfg": {"image_size": 32, "layers": [1, 1, 1, 1], "width": 8, "patch_size": None},
@@ -60,7 +61,8 @@ def drawn(model: str, path: Path) -> Path:
     with torch.device("meta"):
         shapes = {name: value.shape for name, value in towers.empty_network(towers.architecture(model)).state_dict().items()}
     some = torch.randn(1 << 20).half() / 50
-    again = {name: some.repeat(-(-shape.numel() // len(some)))[: shape.numel()].reshape(shape) for name, shape in shapes.items()}
+    most = some.repeat(-(-max(shape.numel() for shape in shapes.values()) // len(some)))
+    again = {name: most[: shape.numel()].reshape(shape) for name, shape in shapes.items()}
     # A variance is not negative.
     save_file({name: one.abs() if name.endswith("running_var") else one.clone() for name, one in again.items()}, path)
     return path

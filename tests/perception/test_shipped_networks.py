@@ -30,6 +30,7 @@ from ovman.workflow.config import load
 from tests.perception import ultralytics_own
 from tests.perception.refused import line
 
+pytestmark = pytest.mark.usefixtures("one_tokenizer")
 MODELS = HOME / "models"
 CONFIG = load(HOME / "config.yaml")
 SAME, LEAST_IOU = 0.99, 0.9

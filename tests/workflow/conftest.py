@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -38,9 +37,6 @@ touch.Executor.SLEEPING_TIME = 0.0
 sys.exit(main())
 """
 """The same, but for the tenth of a second that --touch sleeps for each job."""
-_sources = b""
-"""What a Snakemake found in the files of the code, for those that begin in an empty directory: reading the files takes longer
-than the rest of a dry run, and what is found is by their content."""
 
 
 @dataclass(frozen=True)
@@ -75,21 +71,15 @@ class World:
             merged = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
             command[: len(SNAKEMAKE)] = [sys.executable, "-c", AT_ONCE]
             return subprocess.run(command, cwd=self.checkout, env=environment, **merged)
-        said = forked.snakemake(command[len(SNAKEMAKE) :], ROOT, environment)
-        self._keep_sources()
-        return said
+        return forked.snakemake(command[len(SNAKEMAKE) :], ROOT, environment)
 
     def begin_with_sources(self) -> None:
-        """Spare a Snakemake that begins in an empty directory what another one found in the files of the code."""
+        """Spare a Snakemake that is no fork and begins in an empty directory what is known of the files of the code: reading them
+        takes longer than the rest of a dry run, and what is found is by their content."""
         file = self.directory / SOURCES
-        if _sources and not file.exists():
+        if not file.exists() and forked.SOURCES.exists():
             file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(_sources)
-
-    def _keep_sources(self) -> None:
-        global _sources
-        with suppress(FileNotFoundError):
-            _sources = max(_sources, (self.directory / SOURCES).read_bytes(), key=len)
+            shutil.copyfile(forked.SOURCES, file)
 
     def planned(self, overlay: Mapping[str, Any] | None = None, target: str | Sequence[str] = TARGET) -> dict[str, int]:
         """How many jobs of each rule a dry run plans."""
@@ -132,9 +122,7 @@ def finish(directory: Path) -> None:
 def world(tmp_path_factory) -> World:
     """The tiny world, finished: this process's copy of the one that was made."""
     made = made_once(tmp_path_factory, "world", finish)
-    copy = World(shutil.copytree(made, tmp_path_factory.mktemp("world") / "copy"))
-    copy._keep_sources()
-    return copy
+    return World(shutil.copytree(made, tmp_path_factory.mktemp("world") / "copy"))
 
 
 @pytest.fixture(scope="session")

@@ -11,10 +11,26 @@ import sys
 import tempfile
 from collections.abc import Mapping, Sequence
 from functools import cache
+from multiprocessing import forkserver
 from pathlib import Path
+from unittest.mock import patch
 
 ROOT = Path(__file__).parents[2]
-LIBRARIES = ("snakemake.cli", "snakemake.report.html_reporter", "pandas", "pydantic", "smart_open", "yte")
+SOURCES = ROOT / ".pytest_cache" / "ovman.sources.json"
+"""What is known of the files of the code, by their content: for the next session, and for Snakemakes that are no forks."""
+LIBRARIES = (
+    "argparse_dataclass",
+    "nbformat",
+    "pandas",
+    "pydantic",
+    "smart_open",
+    "snakemake.benchmark",
+    "snakemake.cli",
+    "snakemake.profiles",
+    "snakemake.report.html_reporter",
+    "snakemake.storage",
+    "yte",
+)
 
 
 @cache
@@ -34,7 +50,10 @@ def snakemake(arguments: Sequence[str], directory: Path, environment: Mapping[st
 
 def _run(arguments: Sequence[str], directory: Path, environment: Mapping[str, str], said: Path) -> int:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload([*LIBRARIES, *_ours()])
+    context.set_forkserver_preload([*LIBRARIES, *_ours(), "tests.workflow.warm"])
+    # A module of the tests is found from any directory. A forked process has the variables that it is given, not these.
+    with patch.dict(os.environ, PYTHONPATH=os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])):
+        forkserver.ensure_running()
     process = context.Process(target=_become, args=([*arguments], directory, dict(environment), said))
     process.start()
     try:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import random
+import shutil
 import signal
 import subprocess
 import time
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from ovman.atomic import remove
 from ovman.models.settings import Kind, Need, arms_of, of_kind
 from tests.workflow.conftest import ROOT, World
 from tests.workflow.test_reruns import CONFIG
@@ -23,7 +25,16 @@ KEPT_S = 120.0
 SCENE = CONFIG.benchmark.scenes[0]
 WITH_MAPS = next(arm.name for arm in of_kind(arms_of(CONFIG.arms), Kind.EMBODIED) if Need.MAPS in arm.needs)
 RUNS = f"results/scores/{WITH_MAPS}/seed0/{SCENE}.jsonl"
+TRIALS = f"results/trials/{SCENE}.jsonl"
 WALKS = f"results/walks/{SCENE}.npz"
+MADE = {
+    "trials": ("trials", "visits"),
+    "rollouts": (f"rollouts/{WITH_MAPS}", f"scores/{WITH_MAPS}"),
+    "walks": ("walks", "walk_labels"),
+}
+"""What a stage makes below the results of a finished world, and makes again."""
+LOST = {"walks": 3}
+"""A walk takes two seconds: the other ones are there, as a kill before would have left them."""
 LONGEST_S = 40.0
 """Moments are drawn from this long a time, about that of a run on two free cores."""
 
@@ -64,11 +75,23 @@ def kept(world: World, stage: str) -> int:
     return sum(path.read_bytes().count(b"\n") if path.suffix == ".jsonl" else path.suffix == ".npz" for path in files)
 
 
+def lose(world: World, stage: str) -> None:
+    """Remove what a stage has made, and all that it has kept, or as many units as `LOST` says."""
+    results = world.directory / "results"
+    for name in MADE[stage]:
+        remove(results / name)
+    if stage in LOST:
+        for unit in sorted((results / "journal" / stage).rglob("*.npz"))[: LOST[stage]]:
+            unit.unlink()
+    else:
+        remove(results / "journal" / stage)
+
+
 def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
-    """Run the workflow, and kill its job of a stage, or Snakemake, when the stage has kept a unit. How many it has kept then."""
-    run = started(world, *target)
+    """Run the workflow, and kill the job of a stage, or Snakemake, when it has kept one unit more. How many it has then."""
+    before, run = kept(world, stage), started(world, *target)
     deadline = time.monotonic() + KEPT_S
-    while not kept(world, stage):
+    while kept(world, stage) == before:
         assert time.monotonic() < deadline and run.poll() is None, f"nothing kept of {stage}"
         time.sleep(0.01)
     if not job:
@@ -81,22 +104,20 @@ def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
 
 
 def test_killed_in_each_stage_that_keeps_units_it_finishes_with_the_same_bytes(world, tmp_path):
-    again = World(tmp_path)
-    found = {
-        "trials": killed_amid(again, "trials", RUNS, job=False),
-        "rollouts": killed_amid(again, "rollouts", RUNS, job=True),
-        "walks": killed_amid(again, "walks", WALKS, job=False),
-    }
-    said = again.snakemake(target=(RUNS, WALKS))
-    assert said.returncode == 0, said.stdout
-    assert all(0 < number < kept(again, stage) for stage, number in found.items()), found
-    after, before = again.results(), world.results()
-    assert after == {name: before[name] for name in after} and {RUNS, WALKS} <= after.keys()
-    # Nothing that was finished was done again.
+    again = World(shutil.copytree(world.directory, tmp_path / "again"))
+    for stage, target, job in (("trials", TRIALS, False), ("rollouts", RUNS, True), ("walks", WALKS, False)):
+        lose(again, stage)
+        before = kept(again, stage)
+        found = killed_amid(again, stage, target, job=job)
+        said = again.snakemake(target=target)
+        assert said.returncode == 0, said.stdout
+        assert before < found < kept(again, stage), stage
+    assert again.results() == world.results()
+    # Nothing that was finished was done again, and nothing follows from what was made again.
     units, all_units = again.units(), world.units()
     assert units == {name: all_units[name] for name in units}
-    assert not list(tmp_path.rglob("*.partial"))
-    assert again.planned(target=(RUNS, WALKS)) == {}
+    assert not list(again.directory.rglob("*.partial"))
+    assert again.planned() == {}
 
 
 def interrupted(world: World, victim: str, moment_s: float) -> None:
