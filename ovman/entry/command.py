@@ -15,7 +15,7 @@ from ovman.entry.evaluation import LOG, Evaluation, asked, evaluate
 from ovman.entry.manifest import Where
 from ovman.entry.merging import merge
 from ovman.entry.release import Release
-from ovman.entry.sources import remembered
+from ovman.entry.source_cache import remembered
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, function

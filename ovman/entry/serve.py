@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ovman.entry.defaults import CONFIG
 from ovman.entry.entrant import entrant
-from ovman.entry.sources import remembered
+from ovman.entry.source_cache import remembered
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.host import hosted
 from ovman.workflow.config import load

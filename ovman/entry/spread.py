@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ovman.entry.progress import Progress
-from ovman.entry.sources import remembered
+from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.scores import score
