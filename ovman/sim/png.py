@@ -16,7 +16,7 @@ SIGNATURE = b"\x89PNG\r\n\x1a\n"
 UP = 2
 """The filter of all rows: each as its difference from the row above. Hardly larger than the best filter for each row."""
 LEVEL = 1
-"""Of deflate. The next levels of `isal` make files 2 % smaller in twice the time."""
+"""Of deflate. Files of level 0 are a sixth larger; those of 2 are smaller by 1 % at most, those of 3 no smaller in more time."""
 _GREY, _COLOURS = 0, 2
 
 

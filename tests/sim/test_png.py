@@ -26,9 +26,9 @@ def decoded(content: bytes) -> np.ndarray:
 
 @given(IMAGES)
 def test_another_library_reads_what_was_written(image):
-    for given_ in (image, np.flipud(image), np.asfortranarray(image)):
-        back = decoded(encoded(given_))
-        assert back.dtype == image.dtype and back.shape == image.shape and (back == given_).all()
+    for picture in (image, np.flipud(image), np.asfortranarray(image)):
+        back = decoded(encoded(picture))
+        assert back.dtype == image.dtype and back.shape == image.shape and (back == picture).all()
 
 
 def test_files_are_small():
