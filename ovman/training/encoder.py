@@ -25,6 +25,7 @@ from ovman.perception.towers import Architecture, empty_network
 from ovman.training.augmentation import augmented
 from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
 from ovman.training.crops import Crops
+from ovman.training.precision import reduced
 
 MODEL: Mapping[str, Any] = {
     "embed_dim": 128,
@@ -174,7 +175,7 @@ def _optimiser(model: Any, peak: float, weight_decay: float) -> torch.optim.Opti
 def _loss(model: Any, lessons: Lessons, batch: torch.Tensor, generator: torch.Generator) -> torch.Tensor:
     images = augmented(lessons.images[batch].permute(0, 3, 1, 2).float() / 255, generator)
     labels = lessons.labels[batch]
-    with torch.autocast("cpu", torch.bfloat16):
+    with reduced("cpu"):
         seen = model.encode_image(prepared(images))
     seen = F.normalize(seen.float(), dim=-1)
     scale = model.logit_scale.exp()

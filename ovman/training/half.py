@@ -1,4 +1,4 @@
-"""ultralytics' trainer with the network in bfloat16 and channels last, also on a CPU; half the time on a CPU with bfloat16."""
+"""ultralytics' trainer with the network in reduced precision (`ovman.training.precision`) and channels last, also on a CPU."""
 
 from __future__ import annotations
 
@@ -9,16 +9,18 @@ import torch
 from ultralytics.models.yolo.segment import SegmentationTrainer
 from ultralytics.nn.tasks import SegmentationModel
 
+from ovman.training.precision import reduced
+
 
 class HalfNetwork(SegmentationModel):
-    """A network that computes in bfloat16 during training; weights and losses stay in single precision."""
+    """A network that computes in reduced precision during training; weights and losses stay in single precision."""
 
     def predict(self, x: torch.Tensor, *arguments: Any, **options: Any) -> Any:
         """The output for pictures (N, 3, S, S), in single precision."""
         base: Any = super()  # ultralytics has no types
         if not self.training:
             return base.predict(x, *arguments, **options)
-        with torch.autocast(x.device.type, torch.bfloat16):
+        with reduced(x.device.type):
             found = base.predict(x.contiguous(memory_format=torch.channels_last), *arguments, **options)
         return _single(found)
 
