@@ -11,14 +11,13 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
 from ovman.workflow.config import load
 from ovman.workflow.job import UNWRITABLE, WORKFLOW_PID, job
 from ovman.workflow.parameter import canonical
-from ovman.workflow.snakefile import ONE_KERNEL, WRITTEN, check_writable, prepare, runs_one_kernel
+from ovman.workflow.snakefile import WRITTEN, check_writable
 from tests import jobs
 from tests.jobs import Named
 
@@ -91,33 +90,6 @@ def test_a_read_only_working_directory_is_one_line(directory, monkeypatch):
         check_writable(directory, WRITTEN)
     remedy = "make it writable for this user, or work elsewhere with --directory"
     assert ended.value.code == f"{directory / 'results'}: is read-only; {remedy}"
-
-
-@pytest.mark.parametrize(
-    ("text", "runs"),
-    [
-        ("processor\t: 0\nflags\t\t: fpu fma avx avx2 avx512f\n", True),
-        ("flags\t: fma avx2\n\nflags\t: fma avx2\n", True),
-        ("flags\t: fma avx2\n\nflags\t: fma avx\n", False),
-        ("flags\t: avx2\n", False),
-        ("Features\t: fp asimd\n", False),
-        ("", False),
-        (None, False),
-    ],
-)
-def test_jobs_add_with_the_same_kernels_where_every_processor_has_them(tmp_path, monkeypatch, text, runs):
-    cpu_info = tmp_path / "cpuinfo"
-    if text is not None:
-        cpu_info.write_text(text, encoding="utf-8")
-    assert runs_one_kernel(cpu_info) is runs
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("ovman.workflow.snakefile.overlays", lambda workflow: [])
-    monkeypatch.setattr("ovman.workflow.snakefile.runs_one_kernel", lambda: runs)
-    environment = {name: value for name, value in os.environ.items() if name not in ONE_KERNEL}
-    monkeypatch.setattr(os, "environ", environment)
-    workflow = SimpleNamespace(basedir=str(ROOT), is_main_process=True, dryrun=True, register_resource=lambda *_: None)
-    prepare(workflow)
-    assert (environment.items() >= ONE_KERNEL.items()) is runs
 
 
 def test_an_output_appears_when_all_is_done(directory):

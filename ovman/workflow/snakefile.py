@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from ovman import kernels
 from ovman.models.settings import Settings
 from ovman.workflow import at_work, provenance, runs
 from ovman.workflow.config import ConfigError, file_with
@@ -23,17 +24,12 @@ SOURCES = Path(".snakemake", "ovman.sources.json")
 WRITTEN = ("results", "logs", "benchmarks")
 """Folders of a working directory that the jobs write into."""
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-ONE_KERNEL = {"OPENBLAS_CORETYPE": "Haswell"}
-"""OpenBLAS adds in the order of the widest vectors that a processor has, and the last bits of a depth follow. These kernels run
-on every x86-64 processor with AVX2 and FMA, so that all of them give the same bits."""
-CPU_INFO = Path("/proc/cpuinfo")
 
 
 def prepare(workflow: Any) -> None:
     """Make this Snakemake and its jobs safe to kill and to start again; once, before the rules."""
     os.environ.update(ONE_THREAD)
-    if runs_one_kernel():
-        os.environ.update(ONE_KERNEL)
+    kernels.hold()
     # Jobs import the code that the digest in their parameter is of, installed or not.
     homes = [str(Path(workflow.basedir, home)) for home in provenance.PACKAGES.values()]
     paths = [*homes, *filter(None, [os.environ.get("PYTHONPATH")])]
@@ -57,16 +53,6 @@ def prepare(workflow: Any) -> None:
                 runs.begin(Path.cwd())
     else:
         runs.follow(Path.cwd())
-
-
-def runs_one_kernel(cpu_info: Path = CPU_INFO) -> bool:
-    """Whether this machine's processors run the kernels of `ONE_KERNEL`; False where nothing says so."""
-    try:
-        lines = cpu_info.read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return False
-    flags = [line.partition(":")[2].split() for line in lines if line.partition(":")[0].strip() == "flags"]
-    return bool(flags) and all({"avx2", "fma"} <= {*of_processor} for of_processor in flags)
 
 
 def check_writable(directory: Path, folders: Sequence[str]) -> None:
