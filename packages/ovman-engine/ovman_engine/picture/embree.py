@@ -73,7 +73,8 @@ def entry(name: str) -> int:
 
 
 class Scene:
-    """A built Embree scene of one triangle mesh. `handle` is its address, for kernels; 0 for a mesh without triangles."""
+    """A built Embree scene of one triangle mesh: `vertices` (V + 1, 3) float32, of which the last is none of the mesh's, and
+    `triangles` (T, 3) int32. `handle` is its address, for kernels; 0 for a mesh without triangles."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, number: int = 0) -> None:
         """Builds a scene of vertices (V, 3) float32 and triangles (T, 3) int32. Triangles with infinite or NaN vertices are left
@@ -81,22 +82,22 @@ class Scene:
 
         Hits report `number` as geomID. Raises RuntimeError if Embree reports an error.
         """
+        # Embree reads sixteen bytes of every vertex
+        self.vertices = np.empty((len(vertices) + 1, 3), np.float32)
+        self.vertices[:-1], self.vertices[-1] = vertices, 0
+        self.triangles = np.ascontiguousarray(triangles, dtype=np.int32)
         self.handle = 0
         if len(triangles) == 0:
             return
         library, device = _library(), _device()
-        # Embree reads sixteen bytes of every vertex
-        self._vertices = np.empty((len(vertices) + 1, 3), np.float32)
-        self._vertices[:-1], self._vertices[-1] = vertices, 0
-        self._triangles = np.ascontiguousarray(triangles, dtype=np.int32)
         self.handle = library.rtcNewScene(device)
         self._release = weakref.finalize(self, library.rtcReleaseScene, self.handle)
         self._release.atexit = False
         library.rtcSetSceneBuildQuality(self.handle, _LOW)
         geometry = library.rtcNewGeometry(device, _TRIANGLES)
         for kind, form, array, count in (
-            (_VERTEX, _FLOAT3, self._vertices, len(vertices)),
-            (_INDEX, _UINT3, self._triangles, len(triangles)),
+            (_VERTEX, _FLOAT3, self.vertices, len(vertices)),
+            (_INDEX, _UINT3, self.triangles, len(triangles)),
         ):
             library.rtcSetSharedGeometryBuffer(geometry, kind, 0, form, array.ctypes.data, 0, 12, count)
         library.rtcCommitGeometry(geometry)
