@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-ONE_KERNEL = {"OPENBLAS_CORETYPE": "Haswell"}
-"""OpenBLAS adds in the order of the widest vectors that a processor has, and the last bits of a depth follow. These kernels run
-on every x86-64 processor with AVX2 and FMA, so that all of them give the same bits."""
+ONE_KERNEL = {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
+"""OpenBLAS adds in the order of the widest vectors that a processor has, and the last bits of a depth follow; with AVX-512 NumPy
+has other tangents, powers and exponentials. These kernels run on every x86-64 processor with AVX2 and FMA, so that all of them
+give the same bits."""
 CPU_INFO = Path("/proc/cpuinfo")
 
 
