@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -312,29 +314,43 @@ def test_rays_meet_the_nearest_triangle_of_what_stays_and_what_was_displaced(see
     triangle, distance, u, v = caster.closest(origins, ways)
     assert triangle.dtype == np.int32 and ((triangle >= 0) == (distance < rays.FAR)).all()
     same = triangle == np.where(np.isfinite(nearest), expected.argmin(axis=1), -1)
-    assert same.sum() >= count - 1, "but for a ray that grazes the rim of a triangle"
-    np.testing.assert_allclose(distance[same & (triangle >= 0)], nearest[same & (triangle >= 0)], rtol=1e-6)
-    blocked = caster.occluded(origins, ways, reach)
-    assert (blocked == (nearest < reach)).sum() >= count - 1
-    assert (blocked >= (distance < reach - 1e-4)).all()
+    assert same.all()
+    np.testing.assert_allclose(distance[triangle >= 0], nearest[triangle >= 0], rtol=1e-6)
+    np.testing.assert_array_equal(caster.occluded(origins, ways, reach), nearest < reach)
 
 
-def test_where_a_ray_meets_a_triangle_does_not_depend_on_the_instructions_that_embree_chooses(monkeypatch):
-    """Embree's own distances differ in their last bits; which triangle is met may differ where a ray passes an edge."""
+def test_rays_meet_the_same_on_processors_with_other_instructions(monkeypatch):
+    """Embree has kernels for each generation of processors, whose own tests of triangles differ. Rays start on surfaces of a
+    floor plan and run through its corners, where several triangles are as near."""
+    world = World(floorplan.load("FloorPlan212"))
+    mesh = scene_mesh.of_plan(world.plan, world.room).untouched
     rng = np.random.default_rng(0)
-    mesh, moved = soup(rng, 40), soup(rng, 10)
-    origins = rng.uniform(-2, 2, (4000, 3)).astype(np.float32)
-    ways = rng.normal(size=(4000, 3)).astype(np.float32)
+    corners = mesh.vertices[mesh.triangles]
+    origins = corners[rng.integers(len(corners), size=4000)].mean(axis=1)
+    ways = corners[rng.integers(len(corners), size=4000), 0] - origins
+    reach = rng.uniform(0, 0.2, 4000).astype(np.float32)
     found = []
     for instructions in ("sse4.2", "avx2"):
         device = embree._library().rtcNewDevice(f"threads=1,isa={instructions}".encode())
         monkeypatch.setattr(embree, "_device", lambda device=device: device)
-        found.append(rays.Caster(rays.committed(mesh), 40, moved).closest(origins, ways))
-    (triangle, *numbers), (other, *others) = found
-    same = triangle == other
-    assert same.mean() > 0.99 and (triangle[same] >= 0).sum() > 500
-    for one, two in zip(numbers, others, strict=True):
-        np.testing.assert_array_equal(one[same], two[same])
+        caster = rays.Caster(rays.committed(mesh), len(corners), soup(rng, 0))
+        found.append((*caster.closest(origins, ways), caster.occluded(origins, ways, reach)))
+    assert (found[0][0] >= 0).mean() > 0.9 and 0.1 < found[0][-1].mean() < 0.9
+    for one, two in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, two)
+
+
+def test_of_triangles_at_one_distance_a_ray_meets_the_first():
+    rng = np.random.default_rng(0)
+    mesh = soup(rng, 30)
+    again = dataclasses.replace(mesh, triangles=np.tile(mesh.triangles[::-1], (3, 1)))
+    origins = rng.uniform(-2, 2, (500, 3)).astype(np.float32)
+    ways = rng.normal(size=(500, 3)).astype(np.float32)
+    triangle, distance, u, v = rays.Caster(rays.committed(again), 90, again).closest(origins, ways)
+    met_once, *numbers = rays.Caster(rays.committed(mesh), 30, soup(rng, 0)).closest(origins, ways)
+    assert (met_once >= 0).sum() > 50
+    np.testing.assert_array_equal(triangle, np.where(met_once < 0, -1, 29 - met_once))
+    np.testing.assert_array_equal([distance, u, v], numbers)
 
 
 def test_the_rays_of_a_view_are_those_through_its_pixels():

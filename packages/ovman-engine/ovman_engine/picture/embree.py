@@ -1,4 +1,4 @@
-"""Embree's C interface, from the library that embreex ships: scenes over shared buffers, and the addresses that kernels call.
+"""Embree's C interface, from the library that embreex ships: scenes of triangles, and the addresses that kernels call.
 
 embreex itself casts single rays. The rays of a view are coherent: sixteen at a time cost a fifth of the time, and hit the same
 triangles. Source of names and layouts: Embree 4, rtcore.h.
@@ -13,6 +13,8 @@ from functools import cache
 
 import numpy as np
 
+from ovman_engine.picture import intersection
+
 LANES = 16
 """Rays of a packet."""
 ROWS = 22
@@ -21,10 +23,8 @@ COHERENT = 1 << 16
 """RTC_RAY_QUERY_FLAG_COHERENT"""
 EVERYTHING = 0xFFFFFFFF
 """RTC_FEATURE_FLAG_ALL"""
-_INDEX, _VERTEX, _UINT3, _FLOAT3 = 0, 1, 0x5003, 0x9003
-"""RTCBufferType and RTCFormat"""
-_TRIANGLES = 0
-"""RTC_GEOMETRY_TYPE_TRIANGLE"""
+_USER = 120
+"""RTC_GEOMETRY_TYPE_USER"""
 _LOW = 0
 """RTC_BUILD_QUALITY_LOW: builds in half the time, and packets are as fast"""
 _BYTES = 64
@@ -37,7 +37,7 @@ def _library() -> ctypes.CDLL:
     from embreex import rtcore_scene
 
     library = ctypes.CDLL(rtcore_scene.__file__)
-    pointer, number, size = ctypes.c_void_p, ctypes.c_uint, ctypes.c_size_t
+    pointer, number = ctypes.c_void_p, ctypes.c_uint
     signatures = {
         "rtcNewDevice": (pointer, ctypes.c_char_p),
         "rtcGetDeviceError": (ctypes.c_int, pointer),
@@ -46,7 +46,11 @@ def _library() -> ctypes.CDLL:
         "rtcCommitScene": (None, pointer),
         "rtcReleaseScene": (None, pointer),
         "rtcNewGeometry": (pointer, pointer, ctypes.c_int),
-        "rtcSetSharedGeometryBuffer": (None, pointer, ctypes.c_int, number, ctypes.c_int, pointer, size, size, size),
+        "rtcSetGeometryUserPrimitiveCount": (None, pointer, number),
+        "rtcSetGeometryUserData": (None, pointer, pointer),
+        "rtcSetGeometryBoundsFunction": (None, pointer, pointer, pointer),
+        "rtcSetGeometryIntersectFunction": (None, pointer, pointer),
+        "rtcSetGeometryOccludedFunction": (None, pointer, pointer),
         "rtcCommitGeometry": (None, pointer),
         "rtcAttachGeometryByID": (None, pointer, pointer, number),
         "rtcReleaseGeometry": (None, pointer),
@@ -73,33 +77,32 @@ def entry(name: str) -> int:
 
 
 class Scene:
-    """A built Embree scene of one triangle mesh: `vertices` (V + 1, 3) float32, of which the last is none of the mesh's, and
-    `triangles` (T, 3) int32. `handle` is its address, for kernels; 0 for a mesh without triangles."""
+    """A built Embree scene of one triangle mesh, whose triangles intersection.py tests. `handle` is its address, for kernels; 0
+    for a mesh without triangles."""
 
     def __init__(self, vertices: np.ndarray, triangles: np.ndarray, number: int = 0) -> None:
-        """Builds a scene of vertices (V, 3) float32 and triangles (T, 3) int32. Triangles with infinite or NaN vertices are left
-        out.
+        """Builds a scene of vertices (V, 3) float32 and triangles (T, 3) int32, which must not be written to afterwards. No ray
+        meets a triangle with infinite or NaN vertices.
 
         Hits report `number` as geomID. Raises RuntimeError if Embree reports an error.
         """
-        # Embree reads sixteen bytes of every vertex
-        self.vertices = np.empty((len(vertices) + 1, 3), np.float32)
-        self.vertices[:-1], self.vertices[-1] = vertices, 0
-        self.triangles = np.ascontiguousarray(triangles, dtype=np.int32)
         self.handle = 0
         if len(triangles) == 0:
             return
         library, device = _library(), _device()
+        self._vertices = np.ascontiguousarray(vertices, np.float32)
+        self._triangles = np.ascontiguousarray(triangles, np.int32)
+        self._addresses = np.array([self._vertices.ctypes.data, self._triangles.ctypes.data])
         self.handle = library.rtcNewScene(device)
         self._release = weakref.finalize(self, library.rtcReleaseScene, self.handle)
         self._release.atexit = False
         library.rtcSetSceneBuildQuality(self.handle, _LOW)
-        geometry = library.rtcNewGeometry(device, _TRIANGLES)
-        for kind, form, array, count in (
-            (_VERTEX, _FLOAT3, self.vertices, len(vertices)),
-            (_INDEX, _UINT3, self.triangles, len(triangles)),
-        ):
-            library.rtcSetSharedGeometryBuffer(geometry, kind, 0, form, array.ctypes.data, 0, 12, count)
+        geometry = library.rtcNewGeometry(device, _USER)
+        library.rtcSetGeometryUserPrimitiveCount(geometry, len(triangles))
+        library.rtcSetGeometryUserData(geometry, self._addresses.ctypes.data)
+        library.rtcSetGeometryBoundsFunction(geometry, intersection.bounds.address, None)
+        library.rtcSetGeometryIntersectFunction(geometry, intersection.intersect.address)
+        library.rtcSetGeometryOccludedFunction(geometry, intersection.occlude.address)
         library.rtcCommitGeometry(geometry)
         library.rtcAttachGeometryByID(self.handle, geometry, number)
         library.rtcReleaseGeometry(geometry)

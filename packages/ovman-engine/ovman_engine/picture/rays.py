@@ -1,10 +1,8 @@
 """Casts rays on Embree against two scenes: one of all undisplaced objects, and one of the displaced objects.
 
 A movement rebuilds only the second, small scene. Each packet is cast into it directly afterwards, up to the hits in the first.
-Kernels call Embree by the address of its function, so numba can cache them.
-
-Embree says which triangle a ray meets. Where it meets it is worked out here: Embree divides by an approximate reciprocal, whose
-last bits depend on the processor.
+Kernels call Embree by the address of its function, so numba can cache them. Embree in turn calls kernels, for each triangle that
+a ray may meet (intersection.py).
 """
 
 from __future__ import annotations
@@ -24,7 +22,7 @@ FAR = np.float32(1e30)
 LANES = embree.LANES
 SIDE = 4
 """Side of the square of pixels that a packet of primary rays covers."""
-_ORIGIN, _NEAR, _WAY, _TIME, _REACH, _MASK, _NUMBER, _FLAGS, _TRIANGLE, _MESH = 0, 3, 4, 7, 8, 9, 10, 11, 17, 18
+_ORIGIN, _NEAR, _WAY, _TIME, _REACH, _MASK, _NUMBER, _FLAGS, _U, _V, _TRIANGLE, _MESH = 0, 3, 4, 7, 8, 9, 10, 11, 15, 16, 17, 18
 """Rows of an RTCRayHit16."""
 _FIXED, _DISPLACED = 0, 1
 """geomIDs of the two scenes."""
@@ -52,45 +50,9 @@ def _clear(numbers, bits):
         bits[_MASK, k], bits[_NUMBER, k], bits[_FLAGS, k] = -1, 0, 0
 
 
-@njit(cache=True, error_model="numpy", inline="always")
-def _note(numbers, bits, k, n, offset, points, corners, more_points, more_corners, triangle, distance, u, v):
-    """Notes the hit of lane k as that of ray n: its triangle, and the ray's meeting with the plane of it (Moeller and Trumbore
-    1997) in double precision."""
-    mesh = bits[_MESH, k]
-    if mesh < 0:
-        triangle[n], distance[n], u[n], v[n] = -1, numbers[_REACH, k], np.float32(0), np.float32(0)
-        return
-    t = bits[_TRIANGLE, k]
-    if mesh == _DISPLACED:
-        triangle[n] = t + offset
-        x, y, z = _meeting(numbers, k, more_points, more_corners[t, 0], more_corners[t, 1], more_corners[t, 2])
-    else:
-        triangle[n] = t
-        x, y, z = _meeting(numbers, k, points, corners[t, 0], corners[t, 1], corners[t, 2])
-    distance[n], u[n], v[n] = x, y, z
-
-
-@njit(cache=True, error_model="numpy", inline="always")
-def _meeting(numbers, k, points, first, second, third):
-    """(distance, u, v) at which the ray of lane k meets the plane of three points."""
-    ax, ay, az = np.float64(points[first, 0]), np.float64(points[first, 1]), np.float64(points[first, 2])
-    ex, ey, ez = points[second, 0] - ax, points[second, 1] - ay, points[second, 2] - az
-    fx, fy, fz = points[third, 0] - ax, points[third, 1] - ay, points[third, 2] - az
-    wx, wy, wz = np.float64(numbers[_WAY, k]), np.float64(numbers[_WAY + 1, k]), np.float64(numbers[_WAY + 2, k])
-    sx, sy, sz = numbers[_ORIGIN, k] - ax, numbers[_ORIGIN + 1, k] - ay, numbers[_ORIGIN + 2, k] - az
-    px, py, pz = wy * fz - wz * fy, wz * fx - wx * fz, wx * fy - wy * fx
-    qx, qy, qz = sy * ez - sz * ey, sz * ex - sx * ez, sx * ey - sy * ex
-    inverse = 1.0 / (ex * px + ey * py + ez * pz)
-    return (
-        np.float32((fx * qx + fy * qy + fz * qz) * inverse),
-        np.float32((sx * px + sy * py + sz * pz) * inverse),
-        np.float32((wx * qx + wy * qy + wz * qz) * inverse),
-    )
-
-
 @njit(cache=True, error_model="numpy")
-def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, points, corners, more_points, more_corners,
-          right, up, forward, tan_x, tan_y, eye, near, flat, reach, width, height, triangle, distance, u, v):  # fmt: skip
+def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
+          reach, width, height, triangle, distance, u, v):  # fmt: skip
     """The hits of all pixels of a view, in tiles. See optics.primary for the camera, Caster.closest for the results."""
     _clear(numbers, bits)
     (right_x, right_y, right_z), (up_x, up_y, up_z), (on_x, on_y, on_z) = right, up, forward
@@ -127,7 +89,9 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, p
             for k in range(LANES):
                 if valid[k] != 0:
                     n = (top + k // SIDE) * width + left + k % SIDE
-                    _note(numbers, bits, k, n, offset, points, corners, more_points, more_corners, triangle, distance, u, v)
+                    mesh = bits[_MESH, k]
+                    triangle[n] = -1 if mesh < 0 else bits[_TRIANGLE, k] + (offset if mesh == _DISPLACED else 0)
+                    distance[n], u[n], v[n] = numbers[_REACH, k], numbers[_U, k], numbers[_V, k]
 
 
 @njit(cache=True, error_model="numpy", inline="always")
@@ -141,8 +105,7 @@ def _load(origins, ways, first, valid, numbers):
 
 
 @njit(cache=True, error_model="numpy")
-def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset, points, corners, more_points, more_corners,
-             origins, ways, triangle, distance, u, v):  # fmt: skip
+def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset, origins, ways, triangle, distance, u, v):
     """See Caster.closest."""
     _clear(numbers, bits)
     for first in range(0, len(origins), LANES):
@@ -155,7 +118,9 @@ def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset
         if displaced != 0:
             _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
         for k in range(min(LANES, len(origins) - first)):
-            _note(numbers, bits, k, first + k, offset, points, corners, more_points, more_corners, triangle, distance, u, v)
+            n, mesh = first + k, bits[_MESH, k]
+            triangle[n] = -1 if mesh < 0 else bits[_TRIANGLE, k] + (offset if mesh == _DISPLACED else 0)
+            distance[n], u[n], v[n] = numbers[_REACH, k], numbers[_U, k], numbers[_V, k]
 
 
 @njit(cache=True, error_model="numpy")
@@ -198,8 +163,6 @@ class Caster:
         self._offset = np.int32(offset)
         self._packet = embree.Packet.new()
 
-        self._geometry = fixed.vertices, fixed.triangles, self._displaced.vertices, self._displaced.triangles
-
     def _call(self, name: str, coherent: bool) -> tuple[object, ...]:
         packet = self._packet
         scenes = (self._fixed.handle, self._displaced.handle)
@@ -213,8 +176,8 @@ class Caster:
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
         _view(
-            *self._call("rtcIntersect16", True), self._offset, *self._geometry, right, up, forward, tan_x, tan_y, eye, near, flat,
-            reach, width, height, triangle, distance, u, v,
+            *self._call("rtcIntersect16", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, reach,
+            width, height, triangle, distance, u, v,
         )  # fmt: skip
         return triangle, distance, u, v
 
@@ -224,9 +187,7 @@ class Caster:
         count = len(origins)
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
-        _closest(
-            *self._call("rtcIntersect16", True), self._offset, *self._geometry, origins, directions, triangle, distance, u, v,
-        )  # fmt: skip
+        _closest(*self._call("rtcIntersect16", True), self._offset, origins, directions, triangle, distance, u, v)
         return triangle, distance, u, v
 
     def occluded(self, origins: np.ndarray, directions: np.ndarray, reach: np.ndarray) -> np.ndarray:
