@@ -59,7 +59,8 @@ def tour(directory: Path, field_of_view_deg: float) -> Iterator[View]:
 
 def view(directory: Path, number: int, camera: Camera) -> View:
     """One view of a recorded tour. TourError for a picture that is missing or damaged."""
-    return View(rgb(directory, number), depth(directory, number), camera)
+    files = VisitFiles.load(directory)
+    return View(rgb(directory, number, files), depth(directory, number, files), camera)
 
 
 def rgb(directory: Path, number: int, files: VisitFiles | None = None) -> np.ndarray:
