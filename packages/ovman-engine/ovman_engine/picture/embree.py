@@ -1,6 +1,6 @@
 """Embree's C interface, from the library that embreex ships: scenes of triangles, and the addresses that kernels call.
 
-embreex itself casts single rays. The rays of a view are coherent: sixteen at a time cost a fifth of the time, and hit the same
+embreex itself casts single rays. The rays of a view are coherent: in packets they cost a fifth of the time, and hit the same
 triangles. Source of names and layouts: Embree 4, rtcore.h.
 """
 
@@ -15,10 +15,12 @@ import numpy as np
 
 from ovman_engine.picture import intersection
 
-LANES = 16
-"""Rays of a packet."""
+WIDEST, NARROWEST = 16, 8
+"""Rays of a packet, on processors with AVX-512 and on others."""
 ROWS = 22
-"""Rows of LANES 32-bit words that an RTCRayHit16 may have, with instances."""
+"""Rows of 32-bit words, one a ray, that an RTCRayHit16 or an RTCRayHit8 may have, with instances."""
+_NATIVE_WIDEST = 34
+"""RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED"""
 COHERENT = 1 << 16
 """RTC_RAY_QUERY_FLAG_COHERENT"""
 EVERYTHING = 0xFFFFFFFF
@@ -41,6 +43,7 @@ def _library() -> ctypes.CDLL:
     signatures = {
         "rtcNewDevice": (pointer, ctypes.c_char_p),
         "rtcGetDeviceError": (ctypes.c_int, pointer),
+        "rtcGetDeviceProperty": (ctypes.c_ssize_t, pointer, ctypes.c_int),
         "rtcNewScene": (pointer, pointer),
         "rtcSetSceneBuildQuality": (None, pointer, ctypes.c_int),
         "rtcCommitScene": (None, pointer),
@@ -71,9 +74,15 @@ def _device() -> int:
 
 
 @cache
+def lanes() -> int:
+    """Rays of the widest packet that Embree has kernels for on this processor: wider ones it casts one ray after the other."""
+    return WIDEST if _library().rtcGetDeviceProperty(_device(), _NATIVE_WIDEST) else NARROWEST
+
+
+@cache
 def entry(name: str) -> int:
-    """Address of one of Embree's functions ("rtcIntersect16"), for kernels."""
-    return ctypes.cast(getattr(_library(), name), ctypes.c_void_p).value or 0
+    """Address of Embree's function "rtcIntersect" or "rtcOccluded" for packets of `lanes`, for kernels."""
+    return ctypes.cast(getattr(_library(), f"{name}{lanes()}"), ctypes.c_void_p).value or 0
 
 
 class Scene:
@@ -120,8 +129,8 @@ def _aligned(words: int) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Packet:
-    """Memory of a packet of rays: its active lanes (LANES,) int32 (-1 for active), its rows (ROWS, LANES) as numbers and as bits,
-    and the arguments of queries for coherent and for scattered rays."""
+    """Memory of a packet of `lanes` rays: its active lanes (lanes,) int32 (-1 for active), its rows (ROWS, lanes) as numbers and
+    as bits, and the arguments of queries for coherent and for scattered rays."""
 
     valid: np.ndarray
     numbers: np.ndarray
@@ -132,8 +141,8 @@ class Packet:
     @staticmethod
     def new() -> Packet:
         """An empty packet."""
-        bits = _aligned(ROWS * LANES).reshape(ROWS, LANES)
+        bits = _aligned(ROWS * lanes()).reshape(ROWS, lanes())
         coherent, scattered = np.zeros(32, np.uint32), np.zeros(32, np.uint32)
         coherent[0], scattered[0] = COHERENT, 0
         coherent[1] = scattered[1] = EVERYTHING
-        return Packet(_aligned(LANES), bits.view(np.float32), bits, coherent, scattered)
+        return Packet(_aligned(lanes()), bits.view(np.float32), bits, coherent, scattered)

@@ -19,18 +19,17 @@ from ovman_engine.picture.scene_mesh import PlanMeshes
 from ovman_engine.picture.triangle_mesh import TriangleMesh
 
 FAR = np.float32(1e30)
-LANES = embree.LANES
 SIDE = 4
-"""Side of the square of pixels that a packet of primary rays covers."""
+"""Columns of the rectangle of pixels that a packet of primary rays covers."""
 _ORIGIN, _NEAR, _WAY, _TIME, _REACH, _MASK, _NUMBER, _FLAGS, _U, _V, _TRIANGLE, _MESH = 0, 3, 4, 7, 8, 9, 10, 11, 15, 16, 17, 18
-"""Rows of an RTCRayHit16."""
+"""Rows of an RTCRayHit16 or an RTCRayHit8."""
 _FIXED, _DISPLACED = 0, 1
 """geomIDs of the two scenes."""
 
 
 @intrinsic
 def _query(_typing, function, valid, scene, packet, arguments):
-    """Calls rtcIntersect16 or rtcOccluded16; all arguments are addresses."""
+    """Calls one of Embree's functions for packets; all arguments are addresses."""
 
     def generate(context, builder, _signature, values):
         byte = ir.IntType(8).as_pointer()
@@ -45,7 +44,8 @@ def _query(_typing, function, valid, scene, packet, arguments):
 @njit(cache=True, error_model="numpy")
 def _clear(numbers, bits):
     """Sets the fields of a packet that no cast changes."""
-    for k in range(LANES):
+    lanes = numbers.shape[1]
+    for k in range(lanes):
         numbers[_NEAR, k], numbers[_TIME, k] = np.float32(0), np.float32(0)
         bits[_MASK, k], bits[_NUMBER, k], bits[_FLAGS, k] = -1, 0, 0
 
@@ -54,6 +54,7 @@ def _clear(numbers, bits):
 def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, right, up, forward, tan_x, tan_y, eye, near, flat,
           reach, width, height, triangle, distance, u, v):  # fmt: skip
     """The hits of all pixels of a view, in tiles. See optics.primary for the camera, Caster.closest for the results."""
+    lanes = len(valid)
     _clear(numbers, bits)
     (right_x, right_y, right_z), (up_x, up_y, up_z), (on_x, on_y, on_z) = right, up, forward
     eye_x, eye_y, eye_z = eye
@@ -62,9 +63,9 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
         columns[i] = (np.float32(2) * (np.float32(i) + np.float32(0.5)) / np.float32(width) - np.float32(1)) * tan_x
     for j in range(height):
         rows[j] = (np.float32(1) - np.float32(2) * (np.float32(j) + np.float32(0.5)) / np.float32(height)) * tan_y
-    for top in range(0, height, SIDE):
+    for top in range(0, height, lanes // SIDE):
         for left in range(0, width, SIDE):
-            for k in range(LANES):
+            for k in range(lanes):
                 i, j = left + k % SIDE, top + k // SIDE
                 valid[k] = -1 if i < width and j < height else 0
                 x, y = columns[min(i, width - 1)], rows[min(j, height - 1)]
@@ -86,7 +87,7 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
                 _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
             if displaced != 0:
                 _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
-            for k in range(LANES):
+            for k in range(lanes):
                 if valid[k] != 0:
                     n = (top + k // SIDE) * width + left + k % SIDE
                     mesh = bits[_MESH, k]
@@ -96,8 +97,9 @@ def _view(function, fixed, displaced, valid, numbers, bits, arguments, offset, r
 
 @njit(cache=True, error_model="numpy", inline="always")
 def _load(origins, ways, first, valid, numbers):
-    """Loads the rays first to first + LANES into a packet; lanes beyond the last ray are inactive."""
-    for k in range(LANES):
+    """Loads the rays first to first + lanes into a packet; lanes beyond the last ray are inactive."""
+    lanes = len(valid)
+    for k in range(lanes):
         i = min(first + k, len(origins) - 1)
         valid[k] = -1 if first + k < len(origins) else 0
         for a in range(3):
@@ -107,17 +109,18 @@ def _load(origins, ways, first, valid, numbers):
 @njit(cache=True, error_model="numpy")
 def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset, origins, ways, triangle, distance, u, v):
     """See Caster.closest."""
+    lanes = len(valid)
     _clear(numbers, bits)
-    for first in range(0, len(origins), LANES):
+    for first in range(0, len(origins), lanes):
         _load(origins, ways, first, valid, numbers)
-        for k in range(LANES):
+        for k in range(lanes):
             numbers[_REACH, k] = FAR
             bits[_MESH, k] = -1
         if fixed != 0:
             _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
         if displaced != 0:
             _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
-        for k in range(min(LANES, len(origins) - first)):
+        for k in range(min(lanes, len(origins) - first)):
             n, mesh = first + k, bits[_MESH, k]
             triangle[n] = -1 if mesh < 0 else bits[_TRIANGLE, k] + (offset if mesh == _DISPLACED else 0)
             distance[n], u[n], v[n] = numbers[_REACH, k], numbers[_U, k], numbers[_V, k]
@@ -126,16 +129,17 @@ def _closest(function, fixed, displaced, valid, numbers, bits, arguments, offset
 @njit(cache=True, error_model="numpy")
 def _occluded(function, fixed, displaced, valid, numbers, bits, arguments, origins, ways, reach, blocked):
     """See Caster.occluded."""
+    lanes = len(valid)
     _clear(numbers, bits)
-    for first in range(0, len(origins), LANES):
+    for first in range(0, len(origins), lanes):
         _load(origins, ways, first, valid, numbers)
-        for k in range(LANES):
+        for k in range(lanes):
             numbers[_REACH, k] = reach[min(first + k, len(origins) - 1)]
         if fixed != 0:
             _query(function, valid.ctypes.data, fixed, bits.ctypes.data, arguments.ctypes.data)
         if displaced != 0:
             _query(function, valid.ctypes.data, displaced, bits.ctypes.data, arguments.ctypes.data)
-        for k in range(min(LANES, len(origins) - first)):
+        for k in range(min(lanes, len(origins) - first)):
             blocked[first + k] = numbers[_REACH, k] < 0
 
 
@@ -176,7 +180,7 @@ class Caster:
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
         _view(
-            *self._call("rtcIntersect16", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, reach,
+            *self._call("rtcIntersect", True), self._offset, right, up, forward, tan_x, tan_y, eye, near, flat, reach,
             width, height, triangle, distance, u, v,
         )  # fmt: skip
         return triangle, distance, u, v
@@ -187,11 +191,11 @@ class Caster:
         count = len(origins)
         triangle, distance = np.empty(count, np.int32), np.empty(count, np.float32)
         u, v = np.empty(count, np.float32), np.empty(count, np.float32)
-        _closest(*self._call("rtcIntersect16", True), self._offset, origins, directions, triangle, distance, u, v)
+        _closest(*self._call("rtcIntersect", True), self._offset, origins, directions, triangle, distance, u, v)
         return triangle, distance, u, v
 
     def occluded(self, origins: np.ndarray, directions: np.ndarray, reach: np.ndarray) -> np.ndarray:
         """(N,) bool: whether each ray (N, 3) float32 has a hit before `reach` (N,) float32, in lengths of the direction."""
         blocked = np.empty(len(origins), bool)
-        _occluded(*self._call("rtcOccluded16", False), origins, directions, reach, blocked)
+        _occluded(*self._call("rtcOccluded", False), origins, directions, reach, blocked)
         return blocked
