@@ -7,7 +7,6 @@ import json
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,6 +16,7 @@ import torch
 from ovman.agents.cow.relevance import prompt
 from ovman.cli import main
 from ovman.export.phrases import embedded
+from ovman.kernels import runs_one_kernel
 from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, exporting, networks, towers, weights, yolo
 from ovman.perception.graph import Graph
@@ -36,7 +36,6 @@ MODELS = HOME / "models"
 CONFIG = load(HOME / "config.yaml")
 SAME, LEAST_IOU = 0.99, 0.9
 """Least share of instances that both paths have, and IoU of one with its partner."""
-FLAGS = Path("/proc/cpuinfo").read_text().split() if Path("/proc/cpuinfo").exists() else []
 BITS = {"detector": "fe43ca1794ed35a3", "encoder": "fcfd5eee35edbd94"}
 """Digests of outputs, of ONNX Runtime 1.28; another release may sum otherwise."""
 
@@ -60,7 +59,7 @@ def test_graphs_and_phrases_are_of_the_weights_beside_them():
         assert sha256(name) in readme
 
 
-@pytest.mark.skipif("avx2" not in FLAGS or "fma" not in FLAGS, reason="other sums are those of other instructions")
+@pytest.mark.skipif(not runs_one_kernel(), reason="other sums are those of other instructions")
 def test_the_networks_give_the_same_bits_on_every_processor_with_avx2():
     """The digests were met on a processor with AVX2 and, emulated, on one with AVX-512."""
     found = {}
