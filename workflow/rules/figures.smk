@@ -4,8 +4,8 @@ PAPER = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison", "p
 
 rule figures:
     input:
-        episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PLAIN],
-        visits=expand("results/visits/{scene}.json", scene=SCENES),
+        episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PAPER_SPLITS],
+        visits=with_episodes(expand("results/visits/{scene}.json", scene=SCENES)),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
         print="results/figures/relations.pdf",
@@ -20,7 +20,7 @@ rule figures:
 # What metrics alone are needed for, and the drawing of the agent.
 rule charts:
     input:
-        metrics=expand("results/metrics/{name}.csv", name=drawn(ARMS)),
+        metrics=with_episodes(expand("results/metrics/{name}.csv", name=drawn(ARMS))),
         paper=PAPER,
     output:
         agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
