@@ -71,6 +71,13 @@ onstart:
     lift_rate_limit(workflow)
 
 
+onsuccess:
+    if not overlays(workflow):
+        from ovman.report.compare import print_comparison
+
+        print_comparison(settings)
+
+
 onerror:
     print_deaths()
 

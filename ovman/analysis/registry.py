@@ -91,7 +91,7 @@ def of_stage(stage: str) -> tuple[str, ...]:
 
 
 def in_tables(arms: Iterable[Arm], splits: Iterable[Split] = ()) -> tuple[str, ...]:
-    """Name the metrics that results/tables shows of these arms, on the main split and further ones, but for those across splits."""
+    """Name the metrics that results/tables shows of these arms and splits, but for those across splits."""
     arms = tuple(arms)
     of_main = (metric.name for metric in _made_for(arms) if metric.table is not None and metric.stage != ACROSS)
     return (*of_main, *_of_splits(arms, splits))

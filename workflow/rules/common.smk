@@ -107,8 +107,10 @@ def with_episodes(files):
 
     def found(wildcards):
         checkpoints.episodes.get()
-        for split in {*JOB_SPLITS[1:], *([wildcards.split] if hasattr(wildcards, "split") else [])}:
+        for split in JOB_SPLITS[1:]:
             checkpoints.split_episodes.get(split=split)
+        if hasattr(wildcards, "split"):
+            checkpoints.split_episodes.get(split=wildcards.split)
         checkpoints.readmitted.get()
         return files(wildcards) if callable(files) else files
 
