@@ -1,4 +1,4 @@
-"""What remains of a success where more changes than the answer: agents, controls and chance on the first split and the last."""
+"""Static success of agents, controls and chance on the first split and on the last, where more changes than the answer."""
 
 from __future__ import annotations
 

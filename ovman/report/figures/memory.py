@@ -48,7 +48,7 @@ def draw(metrics: Metrics, paper: Paper, output: Path) -> None:
     """Write bars with intervals; diamonds are the paper's.
 
     The reference agent's maps on the left and DualMap's on the right, with own grounding above and oracle grounding below.
-    Without metrics of DualMap there is no right side.
+    The right side is left out without metrics of DualMap.
     """
     there = any(metrics.find(static(row)) for panel in DUALMAP for row in (panel.one, panel.two))
     sides = [OURS, DUALMAP] if there else [OURS]
