@@ -202,7 +202,7 @@ OTHER = {
     "gate_sweep.gates_m": [1.0, 2.0],
     "comparisons.rungs": {"two_visits": "another"},
     "comparisons.pairs": {"two visits against one": {"arm": "grounding_two_visits"}},
-    "comparisons.pairings": {"two visits against DualMap read as two visits": {"arm": "grounding_two_visits"}},
+    "comparisons.pairings": {"reference agent against DualMap read as two visits": {"arm": "grounding_two_visits"}},
     "comparisons.readings": {"single_visit": "another"},
     "comparisons.difficulty": {"single_visit": "another"},
     "comparisons.shortcuts": {"category_only": "another"},

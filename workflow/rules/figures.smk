@@ -27,13 +27,12 @@ rule charts:
         budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
         controls=report("results/figures/controls.png", caption="../report/controls.rst", category="Figures"),
         coverage=report("results/figures/coverage.png", caption="../report/coverage.rst", category="Figures"),
-        diag=report("results/figures/diag.png", caption="../report/diag.rst", category="Figures"),
         difficulty=report("results/figures/difficulty.png", caption="../report/difficulty.rst", category="Figures"),
         memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
         sensitivity=report("results/figures/sensitivity.png", caption="../report/sensitivity.rst", category="Figures"),
         print=expand(
             "results/figures/{name}.pdf",
-            name=("agent", "budget", "controls", "coverage", "diag", "difficulty", "memory", "sensitivity"),
+            name=("agent", "budget", "controls", "coverage", "difficulty", "memory", "sensitivity"),
         ),
     log:
         "logs/charts.log",

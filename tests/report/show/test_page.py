@@ -117,8 +117,8 @@ def test_own_and_handed_evidence_agree_where_perception_is_right(pages, name):
     assert [e.text for e in read.all("label") if e.attributes["for"].startswith("evidence-")] == [
         "own maps, own grounding (react_two_visits)",
         "own maps, own grounding (two_visits)",
-        "own maps, grounding handed over",
-        "positions handed over",
+        "own maps, oracle grounding",
+        "oracle positions",
     ]
     if not name.endswith("moving/0000"):
         tables = [e.text for e in read.all("table") if e.parent and "three" in e.parent.classes]
