@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,9 @@ def add(commands: Any) -> None:
     explore = commands.add_parser("explore", help="a page with sliders: what other thresholds would make of the records")
     explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
     explore.add_argument("--release", metavar="DIR", help="a release or results; default: the release of the checkout")
-    explore.add_argument("--out", default="explore.html", metavar="FILE", help="default: explore.html")
+    explore.add_argument(
+        "--out", metavar="FILE", help="default: results/pages/explore.html, or pages/explore.html where there are no results"
+    )
     explore.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     explore.set_defaults(run=_explore)
     dataset = commands.add_parser(
@@ -92,7 +95,11 @@ def add(commands: Any) -> None:
 
 def _doctor(options: argparse.Namespace) -> int:
     from ovman.doctor.checks import State, findings, report
+    from ovman_engine import kernels
 
+    with suppress(ImportError):  # numba may be missing; a check says so
+        if not kernels.ready():
+            print("compiling the engine's kernels: about one minute, once", flush=True)
     well = True
     for found in findings(options.thor):
         print(report([found]), flush=True)
@@ -111,7 +118,7 @@ def _export(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from ovman.doctor.results import Results, check
+    from ovman.doctor.results import Results, check, folders_not_made
     from ovman.workflow.config import ConfigError, load_files
 
     try:
@@ -123,11 +130,13 @@ def _check(options: argparse.Namespace) -> int:
     if results.name != "results":
         print(f"ovman check: {options.results} is not called results; give the folder that the workflow wrote", file=sys.stderr)
         return 1
-    faults = 0
-    for line in check(Results(results.parent, settings)):
+    faults, checked = 0, Results(results.parent, settings)
+    for line in check(checked):
         print(line, flush=True)
         faults += 1
-    print(f"{options.results}: {faults} faults" if faults else f"{options.results}: whole", flush=True)
+    absent = folders_not_made(checked) if results.is_dir() else []
+    not_made = f"; not made: {', '.join(absent)}" if absent else ""
+    print(f"{options.results}: {f'{faults} faults' if faults else 'whole'}{not_made}", flush=True)
     return 1 if faults else 0
 
 
@@ -141,10 +150,12 @@ def _restore(options: argparse.Namespace) -> int:
         release = Path(options.release) if options.release else HOME / EMBEDDED
         directory = Path(options.directory)
         done = restore(release, [*map(Path, options.archives)], directory, None if options.differing else settings)
-        print(f"{directory / 'results'}: {done.files} files of results and {done.kept} journals, as they were made")
+        print(f"{directory / 'results'}: restored {done.files} files and {done.kept} journals of {release.name}")
         if done.absent:
-            left = ", ".join(f"{rule} ({count})" for rule, count in sorted(done.absent.items()))
-            print(f"left to be made when something needs them: {left}")
+            print(
+                f"The release lacks the outputs of {len(done.absent)} stages. The workflow makes them when it needs them;"
+                " `ovman check` lists them."
+            )
         return 0
 
     return said("restore", work)
