@@ -46,14 +46,18 @@ def add(commands: Any) -> None:
         "--differing", action="store_true", help="also what other constants or code made; Snakemake makes that again"
     )
     restore.set_defaults(run=_restore)
-    show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
+    show = commands.add_parser(
+        "show", help="a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs"
+    )
     show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
     show.add_argument("--all", action="store_true", help="every released episode")
     show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
     show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
-    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages, with the paths of runs")
-    show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="evaluations whose runs a recording shows as well")
+    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages")
+    show.add_argument(
+        "--runs", nargs="+", default=[], metavar="DIR", help="folders of ovman eval, whose paths and verdicts are shown as well"
+    )
     show.set_defaults(run=_show)
     explore = commands.add_parser("explore", help="a page with sliders: what other thresholds would make of the records")
     explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
@@ -162,16 +166,14 @@ def _restore(options: argparse.Namespace) -> int:
 
 
 def _show(options: argparse.Namespace) -> int:
+    def say(line: str) -> None:
+        print(line, file=sys.stderr, flush=True)
+
     def work() -> int:
-        if options.rrd:
-            from ovman.playback.command import record
+        from ovman.playback.command import record, show
 
-            for path in record(options.episodes, options.results, options.output, options.config, options.runs):
-                print(path, flush=True)
-            return 0
-        from ovman.report.show.command import show
-
-        for path in show(options.episodes, options.all, options.results, options.output, options.config):
+        where = options.results, options.output, options.config, options.runs, say
+        for path in record(options.episodes, *where) if options.rrd else show(options.episodes, options.all, *where):
             print(path, flush=True)
         return 0
 
