@@ -459,4 +459,6 @@ def test_without_arrow_the_command_says_what_to_install():
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 1
-    assert done.stderr.splitlines() == ["ovman dataset: pyarrow is not installed; pip install 'ovman[dataset]' brings it"]
+    assert done.stderr.splitlines() == [
+        "ovman dataset: pyarrow is not installed; in a checkout of OVMAN: pip install '.[dataset]'"
+    ]
