@@ -77,7 +77,7 @@ def add(commands: Any) -> None:
     dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
     dataset.add_argument("--url", metavar="URL", help="the page that the data set is published at")
     dataset.add_argument("--date", metavar="YYYY-MM-DD", help="the day of its publication; default: that of CITATION.cff")
-    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its card and write nothing")
+    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its SHA256SUMS and write nothing")
     dataset.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
     dataset.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     dataset.set_defaults(run=_dataset)
