@@ -63,7 +63,7 @@ def add(commands: Any) -> None:
     explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
     explore.add_argument("--release", metavar="DIR", help="a release or results; default: the release of the checkout")
     explore.add_argument(
-        "--out", metavar="FILE", help="default: results/pages/explore.html, or pages/explore.html where there are no results"
+        "--out", metavar="FILE", help="default: results/pages/explore.html, or pages/explore.html without a folder results"
     )
     explore.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     explore.set_defaults(run=_explore)

@@ -378,7 +378,7 @@ def test_every_line_of_code_of_the_card_runs_as_it_is_printed(small, tmp_path, m
         monkeypatch.chdir(folder)
         text, names = (folder / "README.md").read_text(encoding="utf-8"), {}
         programs, commands = code(text, "python"), "".join(code(text, "sh")).splitlines()
-        for program in programs[:blocks]:  # the tours are no part of the checkout
+        for program in programs[:blocks]:  # the checkout has no tours
             exec(program, names)
         assert len(programs) == 2 and len(names["episodes"]) > 0
         for command in commands:

@@ -38,7 +38,7 @@ class ShowError(ValueError):
 class Results:
     """The results in `directory`. Every reader but `episodes` and `scene` returns None or nothing for a missing file.
 
-    arms: of the settings. splits: those beside the benchmark's own, each with the names of the arms that answer it. apart: those
+    arms: of the settings. splits: all but main, each with the names of the arms that answer it. apart: those
     that `make tables` leaves out.
     """
 
