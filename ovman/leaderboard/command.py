@@ -59,7 +59,7 @@ def enter(options: argparse.Namespace) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     if not (folder / FILE).exists():
         write_entry(folder, entry)
-    with replacing(directory) as partial:
+    with replacing(directory, PREDICTIONS if MANIFEST in files else MANIFEST) as partial:
         if directory.is_dir():
             shutil.copytree(directory, partial)
         partial.mkdir(exist_ok=True)
