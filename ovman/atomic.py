@@ -44,8 +44,8 @@ def _abandoned(left: Path) -> bool:
 def put(partial: Path, place: Path, mark: str | None = None) -> None:
     """Move a whole file or folder to its place.
 
-    A folder replaces the one that is there if that one is empty or holds the file `mark`, by which it is known as OVMAN's.
-    ValueError, in one line, for any other folder: it stays.
+    A folder replaces an empty folder, or a folder that holds the file `mark`, by which it is known as OVMAN's. ValueError, in
+    one line, for any other folder: it stays.
     """
     if partial.is_dir():
         check_own(place, mark)

@@ -18,7 +18,7 @@ from ovman import __version__
 from ovman.atomic import replace_bytes
 from ovman.entry.errors import EntryError
 from ovman.models.episode import SCHEMA as EPISODE
-from ovman.models.record import Count, Record, RecordError, Text
+from ovman.models.record import Count, Name, Record, RecordError, Text
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
 from ovman.workflow.provenance import module_digest
@@ -59,7 +59,7 @@ class Manifest(Record):
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
-    split: Text | None
+    split: Name | None
     sha256: Text
     n: Count
     asked: tuple[Text, ...]

@@ -171,7 +171,7 @@ def _driven(session: Session, episode: Episode, seed: int, trace: str, settings:
 
 
 def as_lines(found: Verification) -> list[str]:
-    """What a verification says, a line each: differences, remarks, and what it comes to. Control characters are escaped."""
+    """Return the lines of a verification: differences, remarks and the result. Control characters of files are escaped."""
     total = len(found.runs)
     said = [*found.differences, *(f"note: {remark}" for remark in found.remarks)]
     apart = ", ".join(f"{value:g} {unit}" for unit, value in sorted(found.deviations.items()))

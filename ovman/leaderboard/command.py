@@ -26,7 +26,7 @@ from ovman.workflow.journal import Journal
 
 PAGES = ("README.md", "index.html")
 MARKS = {".md": f"{TITLE}\n", ".html": "<title>Leaderboard"}
-"""What the pages begin with, by their suffixes."""
+"""Texts by which the pages are known, by their suffixes."""
 JOURNAL = "driven_again.jsonl"
 
 
@@ -53,8 +53,8 @@ def enter(options: argparse.Namespace) -> Path:
     else:
         if options.split is None:
             raise EntryError(f"{source}: say which split the points are of, with --split")
-        release.episodes(options.split)
         split, files = options.split, {PREDICTIONS: source.read_bytes()}
+    release.episodes(split)
     directory = folder / split
     if taken := [name for name in files if (directory / name).exists()]:
         raise EntryError(f"{directory / taken[0]}: is there already; remove it, or choose another name")
@@ -74,7 +74,7 @@ def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
     """Drive and judge all entries again, and write the tables. False where one is refused.
 
     With --cache, a run that this cache has is judged again but not driven again, and the pages say so. EntryError for a folder
-    that is no leaderboard, whose files stay; ConfigError, SimulatorError.
+    that is not a leaderboard, whose files stay; ConfigError, SimulatorError.
     """
     release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
     directory = Path(options.directory)
@@ -98,7 +98,7 @@ def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
 def _check_own(page: Path) -> None:
     """Raise EntryError for a page that this command did not write."""
     if page.exists() and MARKS[page.suffix] not in page.read_text(encoding="utf-8", errors="replace")[:400]:
-        raise EntryError(f"{page}: is no page of a leaderboard; name the folder of the entries, or move the file away")
+        raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:

@@ -85,7 +85,7 @@ def read_entry(directory: Path) -> Entry:
 
 
 def submissions(directory: Path) -> Iterator[Submission]:
-    """What the entry in a folder has, by split. ConfigError, EntryError or RecordError, in one line, for what is no entry."""
+    """Yield the submissions of an entry's folder by split. ConfigError, EntryError or RecordError, in one line, for others."""
     if not NAME.fullmatch(directory.name):
         raise EntryError(f"{directory}: is no name of an entry; write small letters, digits, - and _")
     for path in chain([directory], directory.rglob("*")):
@@ -97,7 +97,7 @@ def submissions(directory: Path) -> Iterator[Submission]:
         raise EntryError(f"{directory}: holds no split; put an evaluation or {PREDICTIONS} into a folder named after its split")
     for split in splits:
         if not NAME.fullmatch(split.name):
-            raise EntryError(f"{split}: is no name of a split; name the folder after its split")
+            raise EntryError(f"{split}: is not the name of a split; name the folder after its split")
         drives, static = (split / "manifest.json").is_file(), (split / PREDICTIONS).is_file()
         if not drives and not static:
             raise EntryError(f"{split}: holds neither an evaluation nor {PREDICTIONS}; put in one, or remove it")

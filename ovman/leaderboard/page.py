@@ -60,9 +60,9 @@ class Table:
         return [*shares[:-1], shares[-1] + mark, bounds, *spl, ", ".join(row.entry.authors), row.entry.date, ran]
 
     def alike(self, row: Standing) -> list[str]:
-        """Whose actions are those of the row in every run: arms that are handed the answer, and other entries.
+        """Return the names of those whose actions equal the row's in every run: oracles of the release, and other entries.
 
-        Nothing for a diagnostic, which is no system.
+        Nothing for a diagnostic, which has no rank.
         """
         if row.entry.role is Role.DIAGNOSTIC or row.traces is None:
             return []

@@ -217,7 +217,7 @@ _FORMS = {
     _NAME: "a name of letters, digits, _ and -, with single dots between them",
     _INSTANCE: "an instance without / and control characters",
 }
-"""What the patterns of text mean."""
+"""Patterns of text in words."""
 
 
 def _said(error: ErrorDetails) -> tuple[str, str]:

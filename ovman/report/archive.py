@@ -42,7 +42,7 @@ class _Bounded(lzma.LZMAFile):
         content = super().read(size)
         self._left -= len(content)
         if self._left < 0:
-            raise ValueError(f"{self._place}: unpacks to more than {RATIO} times its size; take it anew")
+            raise ValueError(f"{self._place}: unpacks to more than {RATIO} times its size; take the archive again")
         return content
 
 

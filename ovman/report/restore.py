@@ -108,7 +108,7 @@ def _fill(partial: Path, making: Making, release: Path, archives: Sequence[Path]
     journals: set[str] = set()
 
     def taken(path: Path, name: str, content: IO[bytes]) -> None:
-        journal = path == release / layout.MEASUREMENTS and layout.within(name, layout.JOURNALS)
+        journal = path == release / layout.MEASUREMENTS and layout.within(name, layout.JOURNALS) and ".." not in Path(name).parts
         if name not in expected and not journal:
             raise ValueError(f"{path}: {name} is no result of {release}; give the archive of this release")
         _write(partial, name, content, expected.get(name), f"{path}: {name}")

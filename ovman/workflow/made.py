@@ -32,7 +32,7 @@ def is_result(name: str) -> bool:
 
 def _below_results(name: str) -> str:
     if not is_result(inner(name)) or len(Path(name).parts) < 2:
-        raise ValueError(f"{name!r} is no result; it must lie below {checksums.MADE}/")
+        raise ValueError(f"{name!r} is not a result; it must lie below {checksums.MADE}/")
     return name
 
 
@@ -58,7 +58,7 @@ class Made:
 
 @dataclass(frozen=True)
 class _Shared:
-    """What `PARAMETERS` holds: parameters by key, and SHA-256 of inputs that lie in the checkout."""
+    """The content of `PARAMETERS`: parameters by key, and SHA-256 of inputs that lie in the checkout."""
 
     parameters: Mapping[str, Any]
     sources: Mapping[Inner, str]
@@ -186,7 +186,7 @@ def _jobs(path: Path, parameters: Mapping[str, str]) -> Iterator[Made]:
     for number, line in enumerate(path.read_bytes().splitlines(), start=1):
         job = _parse(adapter, line, place := f"{path}:{number}")
         if job.parameter not in parameters:
-            raise RecordError(f"{place}: parameter: {job.parameter!r} is not in {PARAMETERS}; take the release anew")
+            raise RecordError(f"{place}: parameter: {job.parameter!r} is not in {PARAMETERS}; take the release again")
         yield job
 
 

@@ -87,7 +87,7 @@ def shown(value: Any) -> str:
 
 
 class _Distinct(yaml.constructor.SafeConstructor):
-    """What YAML's nodes mean to Snakemake, but a key that is there twice is an error, and aliases may not make much of little."""
+    """Construct what Snakemake would, but refuse a key that is there twice, and aliases that make too many values."""
 
     def construct_document(self, node: yaml.Node) -> Any:
         _count(node, {})

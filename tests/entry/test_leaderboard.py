@@ -150,6 +150,8 @@ def relabelled(source, to, **values):
         ({"arm": "depth\nall runs agree"}, "manifest.json:1: arm: "),
         ({"needs": ["\x1b[2J"]}, "manifest.json:1: needs[0]: "),
         ({"split": None}, "split: "),
+        ({"split": "../../elsewhere"}, "manifest.json:1: split: "),
+        ({"split": "elsewhere"}, "elsewhere is no split"),
     ],
 )
 def test_what_is_no_entry_is_refused_before_it_is_one(evaluations, enter, tmp_path, capsys, values, said):
@@ -212,7 +214,7 @@ def by_hand(board_folder, name, **values):
 
 
 def refusals(capsys):
-    """What the command refused, a line each."""
+    """The lines in which the command refuses entries."""
     return [line for line in capsys.readouterr().out.splitlines() if line.startswith("refused: ")]
 
 
@@ -279,7 +281,8 @@ def test_an_entry_that_does_what_another_does_is_flagged(evaluations, enter, boa
     assert board() == 0
     for page in ("README.md", "index.html"):
         text = (tmp_path / "board" / page).read_text()
-        assert text.count("its actions are those of") == 1 and "≡ mine: its actions are those of oracle check in every run." in text
+        assert text.count("its actions are those of") == 1
+        assert "≡ mine: its actions are those of oracle check in every run." in text
 
 
 def test_the_oracle_of_the_release_is_known_as_well(evaluations, enter, release, tmp_path):
@@ -339,7 +342,7 @@ def test_a_folder_that_is_no_leaderboard_is_left_alone(board, tmp_path, capsys, 
     by_hand(tmp_path / "board", "mine")
     (tmp_path / "board" / name).write_text("# My notes\n")
     assert board() == 1
-    assert f"{name}: is no page of a leaderboard" in capsys.readouterr().err
+    assert f"{name}: is not a page of a leaderboard" in capsys.readouterr().err
     assert (tmp_path / "board" / name).read_text() == "# My notes\n"
     assert {path.name for path in (tmp_path / "board").iterdir()} == {"mine", name}
 
