@@ -194,9 +194,11 @@ def _enter(options: argparse.Namespace) -> int:
 
 
 def _add_leaderboard(commands: Any) -> None:
-    found = commands.add_parser("leaderboard", help="all entries driven or judged again here, and the tables of what agrees")
+    found = commands.add_parser("leaderboard", help="all entries replayed or judged again here, and the tables of what agrees")
     found.add_argument("directory", nargs="?", default="leaderboard", metavar="DIR", help="default: leaderboard")
-    found.add_argument("--cache", metavar="DIR", help="remembers what was driven again; default: the user's cache")
+    found.add_argument(
+        "--cache", metavar="DIR", help="keeps what driving measures, and does not drive it again; the pages then say so"
+    )
     _add_workers(found)
     _add_release(found)
     found.set_defaults(run=_leaderboard)

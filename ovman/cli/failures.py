@@ -23,7 +23,9 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
         print(f"ovman {command}: {missing.name} is not installed; in a checkout of OVMAN: {install}", file=sys.stderr)
         return 1
     except (ValueError, OSError) as error:
-        print(f"ovman {command}: {error}", file=sys.stderr)
+        from ovman.models.record import printable
+
+        print(printable(f"ovman {command}: {error}"), file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"ovman {command}: {interrupted}", file=sys.stderr)

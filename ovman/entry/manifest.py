@@ -18,7 +18,7 @@ from ovman import __version__
 from ovman.atomic import replace_bytes
 from ovman.entry.errors import EntryError
 from ovman.models.episode import SCHEMA as EPISODE
-from ovman.models.record import Count, Record, RecordError, Text
+from ovman.models.record import Count, Name, Record, RecordError, Text
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
 from ovman.workflow.provenance import module_digest
@@ -40,11 +40,11 @@ class Where(StrEnum):
 class Machine(Record):
     """What the runs were made on."""
 
-    system: str
-    machine: str
+    system: Text
+    machine: str = Field(pattern=r"^\P{Cc}*$")
     processors: int | None
-    python: str
-    numpy: str
+    python: Text
+    numpy: Text
 
 
 class Manifest(Record):
@@ -59,24 +59,24 @@ class Manifest(Record):
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
-    split: str | None
+    split: Name | None
     sha256: Text
     n: Count
     asked: tuple[Text, ...]
-    seeds: tuple[int, ...]
+    seeds: tuple[Count, ...]
     arm: Text
     agent: Text
-    needs: tuple[str, ...]
+    needs: tuple[Text, ...]
     where: Where
-    code: str | None
-    handed: tuple[str, ...]
+    code: Text | None
+    handed: tuple[Text, ...]
     embodiment: Literal["default", "locobot"]
     any_instance: bool
-    budget: int | None
-    marks: tuple[int, ...]
-    ovman: str
-    engine: str | None
-    protocol: str
+    budget: int | None = Field(ge=1)
+    marks: tuple[Count, ...]
+    ovman: Text
+    engine: Text | None
+    protocol: Text
     machines: tuple[Machine, ...]
 
     @property

@@ -77,7 +77,7 @@ def merge(out: Path, directories: Sequence[Path], release: Release, episodes_fil
     )
     journal = _journal(shards, [runs[name, seed] for name in order for seed in seeds])
     by_seed = [runs[name, seed] for seed in seeds for name in order]
-    with replacing(out) as partial:
+    with replacing(out, FILE) as partial:
         partial.mkdir()
         (partial / FILE).write_text(manifest.to_line(), encoding="utf-8")
         if journal is not None:

@@ -87,7 +87,7 @@ def stated(directory: Path, recorded: Recorded, release: Release) -> Iterator[st
         return
     try:
         there = dict(flat(json.loads(path.read_text(encoding="utf-8"))))
-    except ValueError:
+    except (ValueError, RecursionError):
         yield f"{path}: is no JSON; make it again"
         return
     if not recorded.complete or recorded.faults:

@@ -11,6 +11,7 @@ from ovman.analysis.rates import Rate
 from ovman.analysis.rows import read_rows
 from ovman.analysis.significance import Outcome
 from ovman.entry.errors import EntryError
+from ovman.models.run import Score
 from ovman.models.settings import MAIN, Kind, Settings, splits_of
 
 
@@ -34,6 +35,12 @@ class Release:
         """The split whose released file of episodes has these bytes, None where there is none."""
         files = {split: self.directory / "episodes" / f"{split}.jsonl" for split in splits_of(self.settings.splits)}
         return next((split for split, file in files.items() if file.is_file() and file.read_bytes() == episodes), None)
+
+    def runs(self, arm: str, split: str) -> list[Score]:
+        """The judged runs of an arm on a split, empty where the release has none."""
+        folder = self.directory / "runs"
+        files = sorted((folder / arm).glob("seed*/*.jsonl")) if split == MAIN else [folder / split / f"{arm}.jsonl"]
+        return [run for file in files if file.is_file() for run in Score.read(file)]
 
     def references(self, kind: Kind) -> frozenset[str]:
         """The reference agent: `comparisons.agent`, or the embodied arms that drive to its answers."""

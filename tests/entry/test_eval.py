@@ -245,3 +245,19 @@ def test_what_is_no_shard_is_refused(text):
     with pytest.raises(EntryError, match="--shard"):
         shard_of(text)
     assert shard_of("2/8") == (2, 8)
+
+
+@pytest.mark.parametrize("name", ["", "..", "{folder}", "a/b"])
+def test_a_file_of_episodes_replaces_no_folder(tmp_path, capsys, name):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.txt").write_text("mine")
+    record = of_scene(SCENE)[0].to_json()
+    record["visits"]["first"] = name.format(folder=mine)
+    (tmp_path / "hostile.jsonl").write_text(json.dumps(record) + "\n")
+    there = {*tmp_path.rglob("*")}
+    options = ["--arm", ARM, "--episodes", str(tmp_path / "hostile.jsonl"), "--seeds", "0"]
+    assert evaluated(tmp_path / "out", tmp_path / "cache", *options) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "hostile.jsonl:1: visits.first: " in line
+    assert {*tmp_path.rglob("*")} == there
