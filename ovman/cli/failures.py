@@ -11,6 +11,11 @@ EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"} | dict.fro
 """The extra that brings a module, where it is not `benchmark`."""
 
 
+def printable(text: str) -> str:
+    """Return a text with what moves a terminal's cursor or turns its direction written out, line feeds kept."""
+    return "".join(one if one.isprintable() or one == "\n" else one.encode("unicode_escape").decode() for one in text)
+
+
 def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
     """The exit status of what `work` does for `command`; it imports what it needs, of which some may not be installed."""
     try:
@@ -22,7 +27,7 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
         print(f"ovman {command}: {missing.name} is not installed; pip install 'ovman[{extra}]' brings it", file=sys.stderr)
         return 1
     except (ValueError, OSError) as error:
-        print(f"ovman {command}: {error}", file=sys.stderr)
+        print(f"ovman {command}: {printable(str(error))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print(f"ovman {command}: {interrupted}", file=sys.stderr)
@@ -30,7 +35,7 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
     except Exception as error:
         if not isinstance(error, _known()):
             raise
-        print(f"ovman {command}: {error}", file=sys.stderr)
+        print(f"ovman {command}: {printable(str(error))}", file=sys.stderr)
         return 1
 
 

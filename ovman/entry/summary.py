@@ -52,6 +52,7 @@ def as_json(summary: Summary) -> str:
         "n": manifest.n,
         "asked": len(manifest.asked),
         "seeds": manifest.seeds,
+        **({"repeated": [one.to_json() for one in manifest.repeated]} if manifest.repeated else {}),
         "rates": [asdict(rate) for rate in summary.rates],
         **as_values(summary.beside),
     }
@@ -71,6 +72,10 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     yield f"{'# ' if markdown else ''}{manifest.arm} ({manifest.agent}) on {of}, {seeds}: {part}"
     if manifest.handed:
         yield from ("", f"DIAGNOSTIC: the agent is handed the truth ({', '.join(manifest.handed)}); this is no system's score")
+    if manifest.repeated:
+        runs = f"{len(manifest.repeated)} of {len(manifest.asked) * len(manifest.seeds)} runs"
+        first = f"{manifest.repeated[0].episode}, seed {manifest.repeated[0].seed}"
+        yield from ("", f"TAKEN AGAIN: {runs} took several attempts, such as {first}; the leaderboard counts them as failures")
     yield from ("", *tables.table(tables.of_arm(summary.rates, summary.beside.chance), markdown))
     if summary.beside.released:
         yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")

@@ -18,6 +18,7 @@ from ovman.entry.score_page import complaint
 from ovman.entry.summary import summary_of
 from ovman.entry.verification import verify
 from ovman.leaderboard.entry import PREDICTIONS, Entry, Role, Submission, submissions
+from ovman.models.run import Score
 from ovman.workflow.journal import Journal
 
 SHOWN = 3
@@ -107,9 +108,19 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
     if not found.agrees:
         return Refusal(one.place, found.differences)
     episodes = read_recorded(one.directory, manifest, release, None).episodes
-    summary = summary_of(found.runs, [*episodes.values()], manifest, release)
+    runs = first_attempts(found.runs, manifest)
+    summary = summary_of(runs, [*episodes.values()], manifest, release)
     ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
+    if manifest.repeated:
+        ran += f"; {len(manifest.repeated)} runs failed at the first attempt"
     return _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
+
+
+def first_attempts(runs: Sequence[Score], manifest: Manifest) -> list[Score]:
+    """Return the runs as their first attempts ended: one that took several attempts failed at the first."""
+    again = {(one.episode, one.seed) for one in manifest.repeated if one.attempts > 1}
+    failed = {"outcome": "abstained", "success": False, "spl": 0.0}
+    return [run.model_copy(update=failed) if (run.episode, run.seed) in again else run for run in runs]
 
 
 def _judged(one: Submission, release: Release) -> Standing | Refusal:

@@ -23,7 +23,7 @@ from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
 from tests.remote.plain_agent import PlainServer
 
-LIMITS = Remote(connect_s=5.0, tour_s=0.5, act_s=0.5, memory_gb=1.0, file_gb=1.0)
+LIMITS = Remote(connect_s=5.0, tour_s=0.5, act_s=0.5, run_s=60.0, memory_gb=1.0, processes=9, disk_gb=1.0, file_gb=1.0)
 SEEN = Observation(np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8), np.float32), CameraPose(0, 1, 0, 0, 0), 90.0)
 WELCOME = {"type": "welcome", "protocol": PROTOCOL, "agent": "mine"}
 
@@ -32,7 +32,7 @@ class Begun(RemoteAgent):
     """An agent at the end of a line, without a run."""
 
     def __init__(self, line):
-        self._line, self._limits, self._tours = line, LIMITS, Tours()
+        self._line, self._limits, self._tours, self._left_s = line, LIMITS, Tours(), LIMITS.run_s
 
 
 @contextmanager
@@ -121,7 +121,7 @@ def test_a_send_to_an_agent_that_does_not_read_ends_in_time():
     with PlainServer(lambda message: WELCOME, deaf=True) as server:
         line, began = Line(f"ws://127.0.0.1:{server.port}", 5.0), time.monotonic()
         with pytest.raises(LineLost, match="^familiarise: "):
-            line.ask({"type": "familiarise", "visit": bytes(100 << 20)}, 1.0)
+            line.ask({"type": "familiarise", "visit": bytes(60 << 20)}, 1.0)
         assert time.monotonic() - began < 10
 
 
