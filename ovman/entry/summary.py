@@ -36,7 +36,7 @@ def summary_of(runs: Sequence[Score], episodes: Sequence[Episode], manifest: Man
     """The summary of runs, each seed's over all of these episodes. settings of the release: as for `score_file`."""
     outcomes = embodied_outcomes([Case.of(episode) for episode in episodes], runs)
     rates = embodied_rates(outcomes, release.settings.evaluation.confidence)
-    return Summary(manifest, rates, set_beside(outcomes, Kind.EMBODIED, manifest.split if manifest.whole else None, release))
+    return Summary(manifest, rates, set_beside(outcomes, Kind.EMBODIED, manifest.split, release, manifest.whole))
 
 
 def as_json(summary: Summary) -> str:
@@ -82,3 +82,5 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
         yield from tables.table(tables.beside(summary.rates, summary.beside, "this evaluation"), markdown)
         for line in tables.said(summary.rates, summary.beside):
             yield from ("", line)
+    if summary.beside.entries:
+        yield from ("", tables.ENTRIES, "", *tables.table(tables.entries(summary.beside), markdown))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
@@ -16,6 +17,7 @@ import pytest
 from ovman.analysis.frames import csv_text
 from ovman.analysis.rates import Rate
 from ovman.cli import main
+from ovman.entry import attempts
 from ovman.entry.command import shard_of
 from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import asked
@@ -268,6 +270,16 @@ def test_a_file_is_no_folder_for_an_evaluation(tmp_path, tours, capsys):
     (tmp_path / "out").write_text("dear")
     assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN) == 1
     assert capsys.readouterr().err == f"ovman eval: --out: {tmp_path / 'out'} is a file, or lies below one; name a folder\n"
+
+
+def test_a_full_disk_is_one_line_with_its_place(tmp_path, tours, monkeypatch, capsys):
+    def full(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(attempts, "durable_append", full)
+    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0") == 1
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"ovman eval: /\S+: No space left on device; free some, and the same command goes on\n", said)
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys):

@@ -101,6 +101,23 @@ def test_an_error_of_the_agents_is_told_in_one_line_and_the_line_stays():
             assert not isinstance(caught.value, LineLost) and len(str(caught.value)) < 400
 
 
+def test_the_time_of_a_whole_run_is_limited_too():
+    """Each answer comes in time, and all together do not."""
+
+    def slow(connection, message):
+        time.sleep(0.2)
+        connection.send(packed({"type": "action", "action": "MoveAhead", "number": message["number"]}))
+
+    with line_to(slow) as line:
+        agent, began = Begun(line), time.monotonic()
+        agent._limits = LIMITS.model_copy(update={"run_s": 1.0})
+        agent._left_s = 1.0
+        with pytest.raises(LineLost, match="^act: the agent has taken 1 s of the run; answer sooner, or raise remote.run_s$"):
+            for _ in range(20):
+                agent.act(SEEN)
+        assert time.monotonic() - began < 3
+
+
 def test_a_frame_that_claims_a_gigabyte_is_refused_before_it_comes():
     def flood(connection, message):
         header = b"\x82\x7f" + struct.pack(">Q", 1 << 30)
