@@ -39,7 +39,11 @@ class Attempts:
         """Write down that an attempt at a run begins. It survives a SIGKILL from then on."""
         self._number[episode, seed] = self.of(episode, seed) + 1
         line = {"episode": episode, "seed": seed, "attempt": self._number[episode, seed]}
-        durable_append(self._path, f"{json.dumps(line)}\n".encode())
+        try:
+            durable_append(self._path, f"{json.dumps(line)}\n".encode())
+        except OSError as error:
+            error.says_all = True  # type: ignore[attr-defined]  # a full disk is not the agent's fault
+            raise
 
 
 def _numbers(content: bytes) -> dict[tuple[str, int], int]:

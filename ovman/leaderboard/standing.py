@@ -112,7 +112,7 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
     summary = summary_of(runs, [*episodes.values()], manifest, release)
     ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
     if manifest.repeated:
-        ran += f"; {len(manifest.repeated)} runs failed at the first attempt"
+        ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
     return _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
 
 
