@@ -1,7 +1,7 @@
 """Attempts at the runs of an evaluation.
 
-An attempt is written to disk before the agent is shown the first observation of its drive. What an agent learns before that, it
-is told at every attempt; what it learns by driving, it must not use twice. So the file outlives agent and evaluator.
+An attempt is written to disk before the agent is shown the first observation of its drive. Every attempt tells the agent the same
+until then. An agent must not use what it learned by driving for another attempt, so the file outlives agent and evaluator.
 """
 
 from __future__ import annotations

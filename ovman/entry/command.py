@@ -51,7 +51,7 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     try:
         of_arm = stage_settings(settings, "rollouts", name)
     except SyntaxError as error:  # of a module that the agent's imports
-        raise AgentError(f"{error.filename}, line {error.lineno}, is no Python: {error.msg}; mend it") from None
+        raise AgentError(f"{error.filename}, line {error.lineno}, is not Python: {error.msg}; mend it") from None
     where = place(options, of_arm.arm)
     if where is Where.EVALUATOR and (absent := methods_lacking(function(name, of_arm.arm.agent))) is not None:
         raise AgentError(f"{of_arm.arm.agent} has no method {absent}; write it (docs/agents.md)")

@@ -74,7 +74,7 @@ def asked(
     shard: (k, m), k from 1. A shard is a stretch of the file, so it has few scenes. EntryError or RecordError in one line.
     """
     if negative := [seed for seed in seeds if seed < 0]:
-        raise EntryError(f"--seeds: {negative[0]} is no seed; write 0 or more")
+        raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
     path = release.episodes(split) if episodes_file is None and split is not None else episodes_file
     if path is None:
         raise EntryError("name the episodes: --split NAME or --episodes FILE")
@@ -261,7 +261,7 @@ def _attempted(work: Callable[..., Rollout], doing: Evaluation, remotes: Remotes
 
 
 def _with_log(doing: Evaluation, error: AgentError) -> str:
-    """What an error says, and where the agent's traceback is, if the agent has a process that the evaluator started."""
+    """Return the message of an error, and where the agent's traceback is, if the evaluator started the agent's process."""
     if isinstance(doing.elsewhere, OwnProcess) and not isinstance(error, LineLost):
         return f"{error}; {doing.elsewhere.log} has the traceback"
     return str(error)

@@ -13,7 +13,7 @@ from ovman.entry.score import StaticScore
 
 SCHEMA = "ovman-static-score/1"
 LEADERBOARD = "leaderboard"
-"""Key of the entries that stand beside a score. Others come, so it is never compared."""
+"""Key of the rates of the leaderboard's entries. Entries are added over time, so this key is never compared."""
 
 
 def as_json(score: StaticScore) -> str:

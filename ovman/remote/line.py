@@ -52,7 +52,9 @@ class Line:
                 )
             )
         except InvalidURI:
-            raise AgentError(f"--server: {place!r} is no address; write ws://host:port/?token=..., as its server says") from None
+            raise AgentError(
+                f"--server: {place!r} is not an address; write ws://host:port/?token=..., as its server says"
+            ) from None
         except InvalidStatus as error:
             if error.response.status_code != HTTPStatus.UNAUTHORIZED:
                 raise LineLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None

@@ -3,9 +3,9 @@
 A script for `AgentProcess`, with the standard library alone: `supervisor.py LIMITS COMMAND...`. LIMITS is JSON with the keys of
 section `remote`, `places` (the agent's folder, with its subfolder `work`) and `ready` (the number of a file for the command).
 
-What the agent starts stays below this process, daemons included: Linux gives orphans to the nearest subreaper. Standard input is
-the evaluator's word: when it closes, however the evaluator ended, all is ended. Standard output gets one line where a limit was
-passed. Standard error is the agent's log.
+All processes of the agent, daemons included, stay below this process: Linux gives orphans to the nearest subreaper. When standard
+input closes, however the evaluator ended, this process ends all of them. Standard output gets one line if a limit was passed.
+Standard error is the agent's log.
 """
 
 from __future__ import annotations

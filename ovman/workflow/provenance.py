@@ -72,7 +72,7 @@ def lacking(module: str, function: str, place: str = "beside the overlay") -> st
     try:
         names = defined(path.read_bytes())
     except SyntaxError as error:
-        return f"{path.name}, line {error.lineno}, is no Python: {error.msg}; mend it"
+        return f"{path.name}, line {error.lineno}, is not Python: {error.msg}; mend it"
     if names is not None and function not in names:
         there = ", ".join(sorted(name for name in names if not name.startswith("_")))
         return f"{module} has no function {function}; " + (f"name one that it has: {there}" if there else "write it")

@@ -227,7 +227,7 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
         (["--arm", ARM, "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory"),
         (["--arm", ARM, "--split", MAIN, "--scenes", "FloorPlan6"], "--scenes: FloorPlan6 has no episode; write some of"),
         (["--arm", ARM, "--split", MAIN, "--shard", "0/3"], "--shard: '0/3' is no part"),
-        (["--arm", ARM, "--split", MAIN, "--seeds", "-1"], "--seeds: -1 is no seed; write 0 or more"),
+        (["--arm", ARM, "--split", MAIN, "--seeds", "-1"], "--seeds: -1 is negative; write 0 or more"),
         (["--agent", "mine.py:Agent", "--split", MAIN], "--agent: mine.py is a file; write mine:Agent"),
         (["--agent", "tests.entry.evaluations:Agent", "--split", MAIN], "has no function Agent; name one that it has: .*moving"),
         (["--agent", "zipfile:ZipInfo", "--split", MAIN, "--in-process"], "zipfile:ZipInfo has no method familiarise; write it"),
@@ -252,7 +252,7 @@ def test_an_agent_that_is_no_python_is_one_line(tmp_path, tours, monkeypatch, ca
     monkeypatch.setattr(sys, "path", list(sys.path))
     assert evaluated(tmp_path / "out", tours, "--agent", f"{package.name}.agent:Agent", "--split", MAIN) == 1
     err = capsys.readouterr().err
-    assert err.count("\n") == 1 and ("one.py, line 2, is no Python" if helper else "agent.py, line 1, is no Python") in err
+    assert err.count("\n") == 1 and ("one.py, line 2, is not Python" if helper else "agent.py, line 1, is not Python") in err
 
 
 def test_seeds_are_added_to_those_that_are_there(by_seed, depth_driving, tours, tmp_path, capsys):

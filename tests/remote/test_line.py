@@ -164,7 +164,7 @@ def test_who_is_no_agent_is_refused(welcome, said):
 
 @pytest.mark.parametrize(
     ("url", "said"),
-    [("ws://127.0.0.1:9", "no agent answers"), ("http://127.0.0.1:9", "no address"), ("127.0.0.1", "no address")],
+    [("ws://127.0.0.1:9", "no agent answers"), ("http://127.0.0.1:9", "not an address"), ("127.0.0.1", "not an address")],
 )
 def test_where_nobody_is(url, said):
     with pytest.raises(AgentError, match=said) as caught:

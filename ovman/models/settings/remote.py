@@ -1,4 +1,4 @@
-"""Limits of an agent in a process of its own."""
+"""Limits of an agent that has its own process."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ovman.models.settings.values import Section
+from ovman.models.settings.values import Section, Some
 
 Seconds = Annotated[float, Field(gt=0)]
 
@@ -19,6 +19,6 @@ class Remote(Section):
     act_s: Seconds = Field(description="seconds for an action")
     run_s: Seconds = Field(description="seconds for all that an agent does in a run")
     memory_gb: Annotated[float, Field(gt=0)] = Field(description="GB of memory of an agent's processes on this machine, together")
-    processes: Annotated[int, Field(gt=0)] = Field(description="number of an agent's processes on this machine")
+    processes: Some = Field(description="number of an agent's processes on this machine")
     disk_gb: Annotated[float, Field(gt=0)] = Field(description="GB of all files in an agent's own folders")
     file_gb: Annotated[float, Field(gt=0)] = Field(description="GB of the largest file that it may write, its log included")
