@@ -52,9 +52,7 @@ class Line:
                 )
             )
         except InvalidURI:
-            raise AgentError(
-                f"--server: {place!r} is not an address; write ws://host:port/?token=..., as its server says"
-            ) from None
+            raise AgentError(f"--server: {place!r} is not an address; write ws://host:port/?token=... as printed") from None
         except InvalidStatus as error:
             if error.response.status_code != HTTPStatus.UNAUTHORIZED:
                 raise LineLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None

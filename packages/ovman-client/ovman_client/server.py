@@ -81,7 +81,8 @@ class Server:
     @property
     def url(self) -> str:
         """What the evaluator dials, the token included."""
-        return f"ws://{self._host}:{self.port}/?token={quote(self._token, safe='')}"
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        return f"ws://{host}:{self.port}/?token={quote(self._token, safe='')}"
 
     @property
     def greeting(self) -> str:
