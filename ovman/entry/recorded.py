@@ -104,7 +104,9 @@ def stated(directory: Path, recorded: Recorded, release: Release) -> Iterator[st
 
 
 def remarks(manifest: Manifest) -> Iterator[str]:
-    """Lines on versions and machines that are others here. They decide nothing: the runs are driven by what is here."""
+    """Lines on repeated runs, and on versions and machines that are others here. They decide nothing about the recorded runs."""
+    if manifest.repeated:
+        yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
     for key, here in (("ovman", __version__), ("engine", installed("ovman-engine"))):
         if (there := getattr(manifest, key)) != here:
             yield f"{FILE}: {key}: made with {there}, verified with {here}"

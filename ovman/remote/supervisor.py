@@ -104,19 +104,20 @@ def descendants() -> list[int]:
 def resident(pids: list[int], shared: int, limits: Mapping[str, Any]) -> float:
     """Return the bytes of memory of processes. shared: of shared memory that they hold open, mapped or not.
 
-    What is shared among processes counts once. Telling this takes the kernel long, so it is asked for near the limit alone.
+    Memory that processes share counts once, and files that they map do not count. The kernel takes long to tell this (Linux 5.4
+    and later), so it is asked only if the sum of what is resident passes the limit.
     """
     page = resource.getpagesize()
     whole = sum(int(fields[1]) * page for pid in pids if (fields := of_proc(pid, "statm").split()))
     if whole + shared <= limits["memory_gb"] * GB:
         return whole + shared
-    parts = {"Pss:": 0, "Pss_Shmem:": 0}
+    parts = {"Pss_Anon:": 0, "Pss_Shmem:": 0}
     for pid in pids:
         for line in of_proc(pid, "smaps_rollup").splitlines():
             name, *rest = line.split()
             if name in parts:
                 parts[name] += int(rest[0]) * 1024
-    return parts["Pss:"] - parts["Pss_Shmem:"] + max(parts["Pss_Shmem:"], shared)
+    return parts["Pss_Anon:"] + max(parts["Pss_Shmem:"], shared)
 
 
 def opened(pids: list[int]) -> list[tuple[os.stat_result, str]]:

@@ -104,6 +104,16 @@ def test_memory_that_children_share_counts_once(started):
     assert process.passed_limit() is None
 
 
+def test_files_that_are_mapped_are_no_memory(started):
+    mapped = f"for _ in range(9): write({30 * MB})\nfor one in Path(tempfile.gettempdir()).rglob('large'):\n"
+    mapped += (
+        "    with one.open() as file: files.append(mmap.mmap(file.fileno(), 0, prot=mmap.PROT_READ)); sum(files[-1][::4096])"
+    )
+    process = started(mapped, disk_gb=1)
+    time.sleep(1.2)
+    assert process.passed_limit() is None
+
+
 def test_nothing_is_left_of_an_agent(started, tmp_path):
     """Neither a daemon with a session of its own nor a file."""
     process = started("child(lambda: None, True)")
