@@ -20,7 +20,6 @@ FILES = (
     "models/detector.onnx",
     "models/encoder.onnx",
     "models/encoder.phrases.npz",
-    "leaderboard",
     *(f"{EMBEDDED}/{part}" for part in ("README.md", "episodes", "metrics", "predictions", "scenes")),
 )
 """What a wheel has of them, files and folders."""
