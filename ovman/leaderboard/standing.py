@@ -112,7 +112,8 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
     if not found.agrees:
         return Refusal(one.place, found.differences)
     episodes = read_recorded(one.directory, manifest, release, None).episodes
-    summary = summary_of(found.runs, [*episodes.values()], manifest, release)
+    runs = first_attempts(found.runs, manifest)
+    summary = summary_of(runs, [*episodes.values()], manifest, release)
     ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
     traces = traces_of(found.runs)
     oracles = [
@@ -120,6 +121,8 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
         for arm, entry in release.settings.arms.items()
         if entry.answer is Source.HANDED and traces_of(release.runs(arm, one.split)) == traces
     ]
+    if manifest.repeated:
+        ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
     made = _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
     return replace(made, traces=traces, oracles=oracles)
 
@@ -127,6 +130,13 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
 def traces_of(runs: Sequence[Score]) -> str:
     """Return a digest of the actions of runs by episode and seed."""
     return digest(sorted([run.episode, run.seed, run.trace] for run in runs))
+
+
+def first_attempts(runs: Sequence[Score], manifest: Manifest) -> list[Score]:
+    """Return the runs as their first attempts ended: one that took several attempts failed at the first."""
+    again = {(one.episode, one.seed) for one in manifest.repeated if one.attempts > 1}
+    failed = {"outcome": "abstained", "success": False, "spl": 0.0}
+    return [run.model_copy(update=failed) if (run.episode, run.seed) in again else run for run in runs]
 
 
 def _judged(one: Submission, release: Release) -> Standing | Refusal:

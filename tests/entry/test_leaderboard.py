@@ -164,6 +164,24 @@ def test_what_is_no_entry_is_refused_before_it_is_one(evaluations, enter, tmp_pa
     assert said in line and not (tmp_path / "board").exists()
 
 
+def test_the_first_attempt_counts(evaluations, enter, board, tmp_path, capsys):
+    """A run of two attempts is driven again like others, and has failed; entries that count none are as they were."""
+    run = {"episode": of_scene(SCENE)[0].id, "seed": 0, "attempts": 2}
+    source = relabelled(evaluations[ORACLE], tmp_path / "source", repeated=[run])
+    (source / "summary.json").unlink()
+    older = relabelled(evaluations[ORACLE], tmp_path / "older")
+    manifest = json.loads((older / "manifest.json").read_text())
+    assert manifest.pop("repeated") == []
+    (older / "manifest.json").write_text(json.dumps(manifest) + "\n")
+    for name, folder in (("again", source), ("older", older)):
+        assert enter(folder, name, "--system", name, "--role", "diagnostic", *ABOUT) == 0
+    assert board() == 0
+    text = (tmp_path / "board" / "README.md").read_text().splitlines()
+    again, once = (next(line for line in text if f"[{name}]" in line) for name in ("again", "older"))
+    assert "| 0.833 |" in again and "runs failed at the first attempt: 1" in again
+    assert "| 1.000 |" in once and "attempt" not in once
+
+
 def test_what_was_put_there_by_hand_is_refused_alike(evaluations, board, tmp_path):
     relabelled(evaluations[ORACLE], tmp_path / "board" / "mine" / SPLIT, seeds=[0])
     entry = {"system": "mine", "role": "system", "authors": ["A"], "date": "2026-01-01", "code": None, "about": "x"}
