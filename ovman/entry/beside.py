@@ -20,7 +20,7 @@ class Beside:
     released: rates by relation, then all, of these and of the controls. chance: the mean of 1/n_i by relation and over all, n_i
     the instances of an episode's category. tests: each run that was judged against the released arms, by relation, then all.
     untested: a line for each arm that is not tested, and why. systems: what the released arms are called, by name. entries:
-    driving rates on the same episodes, by "arm (role)", of the leaderboard's entries on a split that the release has no rates of.
+    driving rates on the same episodes, by name, of the leaderboard's entries on a split that the release has no rates of.
     """
 
     references: frozenset[str]

@@ -73,7 +73,7 @@ class Release:
         return sorted(rates, key=lambda rate: place[rate.arm]), sorted(outcomes, key=lambda outcome: place[outcome.arm])
 
     def entered(self, kind: Kind, split: str, among: Collection[str]) -> dict[str, list[Rate]]:
-        """Return the rates of the leaderboard's entries that drive on a split, over some of its episodes, by "arm (role)".
+        """Return the rates of the leaderboard's entries that drive on a split, over some of its episodes, by name.
 
         Empty where the release has metrics of that kind on the split: its arms stand there. among: ids of the episodes.
         """
@@ -89,14 +89,15 @@ class Release:
                 if manifest.sha256 == sha256:
                     runs = [run for _, run in read_runs(runs_path(path.parent)) if run.episode in among]
                     rates = embodied_rates(embodied_outcomes(cases, runs), self.settings.evaluation.confidence)
-                    found[f"{manifest.arm} ({self._role(manifest)})"] = rates
+                    found[self._named(manifest)] = rates
         return dict(sorted(found.items(), key=lambda entry: -entry[1][-1].rate))
 
-    def _role(self, manifest: Manifest) -> str:
-        if manifest.arm in self.references(Kind.EMBODIED):
-            return "reference"
+    def _named(self, manifest: Manifest) -> str:
+        """Return the name of an entry's system, with its role if it has no rank."""
         arm = self.settings.arms.get(manifest.arm)
-        return "diagnostic" if manifest.handed else "control" if arm is not None and arm.control else "system"
+        name = manifest.arm if arm is None else arm.system
+        role = "diagnostic" if manifest.handed else "control" if arm is not None and arm.control else None
+        return name if role is None else f"{name} ({role})"
 
     def _metrics(self, kind: Kind, split: str) -> list[Path] | None:
         """The files of rates and of outcomes of a kind on a split, None where the release has none."""

@@ -134,5 +134,5 @@ def test_an_agent_of_the_users_runs_with_it(away):
         "eval", "--agent", "still:Agent", "--needs", "--split", "dev", "--scenes", "FloorPlan6", "--seeds", "0", "--out", "s"
     )
     assert done.returncode == 0, done.stderr
-    assert "two_visits_embodied (reference)" in done.stdout
+    assert "reference agent" in done.stdout
     assert all(json.loads(line)["trace"] == "S" for line in (here / "s" / "runs.jsonl").read_text().splitlines())
