@@ -4,7 +4,7 @@ from ovman_client.interface import Action, Camera, CameraPose, Context, Observat
 from ovman_client.messages import PROTOCOL, MessageError
 from ovman_client.server import Server, serve
 
-__version__ = "0.6.0"
+__version__ = "0.7.0"
 __all__ = [
     "PROTOCOL",
     "Action",
