@@ -64,7 +64,8 @@ def need_networks(name: str, key: str) -> None:
     missing = [module for module in EXTRA if importlib.util.find_spec(module) is None]
     if missing:
         raise WeightsError(
-            f"{key}.weights is {name}, which needs {', '.join(missing)}; in a checkout of OVMAN: pip install '.[networks]', or name a graph ({GRAPH})"
+            f"{key}.weights is {name}, which needs {', '.join(missing)}; in a checkout of OVMAN: pip install '.[networks]', "
+            f"or name a graph ({GRAPH})"
         )
 
 

@@ -238,7 +238,10 @@ def test_an_extra_that_is_not_installed_is_one_line(settings, monkeypatch, tmp_p
         path = str(MODELS / f"{kind}.safetensors")
         setattr(settings, kind, getattr(settings, kind).model_copy(update={"weights": path}))
         said = line(lambda make=make: make(settings))
-        assert f"perception.{kind}.weights" in said and "needs torch, ultralytics; in a checkout of OVMAN: pip install '.[networks]'" in said
+        assert (
+            f"perception.{kind}.weights" in said
+            and "needs torch, ultralytics; in a checkout of OVMAN: pip install '.[networks]'" in said
+        )
 
 
 def test_an_export_is_run_from_its_files(tmp_path, monkeypatch, capsys):
