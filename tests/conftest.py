@@ -29,6 +29,8 @@ settings.register_profile("same", derandomize=True)
 settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
 
+NETWORKS = Path(__file__).parent / "networks"
+
 LONGEST = (
     "tests/workflow/test_restored_tables.py",
     "tests/entry/test_apart.py",
@@ -94,6 +96,12 @@ def _forked_engines() -> Generator[None, None, None]:
 def tours(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder that recorded tours are kept in. Processes may share it, so each tour is recorded once."""
     return shared.folder(tmp_path_factory) / "tours"
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out tests/networks where its marker is deselected: its files import PyTorch, which need not be installed."""
+    left_out = collection_path == NETWORKS and "not networks" in config.option.markexpr
+    return True if left_out else None
 
 
 @pytest.hookimpl(wrapper=True)

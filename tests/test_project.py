@@ -52,12 +52,12 @@ def declared() -> list[tuple[str, Requirement]]:
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
-LOCKS = ("requirements.lock", "requirements-dev.lock")
-"""What the benchmark imports, and what the extras bring beside it."""
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-networks.lock")
+"""What the benchmark imports, what its tests add, and what PyTorch and the long tests add."""
 
 
 def locked(*names: str) -> dict[str, str]:
-    """The versions that locks name, of both without `names`."""
+    """The versions that locks name, of all without `names`."""
     lines = [line for name in names or LOCKS for line in (ROOT / name).read_text().splitlines() if not line.startswith("#")]
     pairs = [line.split("==") for line in lines]
     return {SAME_MODULE.get(canonicalize_name(name), canonicalize_name(name)): version for name, version in pairs}
