@@ -26,6 +26,10 @@ PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-e
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
+NOT_INSTALLED = {"mutmut": "mutmut", "onnx": "onnx", "open_clip": "open-clip-torch", "rerun": "rerun-sdk"} | {
+    name: name for name in ("torch", "torchvision", "ultralytics")
+}
+"""The distributions of modules that `make setup-dev` does not install."""
 
 EXTRAS = {"ovman": ("dataset", "gym", "networks", "rerun")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
@@ -133,7 +137,7 @@ def test_what_is_imported_is_declared(folder: str, requires: list[str]) -> None:
         for r in required(p, *(PROJECTS[p]["project"].get("optional-dependencies", {}) if extras is None else extras))
     ]
     allowed = {canonicalize_name(requirement.name) for requirement in found}
-    distributions = packages_distributions()
+    distributions = {name: [distribution] for name, distribution in NOT_INSTALLED.items()} | packages_distributions()
     undeclared = {
         (str(path.relative_to(ROOT)), module)
         for path in sorted((ROOT / folder).rglob("*.py"))
