@@ -170,7 +170,7 @@ TORCH = ^torch(vision)?==
 CUDA = ^(cuda-|nvidia-(cu|n)|triton==)
 $(NETWORKS): requirements-networks.lock $(DEV)
 	@rm -f $@
-	@echo "Adding to .venv the packages of requirements-networks.lock (once; some minutes, 1.5 GB, with CUDA 6 GB)"
+	@echo "Adding to .venv the packages of requirements-networks.lock (once; some minutes, 1.6 GB, with CUDA 6 GB)"
 	@$(PIP) install --no-deps $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) $$(grep -E '$(TORCH)' requirements-networks.lock)
 	@grep -Ev '$(TORCH)|$(CUDA)' requirements-networks.lock > $@.lock
 	@$(PIP) install --no-deps --no-build-isolation --requirement $@.lock
