@@ -366,7 +366,6 @@ junk = st.recursive(
 )
 
 
-@settings(derandomize=True, max_examples=150, deadline=None)
 @given(st.sampled_from(sorted(VALUES)), junk)
 def test_whatever_is_written_somewhere_is_accepted_or_refused_in_one_line(name, value):
     tree = with_value(name, 0)
@@ -381,7 +380,6 @@ def test_whatever_is_written_somewhere_is_accepted_or_refused_in_one_line(name, 
         assert "\n" not in str(error) and name.split(".")[0] in str(error)
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(junk)
 def test_whatever_is_written_instead_of_everything_is_refused_in_one_line(value):
     with pytest.raises(ConfigError) as caught:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation import rollouts
@@ -23,7 +23,6 @@ SEEDS = (0, 1)
 NAMES = st.lists(st.sampled_from([f"FloorPlan{number}" for number in range(1, 31)]), unique=True, max_size=20)
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(st.dictionaries(st.sampled_from(["main", "multi", "everyday", "dev"]), NAMES), st.integers(1, 25))
 def test_the_batches_of_a_split_part_its_scenes_in_their_order(scenes, size):
     found = batches(scenes, size)
