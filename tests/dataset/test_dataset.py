@@ -367,11 +367,6 @@ def test_the_card_names_what_is_there(small):
     assert not re.search(r"\{\w+\}", text), "every place of the template is filled in"
 
 
-def test_the_same_input_is_the_same_bytes(small, tmp_path):
-    assert small.make(tmp_path / "again") == 0
-    assert files(tmp_path / "again") == files(small.made)
-
-
 def test_what_is_not_what_the_card_says_is_named(small, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(small.made, copy)
