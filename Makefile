@@ -23,11 +23,12 @@ export PYTHONNOUSERSITE = 1
 # Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables restore static quick models show release leaderboard test test-networks soak cluster-test mutants bench lint lock \
+.PHONY: help tables all restore static quick models show release leaderboard test test-networks soak cluster-test mutants bench lint lock \
 	setup setup-dev setup-networks clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
+	@echo "make all     the same for every split: results/all adds everyday"
 	@echo "make restore the release's measurements into results/, so that a changed threshold starts no simulator; FROM=ARCHIVE"
 	@echo "make static  the tables of the static gate alone, in results/static_tables: before anything drives"
 	@echo "make quick   the same on three scenes in a few minutes, in results-quick"
@@ -45,11 +46,16 @@ help:
 	@echo "make setup-networks  .venv with PyTorch as well; TORCH_INDEX= for the build with CUDA"
 	@echo "make clean   remove .venv and caches, keep results"
 
-# Episodes first: where they come out as they were, to the byte, Snakemake runs nothing of what follows them.
 # V=1 shows all that Snakemake says.
 tables: $(READY)
-	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- judged ::: $(SNAKEMAKE) -- results/tables \
+	@$(WATCH) logs/tables.log ::: $(SNAKEMAKE) -- results/tables \
 		:::: results/tables/static.md results/tables/embodied.md results/tables/overview.md
+	@.venv/bin/python -m ovman.report.compare
+
+# The same, and the other splits.
+all: $(READY)
+	@$(WATCH) logs/all.log ::: $(SNAKEMAKE) -- results/all :::: results/all/everyday.md results/all/overview.md
+	@.venv/bin/python -m ovman.report.compare
 
 restore: $(READY)
 	@.venv/bin/ovman restore $(if $(FROM),--from $(FROM))
@@ -58,8 +64,8 @@ static: $(READY)
 	@$(WATCH) logs/static.log ::: $(SNAKEMAKE) -- results/static_tables :::: results/static_tables/static.md
 
 quick: $(READY)
-	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/tables \
-		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/tables/overview.md
+	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/all \
+		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/all/overview.md
 
 models: $(NETWORKS)
 	@$(SNAKEMAKE) -- results/models
@@ -68,7 +74,7 @@ show: $(READY)
 	@[ -n "$(EPISODE)" ] || { echo "Name an episode: make show EPISODE=FloorPlan201/moved/0001" >&2; exit 2; }
 	@.venv/bin/ovman show "$(EPISODE)"
 
-release: tables $(DEV)
+release: all $(DEV)
 	@$(SNAKEMAKE) -- results/episodes/dev.jsonl results/episodes/dev_everyday.jsonl \
 		results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/

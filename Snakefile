@@ -3,7 +3,7 @@
 #   results/scenes/{scene}.json -> candidates -> trials (+ visits) -> admissible -> certified
 #       -> results/episodes/main.jsonl, results/metrics/rejections.csv
 #       -> results/predictions/{arm}.jsonl, results/rollouts -> results/scores/{arm}/seed{seed}/{scene}.jsonl
-#       -> results/metrics/*.csv -> results/tables/
+#       -> results/metrics/*.csv -> results/tables/ (the paper's splits), results/all/ (every split)
 
 import sys
 
@@ -71,23 +71,22 @@ onstart:
     lift_rate_limit(workflow)
 
 
+onsuccess:
+    if not overlays(workflow):
+        from ovman.report.compare import print_comparison
+
+        print_comparison(settings)
+
+
 onerror:
     print_deaths()
 
 
 localrules:
     all,
-    judged,
 
 
 rule all:
     default_target: True
     input:
         "results/tables",
-
-
-# Which episodes there are, also under the settings of section `sensitivity`: all that judging decides.
-rule judged:
-    input:
-        expand("results/episodes/{split}.jsonl", split=JOB_SPLITS),
-        "results/readmitted/episodes.jsonl",

@@ -17,6 +17,7 @@ FILES = (
     "config.yaml",
     "CITATION.cff",
     "workflow/scripts",  # digests of a stage's code begin at its script
+    "workflow/equal_code.json",
     "models/detector.onnx",
     "models/encoder.onnx",
     "models/encoder.phrases.npz",

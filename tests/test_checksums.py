@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from ovman.cli import main
-from ovman.doctor.results import Results, check
+from ovman.doctor.results import PER_SCENE, Results, check
+from ovman.models.settings import job_scenes
 from ovman.models.visit_files import VisitManifest, seal
 from ovman.workflow import checksums
 from ovman.workflow.config import load
@@ -121,6 +122,13 @@ def results(directory: Path) -> None:
 def test_whole_results_are_whole(directory, capsys):
     results(directory)
     assert main(["check", "--config", str(ROOT / "config.yaml")]) == 0
+    line = capsys.readouterr().out
+    assert line.startswith("results: whole; not made: ") and "detections" in line and "scenes" not in line
+    for folder, suffix in ({"visits": ".json"} | PER_SCENE).items():
+        for scene in job_scenes(SETTINGS.benchmark, SETTINGS.splits):
+            made = VisitManifest(scene=scene, visits={}).to_line() if folder == "visits" else "{}"
+            make(f"results/{folder}/{scene}{suffix}", made)
+    assert main(["check", "--config", str(ROOT / "config.yaml")]) == 0
     assert capsys.readouterr().out == "results: whole\n"
 
 
@@ -134,7 +142,7 @@ def test_every_fault_is_one_line_and_the_exit_status_tells(directory, capsys):
     episodes.write_text("".join(episodes.read_text().splitlines(keepends=True)[1:]))
     assert main(["check", "--config", str(ROOT / "config.yaml")]) == 1
     *lines, last = capsys.readouterr().out.splitlines()
-    assert last == f"results: {len(lines)} faults"
+    assert last.partition(";")[0] == f"results: {len(lines)} faults"
     remedy = "raise candidates.draws or lower benchmark.split, then `make tables`"
     expected = [
         "results/scenes/FloorPlan7.json: is missing; make it: snakemake --cores 2 -- results/scenes/FloorPlan7.json",

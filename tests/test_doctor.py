@@ -43,6 +43,18 @@ def test_the_engine_draws_here(capsys: pytest.CaptureFixture[str], monkeypatch: 
     assert not any(line.startswith("NO") for line in lines)
 
 
+def test_the_first_line_says_that_kernels_are_compiled(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checks, "HERE", (checks.python,))
+    assert cli.main(["doctor"]) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 1
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "empty"))
+    assert cli.main(["doctor"]) == 0
+    first, second = capsys.readouterr().out.splitlines()
+    assert "compiling" in first and "once" in first and second.startswith("ok")
+
+
 def test_without_vulkan_unity_is_not_tried(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("ctypes.util.find_library", lambda name: None)
     monkeypatch.setattr(checks, "HERE", (checks.python,))

@@ -9,7 +9,7 @@ import pytest
 from ovman.analysis import metrics
 from ovman.analysis.frames import read_rows
 from ovman.analysis.rates import Rate
-from ovman.analysis.registry import in_tables, of_stage
+from ovman.analysis.registry import in_all_tables, in_tables, of_stage
 from ovman.report.tables import stages
 from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
@@ -28,14 +28,19 @@ def test_metrics_follow_from_the_released_records(rebuilt):
 
 def test_tables_follow_from_the_metrics(rebuilt, tmp_path):
     """Every cell and caption; what separates them is pandas' affair. The constants and prior work are no metrics."""
-    metric_files = [rebuilt / path.name if (rebuilt / path.name).exists() else path for path in (DATA / "metrics").iterdir()]
-    shown = [path for path in metric_files if path.stem in in_tables(ARMS, CONFIG.splits)]
-    stages.run(shown, stage_settings(CONFIG, "tables"), tmp_path)
-    made = {path.name for path in tmp_path.iterdir()}
-    assert made == {path.name for path in (DATA / "tables").iterdir()} and len(made) == 3 * (len(shown) + 2)
-    for name in sorted(made):
-        ours, theirs = ((directory / name).read_text(encoding="utf-8") for directory in (tmp_path, DATA / "tables"))
-        assert cells(name, ours) == cells(name, theirs), name
+    plain, others = ([s for s in CONFIG.splits.values() if s.main_job and s.plain is plain] for plain in (True, False))
+    folders = DATA / "metrics", DATA / "metrics" / "paper", rebuilt
+    of_all, of_paper = ({path.stem: path for folder in some for path in folder.glob("*.csv")} for some in (folders[::2], folders))
+    shown = [*in_tables(ARMS, plain), *(path.stem for path in folders[1].iterdir())]
+    stages.run([of_paper[name] for name in shown], stage_settings(CONFIG, "tables"), tmp_path / "tables")
+    added = in_all_tables(ARMS, others)
+    stages.run_split([of_all[name] for name in added], stage_settings(CONFIG, "split_tables"), tmp_path / "all")
+    for folder, files in (("tables", 3 * (len(shown) + 2)), ("all", 3 * len(added))):
+        made = {path.name for path in (tmp_path / folder).iterdir()}
+        assert made == {path.name for path in (DATA / folder).iterdir()} and len(made) == files
+        for name in sorted(made):
+            ours, theirs = ((directory / folder / name).read_text(encoding="utf-8") for directory in (tmp_path, DATA))
+            assert cells(name, ours) == cells(name, theirs), name
 
 
 def cells(name: str, text: str) -> list[str]:

@@ -6,7 +6,7 @@ Snakefile imports this module, so it imports nothing heavy.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from ovman.models.settings import Arm, Kind, Need, Split
@@ -34,6 +34,8 @@ class Metric:
         return f"{self.name}.csv"
 
 
+ACROSS = "controls"
+"""The stage that makes the metrics across splits."""
 METRICS: tuple[Metric, ...] = (
     Metric("static_outcomes"),
     Metric("embodied_outcomes"),
@@ -53,10 +55,10 @@ METRICS: tuple[Metric, ...] = (
     Metric("seeds", table="seeds", compared=True),
     Metric("scenes", table="scenes"),
     Metric("mover", table="mover", compared=True),
-    Metric("controls", stage="controls", table="controls", compared=True, drawn=True),
-    Metric("overview", stage="controls", table="overview"),
-    Metric("split_significance", stage="controls", table="split_significance", compared=True),
-    Metric("coverage", stage="controls", table="coverage", drawn=True),
+    Metric("controls", stage=ACROSS, table="controls", compared=True, drawn=True),
+    Metric("overview", stage=ACROSS, table="overview"),
+    Metric("split_significance", stage=ACROSS, table="split_significance", compared=True),
+    Metric("coverage", stage=ACROSS, table="coverage", drawn=True),
     Metric("language", stage="language", table="language", compared=True),
     Metric("perception", stage="perception", table="perception", compared=True),
     Metric("backprojection", stage="backprojection", table="backprojection", compared=True),
@@ -88,11 +90,20 @@ def of_stage(stage: str) -> tuple[str, ...]:
     return tuple(metric.name for metric in METRICS if metric.stage == stage)
 
 
-def in_tables(arms: Iterable[Arm], splits: Mapping[str, Split] = {}) -> tuple[str, ...]:
-    """The names of the metrics that results/tables shows, of those that are made for these arms and further splits."""
+def in_tables(arms: Iterable[Arm], splits: Iterable[Split] = ()) -> tuple[str, ...]:
+    """Name the metrics that results/tables shows of these arms and splits, but for those across splits."""
     arms = tuple(arms)
-    of_splits = (name for split in splits.values() if split.main_job for name in in_split_tables(arms, split))
-    return (*(metric.name for metric in _made_for(arms) if metric.table is not None), *of_splits)
+    of_main = (metric.name for metric in _made_for(arms) if metric.table is not None and metric.stage != ACROSS)
+    return (*of_main, *_of_splits(arms, splits))
+
+
+def in_all_tables(arms: Iterable[Arm], splits: Iterable[Split] = ()) -> tuple[str, ...]:
+    """Name the metrics that results/all adds to results/tables: those across all splits, and those of further splits."""
+    return (*of_stage(ACROSS), *_of_splits(tuple(arms), splits))
+
+
+def _of_splits(arms: Sequence[Arm], splits: Iterable[Split]) -> Iterator[str]:
+    return (name for split in splits for name in in_split_tables(arms, split))
 
 
 def in_split_tables(arms: Iterable[Arm], split: Split) -> tuple[str, ...]:

@@ -168,9 +168,26 @@ def _add_enter(commands: Any) -> None:
 
 def _enter(options: argparse.Namespace) -> int:
     def work() -> int:
+        from ovman.entry.defaults import CONFIG
         from ovman.leaderboard import command
+        from ovman.models.settings import MAIN
+        from ovman.models.settings.splits import in_main_job
+        from ovman.workflow.config import load
 
-        print(command.enter(options), flush=True)
+        directory = command.enter(options)
+        print(directory, flush=True)
+        tested = (MAIN, *in_main_job(load(Path(options.config or CONFIG)).splits))
+        if directory.name not in tested:
+            print(
+                f"{directory.name} is a split for tuning. Its table on the leaderboard is separate from those of"
+                f" {', '.join(tested)}.",
+                file=sys.stderr,
+            )
+        print(
+            f"Next: commit {directory.parent} and open a pull request on the repository of OVMAN (docs/leaderboard.md)."
+            " The repository has no public address yet; CITATION.cff will name it.",
+            file=sys.stderr,
+        )
         return 0
 
     return said("enter", work)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"} | dict.fromkeys(
     ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors"), "networks"
 )
-"""The extra that brings a module, where it is not `benchmark`."""
+"""The extra that brings a module; without one the benchmark itself requires it."""
 
 
 def said(command: str, work: Callable[[], int], interrupted: str = "interrupted") -> int:
@@ -18,8 +18,9 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
     except ModuleNotFoundError as missing:
         if (missing.name or "").split(".")[0] == "ovman":
             raise
-        extra = EXTRAS.get(missing.name or "", "benchmark")
-        print(f"ovman {command}: {missing.name} is not installed; pip install 'ovman[{extra}]' brings it", file=sys.stderr)
+        extra = EXTRAS.get(missing.name or "")
+        install = "pip install ." if extra is None else f"pip install '.[{extra}]'"
+        print(f"ovman {command}: {missing.name} is not installed; in a checkout of OVMAN: {install}", file=sys.stderr)
         return 1
     except (ValueError, OSError) as error:
         print(f"ovman {command}: {error}", file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -45,19 +46,25 @@ def add(commands: Any) -> None:
         "--differing", action="store_true", help="also what other constants or code made; Snakemake makes that again"
     )
     restore.set_defaults(run=_restore)
-    show = commands.add_parser("show", help="a page about an episode: both tours, the maps, every arm's answer and verdict")
+    show = commands.add_parser(
+        "show", help="a page about an episode: both tours, the maps, every arm's answer and verdict, your own runs"
+    )
     show.add_argument("episodes", nargs="*", metavar="EPISODE", help="an id, or a pattern such as 'FloorPlan201/*'")
     show.add_argument("--all", action="store_true", help="every released episode")
     show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
     show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
-    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages, with the paths of runs")
-    show.add_argument("--runs", nargs="+", default=[], metavar="DIR", help="evaluations whose runs a recording shows as well")
+    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages")
+    show.add_argument(
+        "--runs", nargs="+", default=[], metavar="DIR", help="folders of ovman eval, whose paths and verdicts are shown as well"
+    )
     show.set_defaults(run=_show)
     explore = commands.add_parser("explore", help="a page with sliders: what other thresholds would make of the records")
     explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
     explore.add_argument("--release", metavar="DIR", help="a release or results; default: the release of the checkout")
-    explore.add_argument("--out", default="explore.html", metavar="FILE", help="default: explore.html")
+    explore.add_argument(
+        "--out", metavar="FILE", help="default: results/pages/explore.html, or pages/explore.html without a folder results"
+    )
     explore.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     explore.set_defaults(run=_explore)
     dataset = commands.add_parser(
@@ -70,7 +77,7 @@ def add(commands: Any) -> None:
     dataset.add_argument("--cache", metavar="DIR", help="where tours are recorded; default: the user's cache")
     dataset.add_argument("--url", metavar="URL", help="the page that the data set is published at")
     dataset.add_argument("--date", metavar="YYYY-MM-DD", help="the day of its publication; default: that of CITATION.cff")
-    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its card and write nothing")
+    dataset.add_argument("--verify", action="store_true", help="compare the files of DIR with its SHA256SUMS and write nothing")
     dataset.add_argument("--release", metavar="DIR", help="the released files; default: those of the checkout")
     dataset.add_argument("--config", metavar="FILE", help="default: that of the checkout")
     dataset.set_defaults(run=_dataset)
@@ -92,7 +99,11 @@ def add(commands: Any) -> None:
 
 def _doctor(options: argparse.Namespace) -> int:
     from ovman.doctor.checks import State, findings, report
+    from ovman_engine import kernels
 
+    with suppress(ImportError):  # numba may be missing; a check says so
+        if not kernels.ready():
+            print("compiling the engine's kernels: about one minute, once", flush=True)
     well = True
     for found in findings(options.thor):
         print(report([found]), flush=True)
@@ -111,7 +122,7 @@ def _export(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from ovman.doctor.results import Results, check
+    from ovman.doctor.results import Results, check, folders_not_made
     from ovman.workflow.config import ConfigError, load_files
 
     try:
@@ -123,11 +134,13 @@ def _check(options: argparse.Namespace) -> int:
     if results.name != "results":
         print(f"ovman check: {options.results} is not called results; give the folder that the workflow wrote", file=sys.stderr)
         return 1
-    faults = 0
-    for line in check(Results(results.parent, settings)):
+    faults, checked = 0, Results(results.parent, settings)
+    for line in check(checked):
         print(line, flush=True)
         faults += 1
-    print(f"{options.results}: {faults} faults" if faults else f"{options.results}: whole", flush=True)
+    absent = folders_not_made(checked) if results.is_dir() else []
+    not_made = f"; not made: {', '.join(absent)}" if absent else ""
+    print(f"{options.results}: {f'{faults} faults' if faults else 'whole'}{not_made}", flush=True)
     return 1 if faults else 0
 
 
@@ -141,26 +154,26 @@ def _restore(options: argparse.Namespace) -> int:
         release = Path(options.release) if options.release else HOME / EMBEDDED
         directory = Path(options.directory)
         done = restore(release, [*map(Path, options.archives)], directory, None if options.differing else settings)
-        print(f"{directory / 'results'}: {done.files} files of results and {done.kept} journals, as they were made")
+        print(f"{directory / 'results'}: restored {done.files} files and {done.kept} journals of {release.name}")
         if done.absent:
-            left = ", ".join(f"{rule} ({count})" for rule, count in sorted(done.absent.items()))
-            print(f"left to be made when something needs them: {left}")
+            print(
+                f"The release lacks the outputs of {len(done.absent)} stages. The workflow makes them when it needs them;"
+                " `ovman check` lists them."
+            )
         return 0
 
     return said("restore", work)
 
 
 def _show(options: argparse.Namespace) -> int:
+    def say(line: str) -> None:
+        print(line, file=sys.stderr, flush=True)
+
     def work() -> int:
-        if options.rrd:
-            from ovman.playback.command import record
+        from ovman.playback.command import record, show
 
-            for path in record(options.episodes, options.results, options.output, options.config, options.runs):
-                print(path, flush=True)
-            return 0
-        from ovman.report.show.command import show
-
-        for path in show(options.episodes, options.all, options.results, options.output, options.config):
+        where = options.results, options.output, options.config, options.runs, say
+        for path in record(options.episodes, *where) if options.rrd else show(options.episodes, options.all, *where):
             print(path, flush=True)
         return 0
 

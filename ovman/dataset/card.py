@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,8 +20,6 @@ from ovman.models.relation import Relation
 from ovman.report.tables.table import pipe_table
 
 CARD = "README.md"
-ROW = re.compile(r"^\| *`([^`]+)` *\|.*\| *`([0-9a-f]{64})` *\|$")
-"""A line of the card's table of files: name first, SHA-256 last."""
 SIZES = ((1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"))
 """Hugging Face's classes of sizes by the number of rows that they end below."""
 TITLES = {
@@ -33,10 +30,19 @@ TITLES = {
     "dataSocialImpact": "Social impact",
     "dataReleaseMaintenancePlan": "Maintenance",
 }
-LOAD_TOURS = """tours = load_dataset(".", "tours", split="{split}")  # with streaming=True one row after the other
+LOAD_TOURS = """
+The tours take {size}. The benchmark's Git repository leaves them out; in its checkout, `ovman dataset --out dataset` records them
+after `pip install '.[dataset]'`.
+
+```python
+tours = load_dataset(here, "tours", split="{split}")  # with streaming=True one row after the other
 episode = episodes[0]
 first = tours.filter(lambda name: name == episode["first_tour"], input_columns="tour").sort("view")
 first[0]["rgb"], first[0]["depth"]  # pictures of Pillow; depth / 1000 is metres
+```
+"""
+ABSENT = """
+The tours are not among them: `ovman dataset` without `--without-tours` makes them.
 """
 
 
@@ -75,10 +81,9 @@ def card(
     splits: Sequence[SplitOf],
     tables: Sequence[Table],
     files: Sequence[DataFile],
-    beside: Mapping[str, str],
     said: Mapping[str, Any],
 ) -> str:
-    """The card. beside: SHA-256 of the other files of the folder by their names; said: as `ovman.dataset.about.responsible`."""
+    """Return the card. said: as `ovman.dataset.about.responsible`."""
     matter = yaml.safe_dump(front_matter(about, tables, files), sort_keys=False, allow_unicode=True, width=1000)
     toured = [table for table in tables if table.pictured]
     small = min(splits, key=lambda split: len(split.episodes)).name
@@ -90,10 +95,10 @@ def card(
         counts=" ".join(_counts(tables, files)),
         splits=_split_table(splits),
         split=small,
-        load_tours=LOAD_TOURS.format(split=small) if toured else "",
+        load_tours=LOAD_TOURS.format(split=small, size=_size(_of(toured[0], files))) if toured else "",
         configurations="\n\n".join(_configuration(table) for table in tables),
-        absent="" if toured else " The tours are not among them: `ovman dataset` without `--without-tours` makes them.",
-        files=_files(files, beside),
+        absent="" if toured else ABSENT,
+        files=_files(tables, files),
         responsible="\n\n".join(_paragraphs(said["rai"])),
         licence=about.licence,
         sources=", ".join(f"<{source['url']}>" for source in said["derived_from"]),
@@ -102,20 +107,22 @@ def card(
     return f"---\n{matter}---\n\n{text}"
 
 
-def checksums(text: str) -> dict[str, str]:
-    """The SHA-256 of each file that a card names."""
-    found = (ROW.match(line) for line in text.splitlines())
-    return {match[1]: match[2] for match in found if match}
+def _of(table: Table, files: Sequence[DataFile], split: str | None = None) -> list[DataFile]:
+    return [file for file in files if file.table == table.name and split in (None, file.split)]
 
 
 def _splits(table: Table, files: Sequence[DataFile]) -> list[str]:
-    return list(dict.fromkeys(file.split for file in files if file.table == table.name))
+    return list(dict.fromkeys(file.split for file in _of(table, files)))
+
+
+def _size(files: Sequence[DataFile]) -> str:
+    return f"{sum(file.size for file in files) / 1e6:.1f} MB"
 
 
 def _counts(tables: Sequence[Table], files: Sequence[DataFile]) -> Iterator[str]:
     for table in tables:
-        of = [file for file in files if file.table == table.name]
-        yield f"`{table.name}` has {sum(file.rows for file in of)} rows in {sum(file.size for file in of) / 1e6:.1f} MB."
+        of = _of(table, files)
+        yield f"`{table.name}` has {sum(file.rows for file in of)} rows in {_size(of)}."
 
 
 def _split_table(splits: Sequence[SplitOf]) -> str:
@@ -140,10 +147,14 @@ def _configuration(table: Table) -> str:
     return f"### {table.name}\n\n{table.about}\n\n{_table(['column', 'form', 'content', ''], cells)}"
 
 
-def _files(files: Sequence[DataFile], beside: Mapping[str, str]) -> str:
-    cells = [[f"`{file.name}`", str(file.rows), str(file.size), f"`{file.sha256}`"] for file in files]
-    cells += [[f"`{name}`", "", "", f"`{digest}`"] for name, digest in sorted(beside.items())]
-    return _table(["file", "rows", "bytes", "sha256"], cells)
+def _files(tables: Sequence[Table], files: Sequence[DataFile]) -> str:
+    cells = []
+    for table in tables:
+        for split in _splits(table, files):
+            of = _of(table, files, split)
+            name = f"`{table.file(split, '*') if len(of) > 1 else of[0].name}`"
+            cells.append([name, str(len(of)), str(sum(file.rows for file in of)), str(sum(file.size for file in of))])
+    return _table(["files", "number", "rows", "bytes"], cells)
 
 
 def _paragraphs(said: Mapping[str, Any]) -> Iterator[str]:
@@ -153,4 +164,4 @@ def _paragraphs(said: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _table(header: Sequence[str], cells: Sequence[Sequence[str]]) -> str:
-    return pipe_table(header, cells, [name in ("rows", "bytes") for name in header]).rstrip()
+    return pipe_table(header, cells, [name in ("number", "rows", "bytes") for name in header]).rstrip()

@@ -11,7 +11,7 @@ from typing import Any
 from ovman.atomic import SUFFIX, clear_partials, replace_bytes
 from ovman.dataset import answers, episodes, parquet, tours
 from ovman.dataset.about import About, responsible
-from ovman.dataset.card import CARD, SplitOf, card, checksums
+from ovman.dataset.card import CARD, SplitOf, card
 from ovman.dataset.columns import Table
 from ovman.dataset.croissant import croissant
 from ovman.dataset.files import DataFile, data_file, sha256
@@ -20,7 +20,7 @@ from ovman.entry.errors import EntryError
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
 
-CROISSANT, ZENODO = "croissant.json", ".zenodo.json"
+CROISSANT, ZENODO, SUMS = "croissant.json", ".zenodo.json", "SHA256SUMS"
 TABLES = (episodes.TABLE, tours.TABLE, answers.RUNS, answers.PREDICTIONS)
 """In the order of the card; the first is the default configuration."""
 
@@ -70,19 +70,27 @@ def make(sources: Sources, about: About, out: Path, say: Callable[[str], None]) 
 
 
 def verify(folder: Path) -> list[str]:
-    """What is wrong with the files that the card of a folder names, a line a file. EntryError where it has no such card."""
-    file = folder / CARD
-    named = checksums(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    if not named:
-        raise EntryError(f"{file}: no card with checksums; make the data set: ovman dataset --out {folder}")
-    again = f"make it again: ovman dataset --out {folder}"
+    """Return what is wrong with the files that SHA256SUMS of a folder names, a line for each. EntryError without that file."""
+    file = folder / SUMS
+    again = f"make it: ovman dataset --out {folder}"
+    if not file.is_file():
+        raise EntryError(f"{file}: not there; {again}")
     found = []
-    for name, digest in named.items():
+    for name, digest in read_sums(file).items():
         if not (folder / name).is_file():
-            found.append(f"{folder / name}: not there; {again}")
+            above = folder / Path(name).parts[0]
+            found.append(f"{folder / name if above.exists() else above}: not there; {again}")
         elif sha256(folder / name) != digest:
-            found.append(f"{folder / name}: its content is not what the card says; {again}")
-    return found
+            found.append(f"{folder / name}: its content is not what {SUMS} says; {again}")
+    return list(dict.fromkeys(found))
+
+
+def read_sums(file: Path) -> dict[str, str]:
+    """Return the SHA-256 of files by name, as sha256sum writes them. EntryError for a line that is none."""
+    lines = [line.split("  ", 1) for line in file.read_text(encoding="utf-8").splitlines()]
+    if wrong := next((number for number, line in enumerate(lines, 1) if len(line) != 2), None):
+        raise EntryError(f"{file}, line {wrong}: no checksum and name; make it: ovman dataset --out {file.parent}")
+    return {name: digest for digest, name in lines}
 
 
 def refuse_foreign(out: Path) -> None:
@@ -111,9 +119,10 @@ def _describe(about: About, splits: Sequence[SplitOf], files: Sequence[DataFile]
         CROISSANT: croissant(about, tables, files, said),
         ZENODO: zenodo(about, said["derived_from"]),
     }
-    for name in (*beside, CARD):
+    for name in (*beside, CARD, SUMS):
         clear_partials(out / name)
     for name, content in beside.items():
         replace_bytes(out / name, (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode())
-    digests = {name: sha256(out / name) for name in beside}
-    replace_bytes(out / CARD, card(about, splits, tables, files, digests, said).encode())
+    replace_bytes(out / CARD, card(about, splits, tables, files, said).encode())
+    digests = {file.name: file.sha256 for file in files} | {name: sha256(out / name) for name in (*beside, CARD)}
+    replace_bytes(out / SUMS, "".join(f"{digest}  {name}\n" for name, digest in digests.items()).encode())

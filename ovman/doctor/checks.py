@@ -128,8 +128,7 @@ def workflow() -> Finding:
         if importlib.util.find_spec(name) is None
     ]
     if missing:
-        remedy = "pip install 'ovman[benchmark]', or make setup"
-        return Finding("benchmark", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
+        return Finding("benchmark", State.ABSENT, f"{', '.join(missing)} not installed", "in a checkout of OVMAN: make setup")
     return Finding("benchmark", State.WELL, f"snakemake {importlib.metadata.version('snakemake')}")
 
 
@@ -150,8 +149,7 @@ def perception(config: Path | None = None) -> Finding:
     """Both networks of the settings on one picture, within a time limit."""
     missing = [name for name in NETWORK_LIBRARIES if importlib.util.find_spec(name) is None]
     if missing:
-        remedy = "pip install ovman, or make setup"
-        return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", remedy)
+        return Finding("perception", State.ABSENT, f"{', '.join(missing)} not installed", "in a checkout of OVMAN: make setup")
     file = HOME / "config.yaml" if config is None else config
     if not file.exists():
         return Finding("perception", State.ABSENT, "no config.yaml beside the package; a checkout of the repository has one")

@@ -80,7 +80,11 @@ def check_split(results: Results, path: Path) -> Iterator[str]:
 NO_OUTPUTS = frozenset({"checksums", "journal", "visits", "pages", "report.html"})
 """What in results/ is no output of a rule."""
 PER_SCENE = {"scenes": ".json", "trials": ".jsonl"} | dict.fromkeys(
-    ("detections", "labels", "maps", "maintained", "segments", "walks", "walk_labels"), ".npz"
+    (
+        *("detections", "cues", "labels", "maps", "maintained", "dualmap", "segments", "walks", "walk_labels"),
+        "readmitted/maps",
+    ),
+    ".npz",
 )
 """Folders of results/ with a file for every scene, and how their names end."""
 CHECKS: Mapping[str, Check] = {
@@ -115,3 +119,9 @@ def missing_scenes(results: Results) -> Iterator[str]:
             recorded = (results.directory / checksums.path_of(path)).exists()  # then `damages` has it
             if there and scene not in there and not recorded:
                 yield f"{path}: is missing; make it: snakemake --cores 2 -- {path}"
+
+
+def folders_not_made(results: Results) -> list[str]:
+    """Return the folders with a file for every scene that hold no file."""
+    root, folders = results.directory / checksums.MADE, {"visits": ".json"} | PER_SCENE
+    return [folder for folder, suffix in folders.items() if not any((root / folder).glob(f"*{suffix}"))]

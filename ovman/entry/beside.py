@@ -19,7 +19,7 @@ class Beside:
 
     released: rates by relation, then all, of these and of the controls. chance: the mean of 1/n_i by relation and over all, n_i
     the instances of an episode's category. tests: each run that was judged against the released arms, by relation, then all.
-    untested: a line for each arm that is not tested, and why.
+    untested: a line for each arm that is not tested, and why. systems: what the released arms are called, by name.
     """
 
     references: frozenset[str]
@@ -27,6 +27,7 @@ class Beside:
     chance: Mapping[str, float]
     tests: Sequence[Comparison]
     untested: Sequence[str]
+    systems: Mapping[str, str]
 
 
 def set_beside(judged: Sequence[Outcome], kind: Kind, split: str | None, release: Release) -> Beside:
@@ -35,20 +36,24 @@ def set_beside(judged: Sequence[Outcome], kind: Kind, split: str | None, release
     A static run is tested against the arms that were realised once, an embodied one against runs under its own seed.
     """
     rates, outcomes = ([], []) if split is None else release.of_kind(kind, split)
-    tests, untested = _tests(judged, outcomes, kind)
+    systems = {name: arm.system for name, arm in release.settings.arms.items()}
+    tests, untested = _tests(judged, outcomes, kind, systems)
     chance = chances({outcome.episode: outcome for outcome in judged})
-    return Beside(release.references(kind), rates, {relation: of_n for relation, (of_n, _) in chance.items()}, tests, untested)
+    by_chance = {relation: of_n for relation, (of_n, _) in chance.items()}
+    return Beside(release.references(kind), rates, by_chance, tests, untested, systems)
 
 
-def _tests(judged: Sequence[Outcome], released: Sequence[Outcome], kind: Kind) -> tuple[list[Comparison], list[str]]:
+def _tests(
+    judged: Sequence[Outcome], released: Sequence[Outcome], kind: Kind, systems: Mapping[str, str]
+) -> tuple[list[Comparison], list[str]]:
     tests, untested = [], []
     baselines = {}
     for name, outcomes in by_arm(released).items():
         runs = by_seed(outcomes)
         if any(map(is_expectation, outcomes)):
-            untested.append(f"{name}: a stochastic pick")
+            untested.append(f"{systems[name]}: a stochastic pick")
         elif kind is Kind.STATIC and len(runs) > 1:
-            untested.append(f"{name}: {len(runs)} runs")
+            untested.append(f"{systems[name]}: {len(runs)} runs")
         else:
             baselines[name] = runs
     for arm, outcomes in by_arm(judged).items():
@@ -59,7 +64,7 @@ def _tests(judged: Sequence[Outcome], released: Sequence[Outcome], kind: Kind) -
             for name, runs in baselines.items():
                 baseline = runs.get(seed) if kind is Kind.EMBODIED else next(iter(runs.values()))
                 if baseline is None:
-                    untested.append(f"{name}: no run under seed {seed}")
+                    untested.append(f"{systems[name]}: no run under seed {seed}")
                 else:
                     tests += family(Pair(name=f"{arm} against {name}", arm=arm, baseline=name), seed, run, baseline)
     return tests, untested

@@ -49,7 +49,7 @@ def serve(options: argparse.Namespace) -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Returns the exit status."""
-    parser = argparse.ArgumentParser(prog="ovman serve")
+    parser = argparse.ArgumentParser(prog="ovman serve", allow_abbrev=False)
     add_arguments(parser)
     try:
         serve(parser.parse_args(arguments))

@@ -47,9 +47,9 @@ def beside(rates: Sequence[Rate], found: Beside, judged: str) -> list[list[str]]
     rows += [[f"{arm} ({judged})", *_shares(of, relations), "", "", ""] for arm, of in by_arm(rates)]
     for arm, of in by_arm(found.released):
         tests = [test for test in found.tests if test.baseline == arm and test.relation == ALL]
-        role = "reference" if arm in found.references else "control"
+        role = "" if arm in found.references else " (control)"
         over_all = _test(tests[0]) if tests and len(runs) == 1 else ["", "", ""]
-        rows.append([f"{arm} ({role})", *_shares(of, relations), *over_all])
+        rows.append([f"{found.systems[arm]}{role}", *_shares(of, relations), *over_all])
         if len(runs) > 1:
             rows += [[f"  {test.arm}, seed {test.seed}", *("" for _ in relations), *_test(test)] for test in tests]
     return [*rows, ["chance 1/n", *(share(found.chance[relation]) for relation in relations), "", "", ""]]
@@ -60,15 +60,15 @@ def said(rates: Sequence[Rate], found: Beside) -> Iterator[str]:
     for arm, of in by_arm(rates):
         own = of[-1].rate
         if reach := reaching(own, found):
-            there = ", ".join(f"{name} ({share(rate)})" for name, rate in reach)
+            there = "; ".join(f"{name} ({share(rate)})" for name, rate in reach)
             yield f"controls reach the score of {arm}, {share(own)}: {there}"
     if found.untested:
-        yield f"without a paired test: {', '.join(found.untested)}"
+        yield f"without a paired test: {'; '.join(found.untested)}"
 
 
 def reaching(own: float, found: Beside) -> list[tuple[str, float]]:
     """The controls, and chance, whose success over all is no lower than `own`, each with it."""
-    controls = [(name, of[-1].rate) for name, of in by_arm(found.released) if name not in found.references]
+    controls = [(found.systems[name], of[-1].rate) for name, of in by_arm(found.released) if name not in found.references]
     there = [*controls, ("chance 1/n", found.chance[ALL])]
     return [(name, rate) for name, rate in there if round(rate, DECIMALS) >= round(own, DECIMALS)]
 

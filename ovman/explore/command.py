@@ -22,6 +22,6 @@ def explore(options: argparse.Namespace, say: Callable[[str], None]) -> Path:
     directory, split = Path(options.release or DATA), options.split or MAIN
     Release(directory, settings).episodes(split)
     data = encoded(read(directory, settings, split), settings, say)
-    out = Path(options.out)
+    out = Path(options.out) if options.out else Path("results" if Path("results").is_dir() else "") / "pages" / "explore.html"
     replace_bytes(out, page(data, settings).encode())
     return out

@@ -20,7 +20,7 @@ from ovman.generation.release import rejection
 from ovman.generation.verdict import against_drift, against_geometry, against_observations
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
-from ovman.models.settings import Settings
+from ovman.models.settings import Kind, Settings
 from ovman.models.trial import Trial, Verdict
 
 GEOMETRY, OBSERVATION = ("delta_min_m", "validity_radius_m"), ("tau_m", "delta_min_m", "min_mask_px")
@@ -158,7 +158,7 @@ def _arm(name: str, settings: Settings, runs: list[Any]) -> dict[str, Any]:
     arm = settings.arms[name]
     return {
         "name": name,
-        "title": f"{arm.system}, {arm.memory}",
+        "title": arm.system if arm.kind is Kind.EMBODIED else f"{arm.system}, {arm.memory}",
         "kind": str(arm.kind),
         "block": "control" if arm.control else "handed" if "handed" in (arm.grounding, arm.positions, arm.answer) else "system",
         "runs": runs,

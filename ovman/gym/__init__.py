@@ -10,7 +10,7 @@ try:
     from gymnasium.envs.registration import register, registry
 except ModuleNotFoundError as missing:
     absent = str(missing.name).partition(".")[0]
-    raise ModuleNotFoundError(f"{absent} is not installed; pip install 'ovman[gym]' brings it", name=absent) from None
+    raise ModuleNotFoundError(f"{absent} is not installed; in a checkout of OVMAN: pip install '.[gym]'", name=absent) from None
 
 ID = "OVMAN-v1"
 """What `gymnasium.make` calls the environment."""

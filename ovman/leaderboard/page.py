@@ -129,7 +129,7 @@ def _entries(found: Sequence[Standing | Refusal]) -> dict[str, Standing]:
 
 
 def _reached(row: Standing) -> str:
-    return "reached by " + ", ".join(f"{name} ({tables.share(rate)})" for name, rate in row.reached_by)
+    return "reached by " + "; ".join(f"{name} ({tables.share(rate)})" for name, rate in row.reached_by)
 
 
 def _ranks(rows: Sequence[Standing]) -> list[str]:

@@ -1,1 +1,1 @@
-"""Episodes and runs as a recording that is looked at in three dimensions and in time (Rerun)."""
+"""Pages about episodes and their runs, and recordings that Rerun shows in three dimensions and in time."""

@@ -1,25 +1,84 @@
-"""The command `ovman show --rrd`: recordings of episodes for Rerun's viewer."""
+"""The command `ovman show`: pages about episodes with an index where they are many, or recordings for Rerun's viewer."""
 
 from __future__ import annotations
 
-import logging
-from collections.abc import Iterator, Mapping, Sequence
+import functools
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import redirect_stdout
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ovman.agents.interface import VISITS
-from ovman.atomic import replacing
+from ovman.atomic import replace_bytes, replacing
+from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
 from ovman.models.episode import Episode
 from ovman.models.settings import Kind, Settings, arms_of, of_kind
+from ovman.models.settings.splits import in_main_job
+from ovman.perception import detections
 from ovman.perception.libraries import cache as user_cache
 from ovman.playback.paths import runs_of_arms, runs_of_evaluation, traced
 from ovman.playback.recording import write
-from ovman.report.show.command import places
+from ovman.report.show.index import index
+from ovman.report.show.page import page
 from ovman.report.show.reasoning import reasonings
 from ovman.report.show.results import Results, ShowError
-from ovman.report.show.verdicts import static_rows
+from ovman.report.show.verdicts import Drive, static_rows
+from ovman.shipped import EMBEDDED, HOME
 from ovman.sim.session import Session
+from ovman.workflow import config
+from ovman.workflow.provenance import module_digest
+
+if TYPE_CHECKING:
+    from ovman.perception.detector import Detector
+    from ovman.perception.encoder import Encoder
+
+PAGES = "pages"
+"""The folder of a results directory that pages are written into unless another place is named."""
+RESULTS, CONFIG = "results", "config.yaml"
+Say = Callable[[str], None]
+
+
+def show(
+    patterns: Sequence[str],
+    all_of_them: bool,
+    results_dir: str | Path | None,
+    output: str | Path | None,
+    config_file: str | Path | None,
+    evaluations: Sequence[str | Path],
+    say: Say,
+    cache: Path | None = None,
+) -> Iterator[Path]:
+    """Write the pages of the episodes that match and yield each file, the index of several last.
+
+    Args:
+        patterns: Ids of episodes, or shell wildcards.
+        all_of_them: Every episode, whatever `patterns` has.
+        results_dir: `results` of the working directory by default; the release where that is missing or lacks the episodes.
+        output: A file for one episode, a directory for many; by default `pages` in the results, or in the working directory.
+        config_file: That of the working directory by default, and where there is none the release's.
+        evaluations: Folders that `ovman eval` wrote, whose runs are drawn and judged as well.
+        say: Takes a line about each tour that is recorded or looked at.
+        cache: Keeps the recorded tours and their detections; the user's by default.
+
+    Raises:
+        ShowError, ConfigError, RecordError, EntryError, SimulatorError: In one line.
+    """
+    settings, results, directory = places(results_dir, output, config_file)
+    if not patterns and not all_of_them:
+        raise ShowError(f"name an episode, such as {next(iter(results.episodes), 'FloorPlan201/moved/0000')}, or write --all")
+    results, chosen = _chosen(results, ["*"] if all_of_them else patterns, results_dir is None)
+    alone = len(chosen) == 1 and output is not None and not directory.is_dir()
+    for name in chosen:
+        episode = results.episodes[name]
+        results.scene(episode.scene)  # nothing is recorded for a page that cannot be drawn
+        _supply(results, episode, settings, cache or user_cache(), say)
+        drives = list(_own_drives(evaluations, episode, settings, say))
+        yield _write(directory if alone else directory / f"{name}.html", page(results, name, settings, drives))
+    if len(chosen) > 1:
+        yield _write(directory / "index.html", index(results, chosen, [Path(f"{name}.html") for name in chosen]))
 
 
 def record(
@@ -28,31 +87,96 @@ def record(
     output: str | Path | None,
     config_file: str | Path | None,
     evaluations: Sequence[str | Path],
+    say: Say,
     cache: Path | None = None,
 ) -> Iterator[Path]:
-    """Write a recording of each episode that matches, and yield its file.
-
-    results_dir, output, config_file: as for `ovman.report.show.command.show`. evaluations: folders that `ovman eval` wrote, whose
-    runs are drawn as well. cache: folder of tours, which are recorded where the results have none; the user's by default.
-    ShowError, ConfigError, RecordError, EntryError or SimulatorError, in one line.
-    """
+    """Write a recording of each episode that matches, and yield its file. Arguments and errors are those of `show`."""
     if find_spec("rerun") is None:
-        raise ShowError("rerun-sdk is not installed; pip install 'ovman[rerun]' brings it")
+        raise ShowError("rerun-sdk is not installed; in a checkout of OVMAN: pip install '.[rerun]'")
     settings, results, directory = places(results_dir, output, config_file)
     if not patterns:
         raise ShowError("name an episode, such as FloorPlan201/moved/0001")
-    chosen = results.chosen(patterns)
+    results, chosen = _chosen(results, patterns, results_dir is None)
     for name in chosen:
         alone = len(chosen) == 1 and output is not None and not directory.is_dir()
         path = directory if alone else directory / f"{name}.rrd"
         path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as partial:
-            _write(partial, results, results.episodes[name], settings, evaluations, cache or user_cache())
+            _record(partial, results, results.episodes[name], settings, evaluations, cache or user_cache(), say)
         yield path
 
 
-def _write(
-    path: Path, results: Results, episode: Episode, settings: Settings, evaluations: Sequence[str | Path], cache: Path
+def places(
+    results_dir: str | Path | None, output: str | Path | None, config_file: str | Path | None
+) -> tuple[Settings, Results, Path]:
+    """Return the settings, the results, and where pages go, with the defaults of `show`. ConfigError."""
+    released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
+    settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
+    splits = {name: split.arms for name, split in settings.splits.items()}
+    apart = {*splits} - {*in_main_job(settings.splits)}
+    directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
+    results = Results(directory_of_results, arms_of(settings.arms), splits, apart)
+    directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES
+    return settings, results, directory
+
+
+def _chosen(results: Results, patterns: Sequence[str], or_released: bool) -> tuple[Results, list[str]]:
+    """Return the episodes that match, from the release if the results lack them. ShowError if neither has them."""
+    try:
+        return results, results.chosen(patterns)
+    except ShowError:
+        if not or_released:
+            raise
+        released = Results(HOME / EMBEDDED, results.arms, results.splits, results.apart)
+        return released, released.chosen(patterns)
+
+
+def _supply(results: Results, episode: Episode, settings: Settings, cache: Path, say: Say) -> None:
+    """Record the tours of an episode and look at them, where the results have neither. SimulatorError, WeightsError."""
+    if episode.backend != "embedded":
+        return
+    tours = _tours(results, episode, cache, say)
+    lacks = [which for which in VISITS if results.map(episode, which) is None or results.detected(episode, which) is None]
+    visits = {episode.visits[which]: tours[which] for which in VISITS}
+    if not lacks:
+        results.supply(episode, tours)
+        return
+    remembered()
+    networks = detections.networks_of(settings)
+
+    def loaded() -> tuple[Detector, Encoder]:
+        say(f"detecting objects in the tours of {episode.id}")
+        return networks()
+
+    code = [module_digest(module.__name__) or "" for module in detections.SIGHT]
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
+        seen = detections.looked_at(visits, settings, code, cache / "detections", functools.cache(loaded))
+    noun = None if episode.noun in results.nouns else networks()[1].texts([episode.noun])[0]
+    results.supply(episode, tours, seen, noun, settings.maps.cluster_radius_m)
+
+
+def _tours(results: Results, episode: Episode, cache: Path, say: Say) -> Mapping[str, Path]:
+    """Return the folders of the recorded tours; record them where the results have none."""
+    there = {which: results.visit_directory(episode, which) for which in VISITS}
+    if all((directory / "visit.json").is_file() for directory in there.values()):
+        return there
+    with Session(episode.scene, episode.settings) as session:
+        recorded = TourCache(cache, say).places(session, episode)
+    return {which: recorded[episode.visits[which]] for which in VISITS}
+
+
+def _own_drives(evaluations: Sequence[str | Path], episode: Episode, settings: Settings, say: Say) -> Iterator[Drive]:
+    """Yield the runs of an episode in folders of evaluations; those with a trace are driven again. EntryError, SimulatorError."""
+    for directory in evaluations:
+        runs = runs_of_evaluation(Path(directory), episode, settings)
+        if not runs:
+            say(f"{directory}: has no run of {episode.id}; its page shows none")
+        yield from traced(runs, episode)
+        yield from (Drive(run, ()) for run, _ in runs if run.trace is None)
+
+
+def _record(
+    path: Path, results: Results, episode: Episode, settings: Settings, evaluations: Sequence[str | Path], cache: Path, say: Say
 ) -> None:
     arms = of_kind(arms_of(settings.arms), Kind.EMBODIED)
     judged = [run for arm in arms for run in results.runs(arm.name, episode).values()]
@@ -65,7 +189,7 @@ def _write(
         path,
         episode,
         results.scene(episode.scene),
-        _tours(results, episode, cache),
+        _tours(results, episode, cache, say),
         reasonings(results, episode, settings),
         static_rows(results, episode),
         list(traced(list(drawn.values()), episode)),
@@ -73,11 +197,10 @@ def _write(
     )
 
 
-def _tours(results: Results, episode: Episode, cache: Path) -> Mapping[str, Path]:
-    """The folders of the recorded tours; recorded now where the results have none."""
-    there = {which: results.visit_directory(episode, which) for which in VISITS}
-    if all((directory / "visit.json").is_file() for directory in there.values()):
-        return there
-    with Session(episode.scene, episode.settings) as session:
-        places = TourCache(cache, logging.getLogger(__name__).info).places(session, episode)
-    return {which: places[episode.visits[which]] for which in VISITS}
+def _write(path: Path, text: str) -> Path:
+    """Write a whole file. ShowError where it cannot be written."""
+    try:
+        replace_bytes(path, text.encode())
+    except OSError as error:
+        raise ShowError(f"{path}: {error.strerror}; name another place with --output") from None
+    return path

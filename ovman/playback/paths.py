@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -16,21 +15,11 @@ from ovman.evaluation.observation_store import ObservationStore
 from ovman.models.episode import Episode
 from ovman.models.run import Score
 from ovman.models.settings import Settings
+from ovman.report.show.verdicts import Drive, Pose
 from ovman.workflow.parameter import StageSettings, stage_settings
 
-Pose = tuple[float, float, float]
-"""x and z in metres, yaw in degrees."""
 
-
-@dataclass(frozen=True, slots=True)
-class Path3:
-    """A run as it was driven again. poses: at the spawn, then after each action."""
-
-    run: Score
-    poses: Sequence[Pose]
-
-
-def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Iterator[Path3]:
+def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Iterator[Drive]:
     """The paths of runs of an episode that have a trace. SimulatorError if the simulator refuses."""
     by_body: dict[str, list[tuple[Score, StageSettings]]] = {}
     for run, settings in runs:
@@ -42,7 +31,7 @@ def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Ite
                 lens = episode.protocol.camera.field_of_view_deg
                 store = ObservationStore(settings.arm, settings, lens, Path(episode.scene))
                 attempt = Attempt(session, episode, settings.arm, run.seed, settings, store)
-                yield Path3(run, session.with_restarts(partial(_poses, attempt, run.trace or "")))
+                yield Drive(run, session.with_restarts(partial(_poses, attempt, run.trace or "")))
 
 
 def runs_of_arms(found: Sequence[Score], settings: Settings) -> list[tuple[Score, StageSettings]]:

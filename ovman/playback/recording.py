@@ -20,9 +20,8 @@ from ovman.models.prediction import Answer
 from ovman.models.scene import Scene
 from ovman.models.settings import Settings
 from ovman.perception.backprojection import Camera, world_points
-from ovman.playback.paths import Path3
 from ovman.report.show.reasoning import Reasoning
-from ovman.report.show.verdicts import StaticRow
+from ovman.report.show.verdicts import Drive, StaticRow
 
 STRIDE = 4
 """Of the pixels of a frame, each this many in a row and a column become points."""
@@ -40,7 +39,7 @@ def write(
     tours: Mapping[str, Path],
     reasonings: Sequence[Reasoning],
     answers: Sequence[StaticRow],
-    paths: Sequence[Path3],
+    paths: Sequence[Drive],
     settings: Settings,
 ) -> None:
     """Write the recording of an episode. tours: folders of its recorded visits by "first" and "second", shown as agents are told.
@@ -85,7 +84,7 @@ def _layout() -> Any:
     )
 
 
-def _words(episode: Episode, answers: Sequence[StaticRow], paths: Sequence[Path3]) -> str:
+def _words(episode: Episode, answers: Sequence[StaticRow], paths: Sequence[Drive]) -> str:
     lines = [f"# {episode.sentence}", "", f"{episode.id}, {episode.split}", "", "| arm | verdict |", "|---|---|"]
     lines += [f"| {row.letter} {row.arm.name} | {row.words or row.verdict} |" for row in answers]
     lines += [
@@ -193,7 +192,7 @@ def _answer(rr: Any, recording: Any, row: StaticRow) -> None:
         )
 
 
-def _path(rr: Any, recording: Any, one: Path3) -> None:
+def _path(rr: Any, recording: Any, one: Drive) -> None:
     base = f"arms/{one.run.arm}/seed{one.run.seed}"
     colour = FOUND if one.run.success else MISSED
     line = [[x, STOP_M, z] for x, z, _ in one.poses]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ovman.workflow import checksums
 
-TREES = {name: name for name in ("scenes", "episodes", "trials", "certified", "predictions", "metrics", "tables")} | {
+TREES = {name: name for name in ("scenes", "episodes", "trials", "certified", "predictions", "metrics", "tables", "all")} | {
     "scores": "runs"
 }
 """Folders of results/, and their names in the release, where they are files that others read."""

@@ -1,4 +1,8 @@
-"""Where the parameter that results were made under is another than that of a checkout with its settings."""
+"""Compare the parameters that a release was made under with those of this checkout.
+
+`python -m ovman.workflow.differences` declares that the code of this checkout gives the results of the release: it writes
+workflow/equal_code.json. Run it only after a comparison of the results; docs/design.md says how.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +11,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from ovman.models.settings import Settings
+from ovman.shipped import EMBEDDED, HOME
+from ovman.workflow import made
+from ovman.workflow.config import load_files
 from ovman.workflow.parameter import canonical
+from ovman.workflow.provenance import EQUAL_CODE
 
 WORDS = {
     "code": "its code",
@@ -54,3 +62,20 @@ def _changed(then: Any, here: Any) -> str:
     """Two values that differ; long ones are not shown."""
     texts = json.dumps(then), json.dumps(here)
     return "differs" if max(map(len, texts)) > 40 else f"was {texts[0]} and is {texts[1]}"
+
+
+def equal_code(parameters: Iterable[str], settings: Settings) -> dict[str, str]:
+    """Pair each digest of code of this checkout with the one that the release has in its place, where the two differ."""
+    pairs = {}
+    for text in parameters:
+        then = json.loads(text)
+        now = json.loads(canonical(settings, then["stage"], then.get("arm", {}).get("name")))
+        digests = zip([now["code"], *now.get("agent", [])], [then["code"], *then.get("agent", [])], strict=True)
+        pairs.update({here: there for here, there in digests if here != there})
+    return dict(sorted(pairs.items()))
+
+
+if __name__ == "__main__":
+    (HOME / EQUAL_CODE).unlink(missing_ok=True)
+    pairs = equal_code(made.read(HOME / EMBEDDED).parameters.values(), load_files([HOME / "config.yaml"]))
+    (HOME / EQUAL_CODE).write_text(json.dumps(pairs, indent=1) + "\n", encoding="utf-8")

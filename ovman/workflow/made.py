@@ -17,7 +17,7 @@ from ovman.workflow.snakemake_records import Done, Records
 
 PARAMETERS, JOBS = Path("parameters.json"), Path("made.jsonl")
 """The two files, in the release."""
-TABLES = (checksums.MADE / "tables").as_posix()
+TABLES = (checksums.MADE / "all").as_posix()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ no result is older than the code that is said to have made it.
 from __future__ import annotations
 
 import hashlib
+import json
 from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
@@ -18,6 +19,8 @@ from ovman.workflow.sources import Memory, Parsed, defined
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGES = {"ovman": ".", "ovman_engine": "packages/ovman-engine"}
 """The packages of this repository, and where each lies under its root. Where wheels are installed they lie side by side."""
+EQUAL_CODE = Path("workflow", "equal_code.json")
+"""Digests of this checkout's code to those of the release's code with the same results."""
 BOUNDARY = frozenset(
     {
         "ovman.workflow.config",
@@ -38,7 +41,7 @@ def script(stage: str, root: Path = ROOT) -> Path:
 @cache
 def code_digest(stage: str, root: Path = ROOT) -> str:
     """Digest of the code that a stage runs, as the files were when any stage's was first asked for."""
-    return _sources(root).digest(script(stage, root))
+    return released_digest(_sources(root).digest(script(stage, root)))
 
 
 @cache
@@ -47,7 +50,7 @@ def script_digest(path: Path, plugin: str, root: Path = ROOT) -> str:
 
     plugin: the plug-in's module by its dotted name; like BOUNDARY, it is not followed.
     """
-    return _sources(root).script_digest(path, plugin)
+    return released_digest(_sources(root).script_digest(path, plugin))
 
 
 @cache
@@ -56,7 +59,23 @@ def module_digest(name: str, root: Path = ROOT) -> str | None:
 
     Nothing is imported: the file is looked for where Python would look.
     """
-    return _sources(root).module_digest(name)
+    found = _sources(root).module_digest(name)
+    return None if found is None else released_digest(found)
+
+
+def released_digest(found: str) -> str:
+    """Return the digest of the release's code that `found` is equal to in its results; `found` itself if there is none.
+
+    workflow/equal_code.json has the pairs. `python -m ovman.workflow.differences` writes it, after the results were compared.
+    """
+    return _equal_code().get(found, found)
+
+
+@cache
+def _equal_code() -> dict[str, str]:
+    path = HOME / EQUAL_CODE
+    pairs: dict[str, str] = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    return pairs
 
 
 def module_file(name: str, root: Path = ROOT) -> Path | None:

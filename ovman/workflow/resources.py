@@ -34,6 +34,8 @@ LIKE: Mapping[str, str] = {
     "simulator": "scenes",
     "static_tables": "metrics",
     "controls": "metrics",
+    "paper_controls": "metrics",
+    "all_tables": "tables",
     "crops": "cues",
     "cues_of_scene": "cues",
     "labels_of_scene": "labels",
@@ -62,7 +64,7 @@ TRAINING: Mapping[str, tuple[int, int]] = {
 }
 """Minutes and MB of the rules that train and export networks. No run of the main job measures them; their cards say hours."""
 
-RULE = re.compile(r"^(?:use )?rule (\w+)(?: as (\w+) with)?:\n(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
+RULE = re.compile(r"^(?:use rule|rule|checkpoint) (\w+)(?: as (\w+) with)?:\n(.*?)(?=^\S|\Z)", re.MULTILINE | re.DOTALL)
 BENCHMARK = re.compile(r'^    benchmark:\n        "benchmarks/(.+)\.tsv"', re.MULTILINE)
 WILDCARDS = {"scene": r"FloorPlan\d+(?:-FloorPlan\d+)?", "of": r"(?:[a-z0-9_]+/)?"}
 

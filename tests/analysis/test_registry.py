@@ -4,8 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.analysis.registry import METRICS, compared, drawn, in_split_tables, in_static_tables, in_tables, of_split, table_of
-from ovman.models.settings import Need, splits_of
+from ovman.analysis.registry import (
+    METRICS,
+    compared,
+    drawn,
+    in_all_tables,
+    in_split_tables,
+    in_static_tables,
+    in_tables,
+    of_split,
+    table_of,
+)
+from ovman.models.settings import Need
 from tests.arms import ARMS, CONFIG
 
 OF_SPLIT = [
@@ -40,7 +50,7 @@ def test_figures_and_static_tables_show_what_the_tables_show():
     assert set(drawn(ARMS)) == FIGURES
     static = in_static_tables()
     assert set(static) == {"static_rates", "taxonomy", "difficulty", "budget", "readings", "pairings", "shortcuts"}
-    assert {*drawn(ARMS), *static, *compared(ARMS)} <= set(in_tables(ARMS))
+    assert {*drawn(ARMS), *static, *compared(ARMS)} <= {*in_tables(ARMS), *in_all_tables(ARMS)}
     assert all(table_of(name) == name.removesuffix("_rates") for name in static)
 
 
@@ -49,13 +59,13 @@ def test_what_no_arm_needs_is_not_made():
     assert len(without) < len(ARMS)
     for take in (in_tables, compared):
         assert set(take(ARMS)) - set(take(without)) == {"dualmap"}
-    assert set(in_tables([])) == {metric.name for metric in METRICS if metric.table is not None} - {"dualmap"}
+    shown = {metric.name for metric in METRICS if metric.table is not None}
+    assert {*in_tables([]), *in_all_tables([])} == shown - {"dualmap"}
 
 
-def test_the_tables_have_the_splits_of_the_main_job():
-    beside = set(in_tables(ARMS, CONFIG.splits)) - set(in_tables(ARMS))
-    in_job = [split for split in CONFIG.splits.values() if split.main_job]
-    assert len(in_job) < len(CONFIG.splits) == len(splits_of(CONFIG.splits)) - 1
-    assert beside == {name for split in in_job for name in in_split_tables(ARMS, split)}
-    for split in in_job:
+@pytest.mark.parametrize("take", (in_tables, in_all_tables))
+def test_the_tables_have_the_splits_that_are_asked_for(take):
+    splits = [*CONFIG.splits.values()]
+    assert {*take(ARMS, splits)} - {*take(ARMS)} == {name for split in splits for name in in_split_tables(ARMS, split)}
+    for split in splits:
         assert set(in_split_tables([], split)) == {f"{split.name}_rates", f"{split.name}_rejections"}

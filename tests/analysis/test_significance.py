@@ -73,7 +73,7 @@ def test_pairs_without_an_arm_are_named_and_no_others():
     pairs, left_out = among([TWO, ONE], PAIRS)
     assert [(pair.arm, pair.baseline) for pair in pairs] == [(TWO, ONE)]
     assert len(left_out) == len(PAIRS) - 1
-    assert "not compared: grounding handed over against own; there is no arm grounding_two_visits" in left_out
+    assert "not compared: oracle grounding against own; there is no arm grounding_two_visits" in left_out
     everything = {name for pair in PAIRS for name in (pair.arm, pair.baseline)}
     assert among(everything, PAIRS) == (list(PAIRS), [])
 

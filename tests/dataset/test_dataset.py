@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import mlcroissant
@@ -25,10 +26,9 @@ from ovman.agents.interface import CameraPose, Observation, Visit
 from ovman.cli import main
 from ovman.dataset.about import responsible
 from ovman.dataset.answers import PREDICTIONS, RUNS
-from ovman.dataset.card import checksums
 from ovman.dataset.columns import Kind
 from ovman.dataset.episodes import tour_id
-from ovman.dataset.making import TABLES
+from ovman.dataset.making import SUMS, TABLES, read_sums
 from ovman.dataset.tours import TABLE as TOURS
 from ovman.dataset.tours import intrinsics
 from ovman.entry.tour_cache import VISITS, TourCache
@@ -357,7 +357,7 @@ def test_the_card_names_what_is_there(small):
     there = {*files(small.made)}
     assert named == {name for name in there if name.endswith(".parquet")}
     assert {entry["split"] for config in matter["configs"] for entry in config["data_files"]} == {*SPLITS}
-    assert {*checksums(text)} == there - {"README.md"}
+    assert {*read_sums(small.made / SUMS)} == there - {SUMS}
     for table in TABLES:
         for column in table.columns:
             assert re.search(rf"^\| `{column.name}` .*{'truth' if column.truth else ''} *\|$", text, re.MULTILINE), column
@@ -367,7 +367,30 @@ def test_the_card_names_what_is_there(small):
     assert not re.search(r"\{\w+\}", text), "every place of the template is filled in"
 
 
-def test_what_is_not_what_the_card_says_is_named(small, tmp_path, capsys):
+def code(text: str, language: str) -> list[str]:
+    """The blocks of code of a card."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)
+
+
+def test_every_line_of_code_of_the_card_runs_as_it_is_printed(small, tmp_path, monkeypatch):
+    monkeypatch.setattr("datasets.config.HF_DATASETS_CACHE", tmp_path)
+    for folder, blocks in ((small.made, 2), (ROOT / "dataset", 1)):
+        monkeypatch.chdir(folder)
+        text, names = (folder / "README.md").read_text(encoding="utf-8"), {}
+        programs, commands = code(text, "python"), "".join(code(text, "sh")).splitlines()
+        for program in programs[:blocks]:  # the checkout has no tours
+            exec(program, names)
+        assert len(programs) == 2 and len(names["episodes"]) > 0
+        for command in commands:
+            if command.startswith("pip install "):
+                assert all(find_spec({"pillow": "PIL"}.get(name, name)) for name in command.split()[2:])
+            else:
+                subprocess.run(command, shell=True, check=True)
+        if blocks == 2:
+            assert names["first"][0]["rgb"].size == names["first"][0]["depth"].size
+
+
+def test_what_is_not_what_was_made_is_named(small, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(small.made, copy)
     assert main(["dataset", "--out", str(copy), "--verify"]) == 0
@@ -379,6 +402,9 @@ def test_what_is_not_what_the_card_says_is_named(small, tmp_path, capsys):
     assert main(["dataset", "--out", str(copy), "--verify"]) == 1
     said = capsys.readouterr().err.splitlines()
     assert len(said) == 2 and "runs/main.parquet: its content" in said[0] and "croissant.json: not there" in said[1]
+    shutil.rmtree(copy / "tours")
+    assert main(["dataset", "--out", str(copy), "--verify"]) == 1
+    assert len([line for line in capsys.readouterr().err.splitlines() if f"{copy / 'tours'}: not there" in line]) == 1
 
 
 def test_without_tours_nothing_says_that_there_are_some(small, tmp_path, monkeypatch):
@@ -439,7 +465,7 @@ def test_what_a_killed_making_left_is_cleared(small, tmp_path):
         (["--split", "multi"], "the release has no episodes of the split multi"),
         (["--date", "yesterday"], "--date: 'yesterday' is no day; write YYYY-MM-DD"),
         (["--out", str(ROOT / "ovman")], "holds other files and no croissant.json; name a new folder with --out"),
-        (["--out", str(ROOT / "ovman"), "--verify"], "no card with checksums; make the data set"),
+        (["--out", str(ROOT / "ovman"), "--verify"], "SHA256SUMS: not there; make it: ovman dataset"),
     ],
 )
 def test_what_is_wrong_is_said_in_a_line(small, tmp_path, capsys, options, says):
@@ -454,4 +480,6 @@ def test_without_arrow_the_command_says_what_to_install():
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 1
-    assert done.stderr.splitlines() == ["ovman dataset: pyarrow is not installed; pip install 'ovman[dataset]' brings it"]
+    assert done.stderr.splitlines() == [
+        "ovman dataset: pyarrow is not installed; in a checkout of OVMAN: pip install '.[dataset]'"
+    ]

@@ -8,8 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from ovman.dataset import answers, episodes, tours
-from ovman.dataset.card import checksums
-from ovman.dataset.making import CROISSANT, ZENODO
+from ovman.dataset.making import CROISSANT, SUMS, ZENODO, read_sums
 from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
@@ -27,10 +26,10 @@ def released():
     return {split: Episode.load(DATA / "episodes" / f"{split}.jsonl") for split in SPLITS}
 
 
-def test_every_file_is_what_the_card_says(released):
-    named = checksums((DATASET / "README.md").read_text(encoding="utf-8"))
+def test_every_file_has_its_checksum(released):
+    named = read_sums(DATASET / SUMS)
     scenes = {tours.TABLE.file(split, episode.scene) for split, some in released.items() for episode in some}
-    there = {path.relative_to(DATASET).as_posix() for path in DATASET.rglob("*") if path.is_file()} - {"README.md"}
+    there = {path.relative_to(DATASET).as_posix() for path in DATASET.rglob("*") if path.is_file()} - {SUMS}
     assert there | scenes == {*named} and {CROISSANT, ZENODO} < there
     for name in there:
         assert hashlib.sha256((DATASET / name).read_bytes()).hexdigest() == named[name], name

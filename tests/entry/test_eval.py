@@ -171,8 +171,8 @@ def test_a_whole_split_has_the_released_rates_and_stands_beside_the_release():
         tests[reference, 0, "all"].successes - tests[reference, 0, "all"].baseline_successes
     )
     text = as_text(summary, markdown=True)
-    assert f"{reference} (reference)" in text and "PARTIAL" not in text and json.loads(as_json(summary))["whole"]
-    assert re.search(rf"^controls reach the score of {ARM}, 0\.\d+: .*{ARM}", text, re.MULTILINE)
+    assert CONFIG.arms[reference].system in text and "PARTIAL" not in text and json.loads(as_json(summary))["whole"]
+    assert re.search(rf"^controls reach the score of {ARM}, 0\.\d+: .*{CONFIG.arms[ARM].system} \(", text, re.MULTILINE)
 
 
 @pytest.mark.parametrize("parts", [1, 3, 8, 219])

@@ -97,6 +97,9 @@ def test_entries_stand_by_split_and_role(evaluations, enter, board, tmp_path, ca
 
 def test_an_evaluation_can_be_added_to_an_entry(evaluations, enter, board, tmp_path, capsys):
     assert enter(points(tmp_path / "all.jsonl", 2), "mine", "--split", SPLIT, "--system", "mine", *ABOUT) == 0
+    said = capsys.readouterr()
+    assert said.out == f"{tmp_path / 'board' / 'mine' / SPLIT}\n"
+    assert f"{SPLIT} is a split for tuning" in said.err and "pull request" in said.err
     assert enter(evaluations[DEPTH], "mine") == 0
     assert {path.name for path in (tmp_path / "board" / "mine" / SPLIT).iterdir()} == {
         "manifest.json",

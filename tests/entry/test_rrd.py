@@ -84,7 +84,7 @@ def test_paths_end_where_the_runs_stopped(chunks, depth_driving):
 def test_without_rerun_it_is_one_line(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(playback, "find_spec", lambda name: None)
     assert command("show", "--rrd", EPISODE.id, "--results", DATA, "--output", tmp_path / "x.rrd") == 1
-    assert capsys.readouterr().err == "ovman show: rerun-sdk is not installed; pip install 'ovman[rerun]' brings it\n"
+    assert capsys.readouterr().err == "ovman show: rerun-sdk is not installed; in a checkout of OVMAN: pip install '.[rerun]'\n"
 
 
 def test_an_unknown_episode_is_one_line(monkeypatch, capsys, tmp_path):

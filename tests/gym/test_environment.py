@@ -305,4 +305,7 @@ def test_the_page_is_true(monkeypatch, tmp_path, capsys, made):
 def test_without_gymnasium_it_is_said_what_brings_it():
     program = "import sys; sys.modules['gymnasium'] = None; import ovman.gym"
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True)
-    assert done.stderr.splitlines()[-1] == "ModuleNotFoundError: gymnasium is not installed; pip install 'ovman[gym]' brings it"
+    assert (
+        done.stderr.splitlines()[-1]
+        == "ModuleNotFoundError: gymnasium is not installed; in a checkout of OVMAN: pip install '.[gym]'"
+    )

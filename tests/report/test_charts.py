@@ -3,42 +3,63 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from ovman.report.figures import agent, budget, canvas, charts, difficulty
+from ovman.report.figures import agent, budget, canvas, charts, controls, coverage, difficulty, memory, sensitivity
 from ovman.report.figures.canvas import COLUMN_IN, DPI, SMALL_PT
+from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import PAPER, Paper
 from tests.arms import CONFIG
+from tests.episodes import DATA
 from tests.report.paper_comparison.papers import metrics_of, papers_files, written_files
 
 ROOT = Path(__file__).parents[2]
 RULES = (ROOT / "workflow" / "rules" / "figures.smk").read_text(encoding="utf-8")
+RELEASED = Metrics.load(
+    [DATA / "metrics" / f"{name}.csv" for name in ("controls", "coverage", "sensitivity")],
+    arms_by_row(CONFIG.comparisons, CONFIG.paper),
+)
 FIGURES = tuple(sorted(re.findall(r"(\w+)\.png", RULES.split("rule charts")[1])))
 """The names of the outputs of the rule."""
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory) -> list[Path]:
+def draw(tmp_path_factory) -> Callable[[], Path]:
+    """Return a function that runs the stage and returns its folder."""
     metrics = written_files(tmp_path_factory.mktemp("metrics"), papers_files())
-    directories = [tmp_path_factory.mktemp(name) for name in ("one", "other")]
-    for directory in directories:
+
+    def run() -> Path:
+        directory = tmp_path_factory.mktemp("drawn")
         charts.run(metrics, PAPER, CONFIG, directory)
-    return directories
+        return directory
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def drawn(draw) -> Path:
+    return draw()
 
 
 def width_px(picture: Path) -> int:
     return int.from_bytes(picture.read_bytes()[16:20], "big")
 
 
-def test_the_stage_makes_what_the_rule_declares_twice_the_same(drawn):
-    one, other = drawn
-    assert {path.name for path in one.iterdir()} == {f"{name}.{form}" for name in FIGURES for form in ("png", "pdf")}
-    for path in one.iterdir():
-        assert path.read_bytes() == (other / path.name).read_bytes(), path.name
+@pytest.mark.soak
+def test_the_stage_draws_the_same_bytes_twice(draw, drawn):
+    again = draw()
+    for path in drawn.iterdir():
+        assert path.read_bytes() == (again / path.name).read_bytes(), path.name
+
+
+def test_the_stage_makes_what_the_rule_declares(drawn):
+    assert {path.name for path in drawn.iterdir()} == {f"{name}.{form}" for name in FIGURES for form in ("png", "pdf")}
+    for path in drawn.iterdir():
         assert path.read_bytes().startswith(b"\x89PNG" if path.suffix == ".png" else b"%PDF"), path.name
-    assert {width_px(path) for path in one.glob("*.png")} == {round(COLUMN_IN * DPI)}
+    assert {width_px(path) for path in drawn.glob("*.png")} == {round(COLUMN_IN * DPI)}
 
 
 def test_every_figure_has_a_caption_and_is_released():
@@ -65,8 +86,15 @@ def texts(draw, tmp_path, monkeypatch) -> list:
         figure.canvas.draw()
         from matplotlib.text import Text
 
+        beyond = {
+            tick.label1
+            for axes in figure.axes
+            for axis in (axes.xaxis, axes.yaxis)
+            for tick in axis.get_major_ticks()
+            if not min(axis.get_view_interval()) <= tick.get_loc() <= max(axis.get_view_interval())
+        }
         for text in figure.findobj(Text):
-            if text.get_text().strip() and text.get_visible():
+            if text.get_text().strip() and text.get_visible() and text not in beyond:
                 found.append((text.get_text(), text.get_fontsize(), text.get_window_extent(), figure.bbox.frozen()))
 
     monkeypatch.setattr(Figure, "savefig", savefig)
@@ -79,13 +107,28 @@ def test_type_is_legible_in_print_and_stays_on_the_page(tmp_path, monkeypatch):
     for draw in (
         agent.draw,
         lambda path: budget.draw(metrics, paper, CONFIG, path),
+        lambda path: controls.draw(RELEASED, CONFIG, path),
+        lambda path: coverage.draw(RELEASED, CONFIG, path),
         lambda path: difficulty.draw(metrics, paper, CONFIG, path),
+        lambda path: memory.draw(metrics, paper, path),
+        lambda path: sensitivity.draw(RELEASED, paper, path),
     ):
         found = texts(draw, tmp_path, monkeypatch)
         assert found
         for words, size, box, page in found:
             assert size >= SMALL_PT >= 6, words
             assert page.x0 - 1 <= box.x0 and box.x1 <= page.x1 + 1 and page.y0 - 1 <= box.y0 and box.y1 <= page.y1 + 1, words
+
+
+def test_controls_has_the_released_rates_of_the_first_split_and_of_the_last(tmp_path, monkeypatch):
+    rows = RELEASED.frame("controls")
+    rows = rows[(rows["kind"] == "static") & (rows["relation"] == "all")]
+    found = [words for words, *_ in texts(lambda path: controls.draw(RELEASED, CONFIG, path), tmp_path, monkeypatch)]
+    for arm in ("joint", "two_visits", "depth_difference"):
+        rates = rows[(rows["arm"] == arm) & rows["split"].isin(("main", "everyday"))]["rate"]
+        assert len(rates) == 2 and {f"{float(rate):.3f}" for rate in rates} <= {*found}, arm
+        assert CONFIG.arms[arm].system in found
+    assert controls.CHANCE in found and CONFIG.arms["wrong_noun"].system not in found
 
 
 def test_words_of_the_agent_lie_in_their_boxes_and_boxes_apart(tmp_path, monkeypatch):

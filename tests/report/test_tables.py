@@ -111,18 +111,17 @@ def test_the_static_table_on_a_page(metrics, constants, tmp_path):
     page = (tmp_path / "tables" / "static.md").read_text(encoding="utf-8")
     caption, table = page.split("\n\n")
     assert " ".join(caption.split()).startswith(
-        "Static gate: the predicted point must fall within 1.0 m of the answer; rates over n episodes. Ranges are Wilson 95 % "
-        "intervals. † The expectation of a stochastic pick, not a count of successes:"
+        "Static gate: a prediction succeeds within 1.0 m of the answer. Ranges are Wilson 95 % intervals. † A stochastic pick:"
     )
     header, rule, *rows = table.splitlines()
     assert len({len(line) for line in (header, rule, *rows)}) == 1
     assert [[cell.strip() for cell in line.strip("|").split("|")] for line in (header, *rows)] == [
         ["system", "memory", "grounding", "positions", *(relation.upper() for relation in Relation), "ALL", "95 %", "n", "runs"],
-        ["ours (reference)", "single visit", "handed", "handed", *["0.250"] * 7, "0.083–0.417†", "24", "1"],
-        ["ours (reference)", "two visits", "handed", "handed", *["1.000"] * 7, "0.862–1.000", "24", "1"],
+        ["reference agent", "single visit", "oracle", "oracle", *["0.250"] * 7, "0.083–0.417†", "24", "1"],
+        ["reference agent", "two visits", "oracle", "oracle", *["1.000"] * 7, "0.862–1.000", "24", "1"],
     ]
     tex = (tmp_path / "tables" / "static.tex").read_text(encoding="utf-8")
-    assert r"\multicolumn{12}{l}{\emph{positions handed over (diagnostic)}} \\" in tex
+    assert r"\multicolumn{12}{l}{\emph{oracle positions (diagnostic)}} \\" in tex
     assert r"\begin{table*}" in tex and r"$^\dagger$" in tex
     assert tex.isascii()
 

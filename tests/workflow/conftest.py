@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 TINY = ROOT / "overlays" / "tiny.yaml"
-TARGET = "results/tables"
+TARGET = "results/all"
 SNAKEMAKE = (sys.executable, "-m", "snakemake")
 AT_ONCE = """
 import sys
@@ -96,7 +96,7 @@ class World:
         kept = (
             *("visits", "trials", "admissible", "certified", "episodes", "detections", "maps", "nouns.npz", "walks", "dualmap"),
             *("labels", "walk_labels", "maintained", "segments", "cues"),
-            *("predictions", "readmitted", "rollouts", "scores", "language", "metrics", "tables"),
+            *("predictions", "readmitted", "rollouts", "scores", "language", "metrics", "tables", "all"),
         )
         roots = [self.directory / "results" / name for name in kept]
         files = [path for root in roots for path in ([root] if root.is_file() else sorted(root.rglob("*"))) if path.is_file()]

@@ -27,8 +27,8 @@ def test_new_tables_without_a_simulator(world, tmp_path):
     assert said.returncode == 0, said.stdout
     # What a simulator does is kept in a journal, and there is nothing new in any. What remains starts no simulator.
     assert again.units() == world.units()
-    planned = again.planned(overlay)
-    assert {"scores", "predictions", "metrics", "tables"} <= planned.keys()
+    planned = again.planned(overlay, target="results/metrics/controls.csv")
+    assert {"scores", "predictions", "metrics", "controls"} <= planned.keys()
     assert not planned.keys() & {path.name for path in (again.directory / "results" / "journal").iterdir()}
     after = again.results()
     for file, radius_m in ((before, CONFIG.success.radius_m), (after, 1.01)):

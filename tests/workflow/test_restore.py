@@ -141,7 +141,7 @@ def test_what_other_constants_made_is_made_again_where_it_is_restored_all_the_sa
     (tmp_path / "overlay.yaml").write_text(yaml.safe_dump(overlay))
     (tmp_path / "again").mkdir()
     assert main(command(released, tmp_path / "again", "--differing", overlays=[tmp_path / "overlay.yaml"])) == 0
-    assert {*World(tmp_path / "again").planned(overlay)} == {"metrics", "controls", "tables"}
+    assert {*World(tmp_path / "again").planned(overlay)} == {"metrics", "controls", "paper_controls", "tables", "all_tables"}
 
 
 def test_results_that_are_there_stay(released, tmp_path, capsys):

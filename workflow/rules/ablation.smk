@@ -79,10 +79,13 @@ rule ablated_predictions:
 rule ablation:
     input:
         episodes=expand("results/ablation/{{split}}/episodes/{variant}.jsonl", variant=VARIANTS),
-        predictions=expand(
-            "results/ablation/{{split}}/predictions/{variant}/{arm}.jsonl",
-            variant=VARIANTS,
-            arm=[arm for arm in settings.comparisons.ablation if arm in settings.arms],
+        predictions=with_episodes(
+            lambda wildcards: expand(
+                "results/ablation/{split}/predictions/{variant}/{arm}.jsonl",
+                split=wildcards.split,
+                variant=VARIANTS,
+                arm=[arm for arm in settings.comparisons.ablation if arm in settings.arms],
+            )
         ),
     output:
         rates="results/ablation/{split}/rates.csv",

@@ -2,7 +2,7 @@
 
 import functools
 
-from ovman.analysis.registry import compared, drawn, in_split_tables, in_tables, of_stage
+from ovman.analysis.registry import compared, drawn, in_all_tables, in_split_tables, in_tables, of_stage
 from ovman.models.settings import (
     Kind,
     Need,
@@ -49,9 +49,9 @@ SPLITS = splits_of(settings.splits)
 # The splits beside the benchmark's own, whose files bear no name of a split.
 FURTHER = list(settings.splits)
 SCENES_OF = {name: scenes_of(name, settings.benchmark, settings.splits) for name in SPLITS}
-# Those of the main job, and of these the ones whose tours are like the benchmark's own.
+# The splits of results/all, and those of results/tables: the paper's, whose tours are like those of the benchmark's own split.
 JOB_SPLITS = [SPLITS[0], *in_main_job(settings.splits)]
-PLAIN = [name for name in JOB_SPLITS if name == SPLITS[0] or settings.splits[name].plain]
+PAPER_SPLITS = [name for name in JOB_SPLITS if name == SPLITS[0] or settings.splits[name].plain]
 OF_OTHER_SCENES = "|".join(OTHER_SCENES) or "none"
 PLUGINS = plugins_of(settings)
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.
@@ -98,6 +98,21 @@ def handed(file):
         if not named(ARMS, wildcards.arm).reads_sightings:
             return []
         return [file(wildcards) if callable(file) else file]
+
+    return found
+
+
+def with_episodes(files):
+    """Inputs that are known once the episodes are: Snakemake then compares them, and plans nothing that follows equal episodes."""
+
+    def found(wildcards):
+        checkpoints.episodes.get()
+        for split in JOB_SPLITS[1:]:
+            checkpoints.split_episodes.get(split=split)
+        if hasattr(wildcards, "split"):
+            checkpoints.split_episodes.get(split=wildcards.split)
+        checkpoints.readmitted.get()
+        return files(wildcards) if callable(files) else files
 
     return found
 

@@ -1,13 +1,19 @@
-# What is said of all splits of the main job in one file: who reaches what, controls beside agents, arm against arm.
-JUDGED = [kind.value for kind in Kind]
-for name in JOB_SPLITS[1:]:
-    JUDGED += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
+# Metrics across splits: the overview, controls next to agents, one arm against another. In results/metrics of all splits of
+# results/all, in results/metrics/paper of those of results/tables.
+
+
+def metrics_across(splits, what):
+    """The rates or outcomes of the arms of each kind on each split."""
+    kinds = [kind.value for kind in Kind]
+    for name in splits[1:]:
+        kinds += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
+    return expand("results/metrics/{kind}_{what}.csv", kind=kinds, what=what)
 
 
 rule controls:
     input:
-        rates=expand("results/metrics/{of}_rates.csv", of=JUDGED),
-        outcomes=expand("results/metrics/{of}_outcomes.csv", of=JUDGED),
+        rates=metrics_across(JOB_SPLITS, "rates"),
+        outcomes=metrics_across(JOB_SPLITS, "outcomes"),
     output:
         controls="results/metrics/controls.csv",
         coverage="results/metrics/coverage.csv",
@@ -19,3 +25,16 @@ rule controls:
         constants=stage("controls"),
     script:
         "../scripts/controls.py"
+
+
+use rule controls as paper_controls with:
+    input:
+        rates=metrics_across(PAPER_SPLITS, "rates"),
+        outcomes=metrics_across(PAPER_SPLITS, "outcomes"),
+    output:
+        controls="results/metrics/paper/controls.csv",
+        coverage="results/metrics/paper/coverage.csv",
+        overview="results/metrics/paper/overview.csv",
+        split_significance="results/metrics/paper/split_significance.csv",
+    log:
+        "logs/paper_controls.log",

@@ -1,7 +1,9 @@
-# A job releases a split: what is asked of one depends on no other.
+# One job releases one split, so that the episodes of a split depend on no other split.
+#
+# Checkpoints: if the episodes come out equal, nothing that follows them runs (`with_episodes` in common.smk).
 
 
-rule episodes:
+checkpoint episodes:
     input:
         trials=of_split_scenes("results/trials/{scene}.jsonl"),
         admissible=of_split_scenes("results/admissible/{scene}.jsonl"),
@@ -20,7 +22,11 @@ rule episodes:
         "../scripts/episodes.py"
 
 
-use rule episodes as split_episodes with:
+checkpoint split_episodes:
+    input:
+        trials=of_split_scenes("results/trials/{scene}.jsonl"),
+        admissible=of_split_scenes("results/admissible/{scene}.jsonl"),
+        certified=of_split_scenes("results/certified/{scene}.jsonl"),
     output:
         episodes="results/episodes/{split}.jsonl",
         sightings="results/episodes/{split}_sightings.jsonl",
@@ -29,3 +35,7 @@ use rule episodes as split_episodes with:
         "logs/split_episodes/{split}.log",
     benchmark:
         "benchmarks/split_episodes/{split}.tsv"
+    params:
+        constants=stage("episodes"),
+    script:
+        "../scripts/episodes.py"

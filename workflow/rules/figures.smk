@@ -4,8 +4,8 @@ PAPER = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison", "p
 
 rule figures:
     input:
-        episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PLAIN],
-        visits=expand("results/visits/{scene}.json", scene=SCENES),
+        episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PAPER_SPLITS],
+        visits=with_episodes(expand("results/visits/{scene}.json", scene=SCENES)),
     output:
         relations=report("results/figures/relations.png", caption="../report/relations.rst", category="Figures"),
         print="results/figures/relations.pdf",
@@ -20,20 +20,19 @@ rule figures:
 # What metrics alone are needed for, and the drawing of the agent.
 rule charts:
     input:
-        metrics=expand("results/metrics/{name}.csv", name=drawn(ARMS)),
+        metrics=with_episodes(expand("results/metrics/{name}.csv", name=drawn(ARMS))),
         paper=PAPER,
     output:
         agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
         budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),
         controls=report("results/figures/controls.png", caption="../report/controls.rst", category="Figures"),
         coverage=report("results/figures/coverage.png", caption="../report/coverage.rst", category="Figures"),
-        diag=report("results/figures/diag.png", caption="../report/diag.rst", category="Figures"),
         difficulty=report("results/figures/difficulty.png", caption="../report/difficulty.rst", category="Figures"),
         memory=report("results/figures/memory.png", caption="../report/memory.rst", category="Figures"),
         sensitivity=report("results/figures/sensitivity.png", caption="../report/sensitivity.rst", category="Figures"),
         print=expand(
             "results/figures/{name}.pdf",
-            name=("agent", "budget", "controls", "coverage", "diag", "difficulty", "memory", "sensitivity"),
+            name=("agent", "budget", "controls", "coverage", "difficulty", "memory", "sensitivity"),
         ),
     log:
         "logs/charts.log",

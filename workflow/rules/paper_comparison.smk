@@ -4,7 +4,7 @@ PAPER_COMPARISON = os.path.join(workflow.basedir, "ovman", "report", "paper_comp
 
 rule paper_comparison:
     input:
-        metrics=expand("results/metrics/{name}.csv", name=compared(ARMS)),
+        metrics=with_episodes(expand("results/metrics/{name}.csv", name=compared(ARMS))),
         paper=os.path.join(PAPER_COMPARISON, "paper.yaml"),
         statements=os.path.join(PAPER_COMPARISON, "statements.yaml"),
         own=os.path.join(PAPER_COMPARISON, "controls.yaml"),

@@ -2,7 +2,7 @@
 # that are concerned, and what two arms answer to them, lie in results/readmitted/.
 
 
-rule readmitted:
+checkpoint readmitted:
     input:
         trials=expand("results/trials/{scene}.jsonl", scene=SCENES),
         released="results/episodes/main.jsonl",

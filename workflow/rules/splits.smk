@@ -54,7 +54,7 @@ rule split_embodied_metrics:
 # The tables of one split, whether or not the main job has it: snakemake --cores 2 results/splits/NAME
 rule split_tables:
     input:
-        metrics=metrics_of_split,
+        metrics=with_episodes(metrics_of_split),
     output:
         tables=directory("results/splits/{split}"),
     log:

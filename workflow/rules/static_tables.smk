@@ -2,7 +2,7 @@
 rule static_tables:
     input:
         episodes="results/episodes/main.jsonl",
-        predictions=expand("results/predictions/{arm}.jsonl", arm=STATIC),
+        predictions=with_episodes(expand("results/predictions/{arm}.jsonl", arm=STATIC)),
     output:
         tables=directory("results/static_tables"),
     log:

@@ -1,7 +1,11 @@
-# The one rule that owns results/tables: another output below it would make the directory impossible as a target.
+# The tables of the paper: splits `main` and `multi`, every arm, the statistics, the audit of rejections.
+# Only this rule writes into results/tables: another output below it would make the directory impossible as a target.
 rule tables:
     input:
-        metrics=expand("results/metrics/{name}.csv", name=in_tables(ARMS, settings.splits)),
+        metrics=with_episodes(
+            expand("results/metrics/{name}.csv", name=in_tables(ARMS, [settings.splits[name] for name in PAPER_SPLITS[1:]]))
+            + expand("results/metrics/paper/{name}.csv", name=of_stage("controls"))
+        ),
         notes=expand("results/notes/{plugin}.json", plugin=dict.fromkeys(arm.made_by for arm in ARMS if arm.made_by)),
         position=os.path.join(workflow.basedir, "ovman", "report", "tables", "position.yaml"),
     output:
@@ -20,3 +24,31 @@ rule tables:
         constants=stage("tables"),
     script:
         "../scripts/tables.py"
+
+
+# The tables that the other splits add, and those across all splits.
+rule all_tables:
+    input:
+        tables="results/tables",
+        metrics=with_episodes(
+            expand(
+                "results/metrics/{name}.csv",
+                name=in_all_tables(ARMS, [settings.splits[name] for name in JOB_SPLITS if name not in PAPER_SPLITS]),
+            )
+        ),
+    output:
+        tables=report(
+            directory("results/all"),
+            caption="../report/tables.rst",
+            category="Tables of all splits",
+            patterns=["{table}.csv"],
+            labels={"table": "{table}"},
+        ),
+    log:
+        "logs/all_tables.log",
+    benchmark:
+        "benchmarks/all_tables.tsv"
+    params:
+        constants=stage("split_tables"),
+    script:
+        "../scripts/split_tables.py"

@@ -1,4 +1,4 @@
-"""The error budget: success of the two-visit agent with one source of error more handed over at each rung."""
+"""The paper's Fig. diag: (a) success with ever more of the agent replaced by the truth, (b) success by association gate."""
 
 from __future__ import annotations
 
@@ -7,7 +7,21 @@ from pathlib import Path
 from typing import Any
 
 from ovman.models.settings import Settings
-from ovman.report.figures.canvas import ABOVE, COLUMN_IN, DARK, PALE, bar, drawing, framed, value
+from ovman.report.figures.canvas import (
+    ABOVE,
+    AMBER,
+    COLUMN_IN,
+    DARK,
+    INK,
+    LIGHT,
+    PALE,
+    absent,
+    bar,
+    drawing,
+    framed,
+    lettered,
+    value,
+)
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading
 from ovman.report.paper_comparison.paper import Paper
 
@@ -18,13 +32,16 @@ _HALF = 0.19
 
 
 def draw(metrics: Metrics, paper: Paper, settings: Settings, output: Path) -> None:
-    """Write the rungs alone: ours with intervals, the paper's beside them."""
+    """Write both parts. The gate in force is marked, and the least displacement that is asked about, which it must not reach."""
     with drawing(output) as plt:
-        _, axis = plt.subplots(figsize=(COLUMN_IN, 1.9), layout="constrained")
-        rungs(axis, metrics, paper, settings)
+        _, (above, below) = plt.subplots(2, 1, figsize=(COLUMN_IN, 3.3), layout="constrained", height_ratios=[1.2, 1])
+        lettered(above, "a", "error budget")
+        _rungs(above, metrics, paper, settings)
+        lettered(below, "b", "association gate")
+        _gates(below, metrics)
 
 
-def rungs(axis: Any, metrics: Metrics, paper: Paper, settings: Settings) -> None:
+def _rungs(axis: Any, metrics: Metrics, paper: Paper, settings: Settings) -> None:
     """Two bars a rung, the metrics' titles below; a rung of which the paper has no figure has one."""
     titles = [str(row.rung) for row in _rows(metrics)]
     ours = theirs = False
@@ -57,3 +74,22 @@ def _rows(metrics: Metrics) -> list[Any]:
     except Missing:
         return []
     return list(rows[rows["relation"] == ALL].itertuples())
+
+
+def _gates(axis: Any, metrics: Metrics) -> None:
+    axis.set_xlabel("objects farther apart than this are not matched, m")
+    framed(axis, "success, static gate")
+    try:
+        rows = metrics.frame("gate_sweep")
+    except Missing as missing:
+        absent(axis, str(missing))
+        return
+    in_force = rows[rows["in_force"] == "1"]
+    rows = rows[["gate_m", "success", "low", "high"]].astype(float).sort_values("gate_m", kind="stable")
+    axis.fill_between(rows["gate_m"], rows["low"], rows["high"], color=LIGHT, alpha=0.6, linewidth=0, zorder=2)
+    axis.plot(rows["gate_m"], rows["success"], color=DARK, linewidth=1.2, marker="o", markersize=2.2, zorder=3)
+    for gate_m, delta_min_m in in_force[["gate_m", "delta_min_m"]].astype(float).to_numpy().tolist():
+        axis.axvline(gate_m, color=INK, linewidth=0.8, linestyle=(0, (3, 2)), label="in force", zorder=4)
+        axis.axvline(delta_min_m, color=AMBER, linewidth=1.0, label="least displacement", zorder=4)
+    if len(in_force):
+        axis.legend(ncols=2, **ABOVE)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ovman.models.settings import Settings
-from ovman.report.figures import agent, budget, controls, coverage, diag, difficulty, memory, sensitivity
+from ovman.report.figures import agent, budget, controls, coverage, difficulty, memory, sensitivity
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Paper
 
@@ -22,7 +22,6 @@ def run(metrics_files: Sequence[Path], paper_file: Path, constants: Settings, di
     budget.draw(metrics, paper, constants, directory / "budget.png")
     controls.draw(metrics, constants, directory / "controls.png")
     coverage.draw(metrics, constants, directory / "coverage.png")
-    diag.draw(metrics, paper, constants, directory / "diag.png")
     difficulty.draw(metrics, paper, constants, directory / "difficulty.png")
     memory.draw(metrics, paper, directory / "memory.png")
     sensitivity.draw(metrics, paper, directory / "sensitivity.png")

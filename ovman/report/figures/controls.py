@@ -1,4 +1,4 @@
-"""Controls beside the agents and chance, static success by relation, a panel a split."""
+"""Static success of agents, controls and chance on the first split and on the last, where more changes than the answer."""
 
 from __future__ import annotations
 
@@ -7,76 +7,106 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.models.relation import Relation
 from ovman.models.settings import Kind, Settings
-from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, LIGHT, SMALL_PT, absent, bar, drawing, framed, lettered
-from ovman.report.figures.memory import SHORT
+from ovman.models.settings.arms import Withheld
+from ovman.report.figures.canvas import ABOVE, AMBER, COLUMN_IN, DARK, INK, PALE, SMALL_PT, absent, drawing
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing
 
-CHANCES = {"chance": ("1/n", ":"), "chance_of_change": ("1/m", "--")}
-"""What a chance is called, and the style of its line, by column."""
-_SHADES = (LIGHT, DARK, "#0c2f52")
-"""Of agents, in turn."""
-_WIDTH = 0.8
-_MARKS = ("o", "s", "D", "^", "v", "<", ">", "P", "X", "*")
-_COLOURS = (AMBER, "#2f7d4f", "#a33b3b", "#6b4c9a")
-"""Of controls, in turn with the marks."""
-_PANEL_IN = 1.5
+CHANCE = "chance among what changed"
+"""Title of the row of column chance_of_change: a random pick of the changes of the kind that defines the episode."""
+AGENTS, CONTROLS = "agents", "controls"
+_COLUMNS = ["split", "block", "title", "rate", "low", "high"]
+_ROW_IN = 0.235
+_APART = 0.15
+"""Half the distance between the two dots of a row, as a share of its height."""
 
 
 def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
-    """Write bars for the agents of comparisons.controls, marks for the controls, and lines for the chances of 1/n and 1/m."""
+    """Write two dots with intervals for each arm of comparisons.controls: static success on the first split and on the last.
+
+    Of the controls, those that are asked about another noun, relation or visit are left to the table.
+    """
     try:
-        rows = metrics.frame("controls")
-        rows, missing = rows[rows["kind"] == Kind.STATIC], "controls.csv has no static arm"
+        rows, missing = _read(metrics, settings), "controls.csv has no static arm"
     except Missing as error:
-        rows, missing = pd.DataFrame(columns=["split"]), str(error)
+        rows, missing = pd.DataFrame(columns=_COLUMNS), str(error)
     splits = list(dict.fromkeys(rows["split"]))
-    height = _PANEL_IN * max(1, len(splits)) + 0.9
+    ends = list(dict.fromkeys((*splits[:1], *splits[-1:])))
+    rows = rows[rows["split"].isin(ends)]
+    blocks = [block for name in (AGENTS, CONTROLS, "") if len(block := rows[rows["block"] == name])]
+    lines = sum(1 + block["title"].nunique() for block in blocks)
     with drawing(output) as plt:
-        figure, axes = plt.subplots(max(1, len(splits)), 1, figsize=(COLUMN_IN, height), squeeze=False, layout="constrained")
-        for number, (axis, split) in enumerate(zip(axes[:, 0], splits, strict=False)):
-            of_split = rows[rows["split"] == split]
-            n = of_split.loc[of_split["relation"] == ALL, "n"].iloc[0]
-            _panel(axis, of_split, settings)
-            lettered(axis, "abcdefgh"[number] if len(splits) > 1 else "", f"split {split}, {n} episodes")
-            framed(axis, "success, static gate")
-        if splits:
-            key = dict(zip(*reversed(axes[0, 0].get_legend_handles_labels()), strict=True))
-            titles = dict.fromkeys(_name(arm, settings) for arm in settings.comparisons.controls if arm in settings.arms)
-            words = [*(title for title in titles if title in key), *(title for title, _ in CHANCES.values())]
-            style = {"frameon": False, "handlelength": 1.2, "fontsize": SMALL_PT}
-            figure.legend([key[word] for word in words], words, loc="outside upper center", ncols=2, **style)
-        else:
-            absent(axes[0, 0], missing)
-            framed(axes[0, 0], "success, static gate")
+        _, axis = plt.subplots(figsize=(COLUMN_IN, max(2.0, 0.6 + _ROW_IN * lines)), layout="constrained")
+        axis.set_xlabel("success on the static gate, all relations")
+        if not blocks:
+            absent(axis, missing)
+            return
+        _frame(axis)
+        place, places, titles = 0.0, [], []
+        for block, colour in zip(blocks, (DARK, AMBER, INK), strict=False):
+            heading = block["block"].iloc[0]
+            if heading:
+                places.append(place)
+                titles.append(heading)
+            else:
+                place -= 0.5
+            for title in dict.fromkeys(block["title"]):
+                place += 1
+                _line(axis, place, block[block["title"] == title], ends, colour)
+                places.append(place)
+                titles.append(title)
+            place += 1
+        for label in axis.set_yticks(places, titles) and axis.get_yticklabels():
+            label.set_fontstyle("italic" if label.get_text() in (AGENTS, CONTROLS) else "normal")
+        axis.set_ylim(place - 0.4, -0.6)
+        for face, split in zip(("white", INK)[-len(ends) :], ends, strict=True):
+            axis.plot([], [], "o", markerfacecolor=face, markeredgecolor=INK, markersize=4.2, label=f"split {split}")
+        axis.legend(**(ABOVE | {"ncols": 2, "handlelength": 0.8}))
 
 
-def _panel(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
-    groups = (*(relation.value for relation in Relation), ALL)
-    agents, controls = ([*dict.fromkeys(rows.loc[rows["control"] == sign, "arm"])] for sign in ("0", "1"))
-    for place, group in enumerate(groups):
-        here = rows[rows["relation"] == group].set_index("arm")
-        first = place == 0
-        for index, arm in enumerate(arm for arm in agents if arm in here.index):
-            width = _WIDTH / len(agents)
-            rate, low, high = (float(here.loc[arm, column]) for column in ("rate", "low", "high"))
-            at = place + (index - (len(agents) - 1) / 2) * width
-            bar(axis, at, (rate, low, high), width - 0.02, _SHADES[index % len(_SHADES)], _name(arm, settings) if first else None)
-        for index, arm in enumerate(arm for arm in controls if arm in here.index):
-            at = place + ((index + 0.5) / len(controls) - 0.5) * _WIDTH
-            style = {"marker": _MARKS[index % len(_MARKS)], "color": _COLOURS[index % len(_COLOURS)], "markersize": 3.2}
-            label = _name(arm, settings) if first else None
-            axis.plot(at, float(here.loc[arm, "rate"]), linestyle="", zorder=5, clip_on=False, label=label, **style)
-        if len(here):
-            ends = place - _WIDTH / 2, place + _WIDTH / 2
-            for column, (title, dashes) in CHANCES.items():
-                chance = float(here[column].iloc[0])
-                label = title if first else None
-                axis.plot(ends, (chance, chance), color=INK, linewidth=0.9, linestyle=dashes, zorder=4, label=label)
-    axis.set_xlim(-0.6, len(groups) - 0.4)
-    axis.set_xticks(range(len(groups)), [*SHORT.values(), ALL.upper()])
+def _read(metrics: Metrics, settings: Settings) -> pd.DataFrame:
+    """Return the rows of the figure, those with the highest rate on the first split first. Raises Missing without metrics."""
+    rows = metrics.frame("controls")
+    rows = rows[(rows["kind"] == Kind.STATIC) & (rows["relation"] == ALL)]
+    shown = [arm for arm in dict.fromkeys(rows["arm"]) if settings.arms[arm].withheld in (None, Withheld.NOUN)]
+    arms = rows[rows["arm"].isin(shown)]
+    arms = arms.assign(
+        block=["controls" if sign == "1" else "agents" for sign in arms["control"]],
+        title=[settings.comparisons.controls[arm].title or settings.arms[arm].system for arm in arms["arm"]],
+    )
+    of_splits = rows.drop_duplicates("split")
+    rates = dict.fromkeys(("rate", "low", "high"), of_splits["chance_of_change"])
+    found = pd.concat([arms, of_splits.assign(block="", title=CHANCE, **rates)])
+    found = found[_COLUMNS].astype({"rate": float, "low": float, "high": float})
+    first = found.drop_duplicates("title").set_index("title")["rate"]
+    return found.iloc[(-found["title"].map(first)).argsort(kind="stable")]
 
 
-def _name(arm: str, settings: Settings) -> str:
-    return settings.comparisons.controls[arm].title or settings.arms[arm].system
+def _line(axis: Any, place: float, rows: pd.DataFrame, ends: list[str], colour: str) -> None:
+    """The dots of one row with their intervals: hollow on the first split, filled on the last."""
+    of = {split: row for split, *row in rows[["split", "rate", "low", "high"]].to_numpy().tolist()}
+    rates = [rate for rate, *_ in of.values()]
+    axis.plot((min(rates), max(rates)), (place, place), color=PALE, linewidth=2.4, solid_capstyle="butt", zorder=1)
+    for number, split in enumerate(ends):
+        if split not in of:
+            continue
+        rate, low, high = of[split]
+        last = number == len(ends) - 1
+        at = place if len(ends) == 1 else place + (_APART if last else -_APART)
+        axis.plot((low, high), (at, at), color=colour, linewidth=0.8, zorder=2)
+        face = colour if last else "white"
+        axis.plot(rate, at, "o", markersize=4.2, markerfacecolor=face, markeredgecolor=colour, markeredgewidth=1.0, zorder=3)
+        right = rate > min(rates) or len(set(rates)) == 1
+        at_edge = ((high, at), (3, 0)) if right else ((low, at), (-3, 0))
+        style = {"textcoords": "offset points", "va": "center", "ha": "left" if right else "right", "fontsize": SMALL_PT}
+        axis.annotate(f"{rate:.3f}", *at_edge, **style)
+
+
+def _frame(axis: Any) -> None:
+    axis.set_xlim(-0.14, 1.18)
+    axis.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1.0])
+    axis.grid(axis="x", color=PALE, linewidth=0.5)
+    axis.set_axisbelow(True)
+    axis.tick_params(colors=INK, length=0, pad=3)
+    for side in ("top", "right", "left"):
+        axis.spines[side].set_visible(False)

@@ -26,7 +26,9 @@ def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
         for number, ((split, arm), line) in enumerate(rows.groupby(["split", "arm"], sort=False)):
             colour, dashes = _LINES[number % len(_LINES)]
             at, rate, low, high = (line[column].astype(float).to_numpy() for column in ("coverage", "rate", "low", "high"))
-            axis.plot(at, rate, color=colour, linestyle=dashes, linewidth=1.2, label=f"{split}, {settings.arms[str(arm)].system}")
+            axis.plot(
+                at, rate, color=colour, linestyle=dashes, linewidth=1.2, label=f"{settings.arms[str(arm)].system}, split {split}"
+            )
             axis.fill_between(at, low, high, color=colour, alpha=0.12, linewidth=0)
         if len(rows):
             axis.legend(frameon=False, fontsize=SMALL_PT, loc="lower left")
@@ -34,4 +36,5 @@ def draw(metrics: Metrics, settings: Settings, output: Path) -> None:
             absent(axis, missing)
         framed(axis, "success among the answers")
         axis.set_xlim(0, 1)
-        axis.set_xlabel("share of episodes answered, the surest first")
+        axis.set_xticks([0.2, 0.4, 0.6, 0.8, 1.0])
+        axis.set_xlabel("coverage (share of episodes answered, surest first)")

@@ -9,7 +9,20 @@ import pandas as pd
 
 from ovman.analysis.difficulty import MANY, By
 from ovman.models.settings import Settings
-from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, DIAMOND, LIGHT, SMALL_PT, absent, bar, drawing, framed, lettered
+from ovman.report.figures.canvas import (
+    ABOVE,
+    AMBER,
+    COLUMN_IN,
+    DARK,
+    DIAMOND,
+    LIGHT,
+    SMALL_PT,
+    absent,
+    bar,
+    drawing,
+    framed,
+    lettered,
+)
 from ovman.report.paper_comparison.metrics import Metrics, Missing
 from ovman.report.paper_comparison.paper import Paper
 
@@ -20,7 +33,7 @@ _WIDTH = 0.27
 
 def draw(metrics: Metrics, paper: Paper, settings: Settings, output: Path) -> None:
     """Write (a) the arms of comparisons.difficulty by number of instances, with intervals, diamonds being the paper's agent;
-    (b) the agent by scene as bars with intervals, the other arms as marks."""
+    (b) the agent by scene as bars with intervals, and as dots the other arms that pick nothing at random."""
     with drawing(output) as plt:
         figure, (above, below) = plt.subplots(2, 1, figsize=(COLUMN_IN, 3.6), layout="constrained", height_ratios=[1, 1.15])
         lettered(above, "a", "by instances of the category")
@@ -60,16 +73,19 @@ def _by_scene(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
     # From the hardest scene to the easiest; of equal ones by name.
     order = agent.assign(rate=agent["rate"].astype(float)).sort_values(["rate", "group"], kind="stable")["group"].to_list()
     for index, arm in enumerate(_shown(rows, settings)):
+        if settings.arms[arm].expected:
+            continue
         of_arm = rows[rows["arm"] == arm].set_index("group")
         for place, scene in enumerate(order):
             for ends in _ends(of_arm.loc[[scene]] if scene in of_arm.index else of_arm.iloc[:0]):
                 if arm == settings.comparisons.agent:
                     bar(axis, place, ends, 0.7, _colour(index))
                 else:
-                    marker = {"marker": "o" if index else "_", "markersize": 3 if index else 5, "markeredgewidth": 0.9}
-                    axis.plot(place, ends[0], color=_colour(index), zorder=4 if index else 5, **marker)
+                    label = settings.comparisons.difficulty[arm] if place == 0 else None
+                    axis.plot(place, ends[0], "o", color=_colour(index), markersize=3, zorder=4, label=label)
     axis.set_xticks(range(len(order)), [scene.removeprefix("FloorPlan") for scene in order], rotation=90, fontsize=SMALL_PT)
     axis.set_xlabel("floor plan")
+    axis.legend(**ABOVE)
     axis.set_xlim(-0.6, len(order) - 0.4)
     framed(axis, "success, static gate")
 

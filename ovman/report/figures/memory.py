@@ -12,15 +12,6 @@ from ovman.report.paper_comparison.comparison import static
 from ovman.report.paper_comparison.metrics import Metrics
 from ovman.report.paper_comparison.paper import Paper
 
-SHORT = {
-    Relation.MOVED: "MVD",
-    Relation.FORMER: "FMR",
-    Relation.MOVING: "MVG",
-    Relation.STABLE: "STB",
-    Relation.APPEARED: "APP",
-    Relation.REMOVED: "RMV",
-}
-"""The paper's abbreviations of the relations."""
 WIDTH = 0.4
 
 
@@ -39,25 +30,32 @@ class Panel:
 
 
 OURS = (
-    Panel("our maps, own grounding", "static.maintained", "static.two", "static.one"),
-    Panel("our maps, handed over", "static.grounding_maintained", "static.grounding_two", "static.grounding_one"),
+    Panel("reference agent,\nown grounding", "static.maintained", "static.two", "static.one"),
+    Panel("reference agent,\noracle grounding", "static.grounding_maintained", "static.grounding_two", "static.grounding_one"),
 )
 DUALMAP = (
-    Panel("DualMap, own grounding", "static.dualmap_one", "static.dualmap_two", "static.dualmap_one"),
-    Panel("DualMap, handed over", "static.grounding_dualmap_one", "static.grounding_dualmap_two", "static.grounding_dualmap_one"),
+    Panel("DualMap,\nown grounding", "static.dualmap_one", "static.dualmap_two", "static.dualmap_one"),
+    Panel(
+        "DualMap,\noracle grounding",
+        "static.grounding_dualmap_one",
+        "static.grounding_dualmap_two",
+        "static.grounding_dualmap_one",
+    ),
 )
 
 
 def draw(metrics: Metrics, paper: Paper, output: Path) -> None:
     """Write bars with intervals; diamonds are the paper's.
 
-    Our maps on the left and DualMap's on the right, with own grounding above and handed over below. Without metrics of DualMap
-    there is no right side.
+    The reference agent's maps on the left and DualMap's on the right, with own grounding above and oracle grounding below.
+    The right side is left out without metrics of DualMap.
     """
     there = any(metrics.find(static(row)) for panel in DUALMAP for row in (panel.one, panel.two))
     sides = [OURS, DUALMAP] if there else [OURS]
     with drawing(output) as plt:
-        figure, axes = plt.subplots(2, len(sides), figsize=(COLUMN_IN, 3.0), squeeze=False, sharey=True, layout="constrained")
+        figure, axes = plt.subplots(
+            2, len(sides), figsize=(COLUMN_IN, 3.5), squeeze=False, sharex=True, sharey=True, layout="constrained"
+        )
         for column, panels in enumerate(sides):
             for row, (axis, panel) in enumerate(zip(axes[:, column], panels, strict=True)):
                 _panel(axis, metrics, paper, panel)
@@ -82,4 +80,4 @@ def _panel(axis: Any, metrics: Metrics, paper: Paper, panel: Panel) -> None:
             if key in paper:
                 label = "paper" if first and row == panel.two else None
                 axis.plot(place + offset, paper[key].value, label=label, zorder=4, **DIAMOND)
-    axis.set_xticks(range(len(Relation)), [SHORT[relation] for relation in Relation])
+    axis.set_xticks(range(len(Relation)), [relation.value for relation in Relation], rotation=90)

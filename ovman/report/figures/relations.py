@@ -23,7 +23,7 @@ from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera
 from ovman.models.visit import View, Visit
 from ovman.perception import tour_files
-from ovman.report.figures.canvas import INK, PAGE_IN, SMALL_PT, drawing
+from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, drawing
 
 PIN = "#ffd23f"
 WRAP = 22
@@ -32,6 +32,8 @@ STEM_PX = 34
 BEST_DISTANCE_M = 2.2
 LARGER = 0.1
 """Weight of the logarithm of the target's mask size."""
+MARGIN_IN, LEGEND_IN = 0.05, 0.3
+"""Height of the margin above the headings, and of the line that says what the marks mean."""
 THERE_M = 0.15
 """A view shows a mover where the answer is if it is no farther from it than this."""
 IN_FRONT_M = 0.5
@@ -124,15 +126,28 @@ def _of_place(visit: Visit, point: Sequence[float], directory: Path, constants: 
     return 0, -math.inf
 
 
+def _star(axis: Any, u: float, v: float, hollow: bool) -> Any:
+    """Draw a star at a point and return its two lines, rim first."""
+    face = INK if hollow else PIN
+    style = {"marker": "*", "linestyle": "", "markerfacecolor": face}
+    rim = axis.plot(u, v, markersize=9, markeredgecolor=INK, markeredgewidth=1.6, **style)
+    return *rim, *axis.plot(u, v, markersize=8, markeredgecolor=PIN, markeredgewidth=0.7, **style)
+
+
+def _ring(axis: Any, u: float, v: float) -> Any:
+    """Draw a ring at a point and return its two lines, rim first."""
+    style = {"marker": "o", "linestyle": "", "markersize": 9, "markerfacecolor": "none"}
+    rim = axis.plot(u, v, markeredgecolor=INK, markeredgewidth=2.2, **style)
+    return *rim, *axis.plot(u, v, markeredgecolor="white", markeredgewidth=1.0, **style)
+
+
 def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
     """A star on a stem whose foot is at pixel (u, v), so that it hides little of what it marks."""
     top = v - STEM_PX
     for colour, width in ((INK, 1.8), (PIN, 0.8)):
         axis.plot([u, u], [v, top], color=colour, linewidth=width, solid_capstyle="round")
     axis.plot(u, v, marker="o", markersize=2.2, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.5)
-    face = INK if hollow else PIN
-    axis.plot(u, top, marker="*", markersize=9, markerfacecolor=face, markeredgecolor=INK, markeredgewidth=1.6)
-    axis.plot(u, top, marker="*", markersize=8, markerfacecolor=face, markeredgecolor=PIN, markeredgewidth=0.7)
+    _star(axis, u, top, hollow)
 
 
 def _others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
@@ -145,8 +160,7 @@ def _others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
         at = here[change.instance]
         u, v, _ = project((at.x, at.y, at.z), view, camera.width_px, camera.height_px, camera.field_of_view_deg)
         if 0 <= u < camera.width_px and 0 <= v < camera.height_px:
-            for colour, width in ((INK, 2.2), ("white", 1.0)):
-                axis.plot(u, v, marker="o", markersize=9, markerfacecolor="none", markeredgecolor=colour, markeredgewidth=width)
+            _ring(axis, u, v)
 
 
 def _panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
@@ -162,15 +176,34 @@ def _panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
         _pin(axis, u, v, hollow=shown.episode.relation.past)
 
 
+def _legend(part: Any, others: bool) -> None:
+    """Write what the marks mean. others: whether rings are among them."""
+    axis = part.add_axes((0, 0, 1, 1))
+    axis.set_axis_off()
+    marks = {
+        "the answer: an object, which must be in sight at the stop": _star(axis, math.nan, math.nan, hollow=False),
+        "the answer: a place that the object has left": _star(axis, math.nan, math.nan, hollow=True),
+    }
+    if others:
+        marks["something else that changes"] = _ring(axis, math.nan, math.nan)
+    # A mark is two lines over each other, which a tuple is drawn as.
+    axis.legend(
+        [*marks.values()],
+        [*marks],
+        **(LEGEND | {"loc": "center", "ncols": len(marks), "handletextpad": 0.8, "columnspacing": 2.0}),
+    )
+
+
 def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Path) -> None:
     """Write the figure of the chosen episodes, two rows of panels a split, to `output`, and as PDF."""
     panel_in = PAGE_IN / len(Relation)
     columns = max((len(row) for row in chosen.values()), default=1)
     with drawing(output) as plt:
-        size = panel_in * columns, (panel_in * 2 + 0.6) * len(chosen)
-        figure = plt.figure(figsize=size, layout="constrained")
-        figure.get_layout_engine().set(w_pad=0.02, h_pad=0.02, hspace=0.01, wspace=0.01)
-        parts = np.ravel(figure.subfigures(len(chosen), 1))
+        heights = [MARGIN_IN, *[panel_in * 2 + 0.6] * len(chosen), LEGEND_IN]
+        figure = plt.figure(figsize=(panel_in * columns, sum(heights)), layout="constrained")
+        figure.get_layout_engine().set(w_pad=0.02, h_pad=0.06, hspace=0.01, wspace=0.01)
+        _, *parts, below = np.ravel(figure.subfigures(len(heights), 1, height_ratios=heights))
+        _legend(below, any(shown.episode.others for row in chosen.values() for shown in row))
         for part, (split, row) in zip(parts, chosen.items(), strict=True):
             axes = part.subplots(2, columns, squeeze=False)
             for axis in axes.flat:

@@ -112,9 +112,9 @@ def _title(arm: Arm) -> str:
         return arm.system
     title = f"{arm.system}, {arm.memory}"
     if arm.positions is Source.HANDED:
-        return f"{title}, positions handed over"
+        return f"{title}, oracle positions"
     if arm.grounding is Source.HANDED:
-        return f"{title}, grounding handed over" + (f" ({arm.reading})" if arm.reading is not Handover.MAJORITY else "")
+        return f"{title}, oracle grounding" + (f" ({arm.reading})" if arm.reading is not Handover.MAJORITY else "")
     return title
 
 

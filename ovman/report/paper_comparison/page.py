@@ -48,15 +48,15 @@ class Sources:
 
 
 _SUMMARY: tuple[tuple[str, str, Reading], ...] = (
-    ("two visits, own perception, static", "static.two", static("static.two")),
-    ("one visit, own perception, static", "static.one", static("static.one")),
-    ("two visits, own perception, navigating", "embodied.two", embodied("embodied.two")),
-    ("two visits, grounding handed over, static", "static.grounding_two", static("static.grounding_two")),
-    ("two visits, positions handed over, static", "static.positions_two", static("static.positions_two")),
-    ("dualmap (reimplemented), maintained map, static", "static.dualmap_one", static("static.dualmap_one")),
-    ("dualmap (reimplemented), two visits, static", "static.dualmap_two", static("static.dualmap_two")),
-    ("cow (reimplemented), navigating", "embodied.cow", embodied("embodied.cow")),
-    ("oracle, navigating", "embodied.oracle", embodied("embodied.oracle")),
+    ("reference agent, two visits, static", "static.two", static("static.two")),
+    ("reference agent, single visit, static", "static.one", static("static.one")),
+    ("reference agent, two visits, navigating", "embodied.two", embodied("embodied.two")),
+    ("reference agent, oracle grounding, static", "static.grounding_two", static("static.grounding_two")),
+    ("reference agent, oracle positions, static", "static.positions_two", static("static.positions_two")),
+    ("DualMap, maintained map, static", "static.dualmap_one", static("static.dualmap_one")),
+    ("DualMap, two visits, static", "static.dualmap_two", static("static.dualmap_two")),
+    ("CoW, navigating", "embodied.cow", embodied("embodied.cow")),
+    ("oracle check, navigating", "embodied.oracle", embodied("embodied.oracle")),
 )
 _COSTS = {
     "mapping_s": "mapping_s_an_episode",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import groupby, pairwise, zip_longest
-from typing import Any
+from typing import Any, TypeVar
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -17,9 +17,9 @@ from ovman.models.settings import Settings
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
 from ovman.report.show.reasoning import Reasoning, reasonings
-from ovman.report.show.results import MAKE, Results
+from ovman.report.show.results import Results
 from ovman.report.show.room import Room
-from ovman.report.show.verdicts import embodied_rows, static_rows
+from ovman.report.show.verdicts import Drive, embodied_rows, static_rows, stop_of
 
 
 def environment() -> Environment:
@@ -33,10 +33,11 @@ def environment() -> Environment:
     )
 
 
-def page(results: Results, episode_id: str, settings: Settings) -> str:
-    """The page about an episode as HTML; equal files give equal text.
+def page(results: Results, episode_id: str, settings: Settings, drives: Sequence[Drive] = ()) -> str:
+    """Return the page about an episode as HTML; equal files give equal text.
 
-    Raises ShowError for an unknown episode or a missing scene. The page names other missing files.
+    drives: the user's own runs of the episode. ShowError for an unknown episode or a missing scene; the page names other missing
+    files.
     """
     (name,) = results.chosen([episode_id])
     episode = results.episodes[name]
@@ -44,6 +45,11 @@ def page(results: Results, episode_id: str, settings: Settings) -> str:
     found = reasonings(results, episode, settings)
     static, embodied = static_rows(results, episode), embodied_rows(results, episode)
     tours = [_tour(results, episode, found, visit) for visit in (0, 1)]
+    shown = shown_at_first(settings)
+    pointing = _at_first([list(rows) for _, rows in groupby(static, key=lambda row: row.arm.name)], shown)
+    by_agent = {name: [drive for drive in drives if drive.run.arm == name] for name in dict.fromkeys(d.run.arm for d in drives)}
+    own = [(name, [stop_of(drive.run, episode.relation.past) for drive in runs]) for name, runs in by_agent.items()]
+    answered = any(row.outcome is not None for row in static) or any(row.stops for row in embodied)
     return (
         environment()
         .get_template("page.html")
@@ -54,22 +60,46 @@ def page(results: Results, episode_id: str, settings: Settings) -> str:
             others=[(change.instance, _change(change)) for change in episode.others],
             answer=episode.answer,
             reasonings=[_evidence(reasoning) for reasoning in found],
+            evidence=next((k for k, one in enumerate(found) if one.arm == settings.comparisons.agent), 0),
             plans=[visit_plan(room, found, visit) for visit in (0, 1)],
             beyond=[max((beyond(room, reasoning, visit) for reasoning in found), default=0) for visit in (0, 1)],
-            overlay=overlay_plan(room, found, static, embodied, settings.success.radius_m),
-            static=[list(rows) for _, rows in groupby(static, key=lambda row: row.arm.name)],
-            several=any(row.run is not None for row in static),
-            embodied=embodied,
-            own_task=any(stop.own_task for row in embodied for stop in row.stops),
+            overlay=overlay_plan(room, found, static, embodied, by_agent, shown, settings.success.radius_m),
+            static=pointing,
+            several=[any(row.run is not None for rows in part for row in rows) for part in pointing],
+            embodied=_at_first([[row] for row in embodied], shown),
+            own=own,
+            answered=answered,
+            own_task=any(stop.own_task for stops in (*(row.stops for row in embodied), *(of for _, of in own)) for stop in stops),
+            arms=[*(row.arm.name for row in static), *(row.arm.name for row in embodied)],
+            shown=shown,
             tours=tours,
             rows=_rows(tours),
-            absent=_absent(results, episode, found),
+            absent=_absent(results, episode, found, answered),
             settings=settings,
             similarities=_similarities(found),
             colours=["#{:02x}{:02x}{:02x}".format(*colour) for colour in (PALE, DEEP)],
-            make=MAKE,
+            command=results.command(episode.split),
         )
     )
+
+
+def shown_at_first(settings: Settings) -> dict[str, str]:
+    """Return the reference agent and the joint agent, on paper and driving: titles of the overview by the arms' names."""
+    comparisons = settings.comparisons
+    agents = {comparisons.agent, *(name for name, entry in comparisons.controls.items() if entry.role == "joint")}
+    systems = {title: system for title, system in comparisons.overview.items() if system.static in agents}
+    return {arm: title for title, system in systems.items() for arm in (system.static, system.embodied) if arm is not None}
+
+
+Rows = TypeVar("Rows", bound=Sequence[Any])
+
+
+def _at_first(arms: Sequence[Rows], shown: Mapping[str, str]) -> tuple[list[Rows], list[Rows]]:
+    """Split the rows of arms into those that are visible at first and the others."""
+    parts: tuple[list[Rows], list[Rows]] = [], []
+    for rows in arms:
+        parts[rows[0].arm.name not in shown].append(rows)
+    return parts
 
 
 def _tour(results: Results, episode: Episode, found: Sequence[Reasoning], visit: int) -> list[Stand]:
@@ -129,17 +159,23 @@ def _similarities(found: Sequence[Reasoning]) -> tuple[float, float] | None:
     return (min(known), max(known)) if known else None
 
 
-def _absent(results: Results, episode: Episode, found: Sequence[Reasoning]) -> list[str]:
+def _absent(results: Results, episode: Episode, found: Sequence[Reasoning], answered: bool) -> list[str]:
     """Sentences about missing files, each with the command that makes them."""
+
+    def of_scene(folder: str, suffix: str) -> str:
+        return f"“snakemake --cores 2 -- results/{folder}/{episode.scene}.{suffix}”"
+
     missing = []
     if any(results.visit(results.visit_directory(episode, which)) is None for which in VISITS):
-        missing.append(f"No recorded tours here: “{MAKE}” records them.")
+        missing.append(f"No recorded tours here: {of_scene('visits', 'json')} records them.")
     elif any(results.detected(episode, which) is None for which in VISITS):
-        missing.append(f"No detections here: “{MAKE}” makes them.")
+        missing.append(f"No detections here: {of_scene('detections', 'npz')} makes them.")
     if any(results.map(episode, which) is None for which in VISITS):
-        missing.append(f"No maps here: “{MAKE}” makes them.")
+        missing.append(f"No maps here: {of_scene('maps', 'npz')} makes them.")
     elif episode.noun not in results.nouns:
-        missing.append(f"No embedding of “{episode.noun}” here, so no similarities: “{MAKE}” makes it.")
-    if not found:
-        missing.append(f"No evidence of any arm here: “{MAKE}” records it.")
+        missing.append(f"No embedding of “{episode.noun}” here, so no similarities: “snakemake -- results/nouns.npz” makes it.")
+    if not answered:
+        missing.append(f"No arm’s answers on the split {episode.split} here: “{results.command(episode.split)}” makes them.")
+    elif not found:
+        missing.append(f"No evidence of any arm here: “{results.command(episode.split)}” records it.")
     return missing

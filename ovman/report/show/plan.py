@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
+from ovman.models.geometry import Point
 from ovman.models.prediction import Answer, UniformBox, UniformPick
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
@@ -23,7 +25,7 @@ from ovman.report.show.room import (
     draw_waypoints,
     frame_of,
 )
-from ovman.report.show.verdicts import FOUND, MISSED, EmbodiedRow, StaticRow
+from ovman.report.show.verdicts import FOUND, MISSED, Drive, EmbodiedRow, StaticRow, Stop, stop_of
 
 VISIT_SIZE = (600.0, 560.0)
 OVERLAY_SIZE = (780.0, 660.0)
@@ -68,9 +70,14 @@ def overlay_plan(
     reasonings: Sequence[Reasoning],
     static: Sequence[StaticRow],
     embodied: Sequence[EmbodiedRow],
+    drives: Mapping[str, Sequence[Drive]],
+    shown: Mapping[str, str],
     radius_m: float,
 ) -> str:
-    """Both visits over each other as SVG: grounded objects and their pairs, predictions and stops, the answer."""
+    """Draw both visits over each other as SVG: grounded objects and their pairs, the answer, and each arm in a group of its own.
+
+    drives: the user's own runs by agent, on top. shown: titles of the arms that are visible at first, by name.
+    """
     frame = frame_of(room, reasonings, *OVERLAY_SIZE)
     drawing = svg.drawing(frame.width, frame.height, "plan overlay", "both visits, the pairs, the answer and the predictions")
     draw_room(drawing, frame, room, 1)
@@ -83,15 +90,14 @@ def overlay_plan(
         kept.keep(frame.at(*at), 5.0)
     kept.keep(frame.at(room.episode.spawn.x, room.episode.spawn.z), 8.0)
     # Labels above the evidence are placed first.
-    above = svg.layer()
-    draw_pin(above, frame, room, kept)
-    _predictions(svg.group(above, "predictions"), frame, static, kept)
-    _stops(svg.group(above, "stops"), frame, embodied, kept)
-    _boxes(drawing, frame, static)
+    pin, own, arms = svg.layer(), svg.layer(), svg.layer()
+    draw_pin(pin, frame, room, kept)
+    _own_drives(own, frame, drives, room.episode.relation.past, kept)
+    _arms(arms, frame, static, embodied, shown, kept)
     for k, reasoning in enumerate(reasonings):
         labels = Labels(frame.width, frame.height, list(kept.taken))
         _association(svg.group(drawing, f"evidence evidence-{k}"), frame, reasoning, labels)
-    drawing.append(above)
+    drawing.extend([pin, arms, own])
     return svg.markup(drawing)
 
 
@@ -173,58 +179,104 @@ def _association(parent: Element, frame: PlanFrame, reasoning: Reasoning, labels
             _name(parent, frame, item, labels, str(item.id), 12.0)
 
 
-def _boxes(parent: Element, frame: PlanFrame, static: Sequence[StaticRow]) -> None:
-    group = svg.group(parent, "boxes")
-    letters: dict[UniformBox, list[str]] = {}
-    for row in static:
-        if isinstance(row.outcome, UniformBox):
-            letters.setdefault(row.outcome, []).append(row.letter)
-    for box, names in letters.items():
-        u, v = frame.at(box.x_min, box.z_max)
-        size = (box.x_max - box.x_min) * frame.scale, (box.z_max - box.z_min) * frame.scale
-        svg.rectangle(group, (u, v), *size, "box", f"{', '.join(names)}: anywhere in this box")
-        svg.text(group, (u + 5.0, v + 14.0), " ".join(names), "box-label")
+def _arms(
+    parent: Element,
+    frame: PlanFrame,
+    static: Sequence[StaticRow],
+    embodied: Sequence[EmbodiedRow],
+    shown: Mapping[str, str],
+    labels: Labels,
+) -> None:
+    """Draw every arm in a group of its own, those of `shown` on top and by their titles.
+
+    The labels of shown arms avoid each other; those of another arm avoid these, and each other where they name one place.
+    """
+    crowds: dict[tuple[float, ...], Labels] = {}
+
+    def labels_at(name: str, at: Point) -> Labels:
+        if name in shown:
+            return labels
+        return crowds.setdefault(tuple(round(v) for v in at), Labels(labels.width, labels.height, list(labels.taken)))
+
+    groups = {name: svg.layer() for name in (*(row.arm.name for row in static), *(one.arm.name for one in embodied))}
+    for name in sorted(groups, key=lambda name: name not in shown):
+        groups[name].set("class", f"of-arm arm-{name}")
+        for row in static:
+            if row.arm.name == name:
+                _prediction(groups[name], frame, row, shown.get(name, row.letter), labels_at)
+        for one in embodied:
+            if one.arm.name == name:
+                _stops(groups[name], frame, one.arm.system, one.stops, partial(_seeds, one, shown), partial(labels_at, name))
+    for name in sorted(groups, key=lambda name: name in shown):
+        parent.append(groups[name])
 
 
-def _predictions(parent: Element, frame: PlanFrame, static: Sequence[StaticRow], labels: Labels) -> None:
-    """Predicted points with the letters of the arms that predict them; the candidates of stochastic picks as small diamonds."""
-    points: dict[tuple[float, float], list[tuple[Answer, StaticRow]]] = {}
-    for row in static:
-        if isinstance(row.outcome, UniformPick):
-            for x, z in row.outcome.candidates:
-                at = frame.at(x, z)
-                svg.path(parent, _diamond(at, 4.0), "candidate", f"{row.letter}: one of its candidates")
-        elif isinstance(row.outcome, Answer):
-            points.setdefault((round(row.outcome.x, 2), round(row.outcome.z, 2)), []).append((row.outcome, row))
-    for answers in points.values():
-        rows = [row for _, row in answers]
-        at = frame.at(answers[0][0].x, answers[0][0].z)
-        name = rows[0].verdict
-        words = " ".join(row.letter for row in rows) + SIGNS.get(name, "")
-        title = "; ".join(f"{row.letter}: {row.arm.system}, {row.arm.memory}: {row.words}" for row in rows)
-        svg.circle(parent, at, 5.0, f"predicted {name}", title)
-        labels.keep(at, 5.0)
-        _pill(parent, labels, at, 7.0, words, name)
+LabelsAt = Callable[[str, Point], Labels]
 
 
-def _stops(parent: Element, frame: PlanFrame, embodied: Sequence[EmbodiedRow], labels: Labels) -> None:
-    places: dict[tuple[float, float, str], list[tuple[str, float, str]]] = {}
-    for row in embodied:
-        for stop in row.stops:
-            if stop.at is not None:
-                entry = (f"{row.letter}{stop.seed}", stop.yaw_deg, stop.words)
-                places.setdefault((*stop.at, stop.verdict), []).append(entry)
-    for (x, z, verdict), stops in places.items():
-        at = frame.at(x, z)
-        title = "; ".join(f"{name}: {words}" for name, _, words in stops)
-        for yaw in sorted({yaw for _, yaw, _ in stops}):
+def _seeds(row: EmbodiedRow, shown: Mapping[str, str], seeds: str) -> str:
+    """Return the label of a stop: the title of an arm that is shown at first and its seeds, else a letter for each."""
+    title = shown.get(row.arm.name)
+    return " ".join(f"{row.letter}{seed}" for seed in seeds.split()) if title is None else f"{title}, seed {seeds}"
+
+
+def _prediction(parent: Element, frame: PlanFrame, row: StaticRow, words: str, labels_at: LabelsAt) -> None:
+    """Draw the predicted point, the candidates of a stochastic pick as small diamonds, or its box."""
+    match row.outcome:
+        case UniformBox(x_min, z_min, x_max, z_max):
+            u, v = frame.at(x_min, z_max)
+            size = (x_max - x_min) * frame.scale, (z_max - z_min) * frame.scale
+            svg.rectangle(parent, (u, v), *size, "box", f"{row.letter}: anywhere in this box")
+            svg.text(parent, (u + 5.0, v + 14.0), row.letter, "box-label")
+        case UniformPick(candidates):
+            for x, z in candidates:
+                svg.path(parent, _diamond(frame.at(x, z), 4.0), "candidate", f"{row.letter}: one of its candidates")
+        case Answer(x, z):
+            at, labels = frame.at(x, z), labels_at(row.arm.name, frame.at(x, z))
+            title = f"{row.letter}: {row.arm.system}, {row.arm.memory}: {row.words}"
+            svg.circle(parent, at, 5.0, f"predicted {row.verdict}", title)
+            labels.keep(at, 5.0)
+            _pill(parent, labels, at, 7.0, words + SIGNS.get(row.verdict, ""), row.verdict)
+
+
+def _stops(
+    parent: Element,
+    frame: PlanFrame,
+    name: str,
+    stops: Sequence[Stop],
+    words: Callable[[str], str],
+    labels: Callable[[Point], Labels],
+) -> None:
+    """Draw where the runs of an arm stopped, runs at one place under one label. words: of the label, from its seeds."""
+    places: dict[tuple[Point, str], list[Stop]] = {}
+    for stop in stops:
+        if stop.at is not None:
+            places.setdefault((stop.at, stop.verdict), []).append(stop)
+    for (place, verdict), there in places.items():
+        at, title = frame.at(*place), "; ".join(f"{name}, seed {stop.seed}: {stop.words}" for stop in there)
+        for yaw in sorted({stop.yaw_deg for stop in there}):
             svg.arrowhead(parent, at, yaw, 6.5, f"stop {verdict}", title)
-        labels.keep(at, 6.5)
-        _pill(parent, labels, at, 8.0, " ".join(name for name, *_ in stops) + SIGNS.get(verdict, ""), f"{verdict} of-stop")
+        labels(at).keep(at, 6.5)
+        said = words(" ".join(str(stop.seed) for stop in there)) + SIGNS.get(verdict, "")
+        _pill(parent, labels(at), at, 8.0, said, f"{verdict} of-stop")
+
+
+def _own_drives(parent: Element, frame: PlanFrame, drives: Mapping[str, Sequence[Drive]], past: bool, labels: Labels) -> None:
+    """Draw the paths of the user's own runs and where they stopped, those of an agent in a group of their own."""
+    for number, (name, runs) in enumerate(drives.items()):
+        group = svg.group(parent, f"of-arm arm-own-{number}")
+        stops = [stop_of(drive.run, past) for drive in runs]
+        for drive, stop in zip(runs, stops, strict=True):
+            points = [frame.at(x, z) for x, z, _ in drive.poses]
+            if len(points) > 1:
+                svg.polyline(group, points, f"drive {stop.verdict}", f"path of {name}, seed {stop.seed}")
+            for at in points:
+                labels.keep(at, 4.0)
+        _stops(group, frame, name, stops, f"{name}, seed {{}}".format, lambda at: labels)
 
 
 def _pill(parent: Element, labels: Labels, at: tuple[float, float], radius: float, words: str, name: str) -> None:
-    box = labels.place(at, radius, words, 12.0, padding=4.0)
+    box = labels.place(at, radius, words, 13.0, padding=4.0)
     svg.polyline(parent, [at, box.middle], "leader")
     size = box.right - box.left, box.bottom - box.top
     svg.rectangle(parent, (box.left, box.top), *size, f"pill {name}", rx="4")

@@ -202,8 +202,8 @@ def _nearest(points: Sequence[Mapping[int, np.ndarray]]) -> list[dict[int, float
 
 def _title(arm: Arm) -> str:
     if arm.positions is Source.HANDED:
-        return "positions handed over"
-    return f"own maps, {'grounding handed over' if arm.grounding is Source.HANDED else 'own grounding'}"
+        return "oracle positions"
+    return f"own maps, {'oracle grounding' if arm.grounding is Source.HANDED else 'own grounding'}"
 
 
 def _point(pair: np.ndarray) -> Point:

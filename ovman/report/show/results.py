@@ -8,14 +8,14 @@ from __future__ import annotations
 import csv
 import difflib
 import fnmatch
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache, cached_property
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 
-from ovman.analysis.metrics import EMBODIED_OUTCOMES, STATIC_OUTCOMES
+from ovman.analysis.metrics import STATIC_OUTCOMES
 from ovman.models.episode import Episode
 from ovman.models.prediction import Prediction
 from ovman.models.run import Score
@@ -25,6 +25,7 @@ from ovman.models.sighting import Sightings
 from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
+from ovman.perception.maps import mapped
 
 MAKE = "make tables"
 """The command that makes these files."""
@@ -37,11 +38,48 @@ class ShowError(ValueError):
 class Results:
     """The results in `directory`. Every reader but `episodes` and `scene` returns None or nothing for a missing file.
 
-    arms: of the settings. splits: those beside the benchmark's own, each with the names of the arms that answer it.
+    arms: of the settings. splits: all but main, each with the names of the arms that answer it. apart: those
+    that `make tables` leaves out.
     """
 
-    def __init__(self, directory: Path, arms: Sequence[Arm], splits: Mapping[str, Sequence[str]] = MappingProxyType({})) -> None:
-        self.directory, self.arms, self.splits = Path(directory), tuple(arms), splits
+    def __init__(
+        self,
+        directory: Path,
+        arms: Sequence[Arm],
+        splits: Mapping[str, Sequence[str]] = MappingProxyType({}),
+        apart: Collection[str] = (),
+    ) -> None:
+        self.directory, self.arms, self.splits, self.apart = Path(directory), tuple(arms), splits, apart
+        self._supplied: dict[str, Path] = {}
+        self._seen: Mapping[str, Detected] = {}
+        self._mapped: Mapping[str, tuple[Cluster, ...]] = {}
+
+    def supply(
+        self,
+        episode: Episode,
+        tours: Mapping[str, Path],
+        seen: Mapping[str, Detected] = MappingProxyType({}),
+        noun: np.ndarray | None = None,
+        radius_m: float = 0.0,
+    ) -> None:
+        """Take what the results lack of one episode; it replaces that of the episode before.
+
+        Args:
+            episode: The episode.
+            tours: Folders of its recorded tours by "first" and "second".
+            seen: Detections by the name of the visit.
+            noun: The embedding (K,) of the episode's noun.
+            radius_m: Of the clusters that make a map of detections.
+        """
+        self._supplied = {episode.visits[which]: place for which, place in tours.items()}
+        self._seen = seen
+        self._mapped = {visit: mapped([one], radius_m) for visit, one in seen.items()}
+        if noun is not None:
+            self.nouns = {**self.nouns, episode.noun: noun}
+
+    def command(self, split: str) -> str:
+        """Return the command that makes the predictions, the runs and the verdicts of a split."""
+        return f"snakemake --cores 2 -- results/splits/{split}" if split in self.apart else MAKE
 
     def asked(self, split: str, kind: Kind) -> tuple[Arm, ...]:
         """The arms of a kind that answer a split, in the order of the tables: controls last. All answer the benchmark's own."""
@@ -81,7 +119,8 @@ class Results:
 
     def visit_directory(self, episode: Episode, which: str) -> Path:
         """The directory of the recorded tour `which` ("first" or "second") of an episode."""
-        return self.directory / "visits" / episode.scene / episode.visits[which]
+        visit = episode.visits[which]
+        return self._supplied.get(visit, self.directory / "visits" / episode.scene / visit)
 
     @cache  # noqa: B019
     def visit(self, directory: Path) -> Visit | None:
@@ -90,11 +129,13 @@ class Results:
 
     def map(self, episode: Episode, which: str) -> tuple[Cluster, ...] | None:
         """The reference agent's map of a visit."""
-        return self._maps(episode.scene).get(episode.visits[which])
+        visit = episode.visits[which]
+        return self._maps(episode.scene).get(visit, self._mapped.get(visit))
 
     def detected(self, episode: Episode, which: str) -> Detected | None:
         """The detections of a visit."""
-        return self._detections(episode.scene).get(episode.visits[which])
+        visit = episode.visits[which]
+        return self._detections(episode.scene).get(visit, self._seen.get(visit))
 
     @cached_property
     def nouns(self) -> Mapping[str, np.ndarray]:
@@ -114,12 +155,6 @@ class Results:
         """The row of `static_outcomes.csv`, or of the outcomes of the episode's split."""
         split = self.episodes[episode].split
         return self._verdicts(STATIC_OUTCOMES if split == MAIN else f"{split}_outcomes.csv").get((arm, str(run), episode))
-
-    def embodied_verdicts(self, arm: str, episode: str) -> Mapping[int, Mapping[str, str]]:
-        """The rows of `embodied_outcomes.csv`, or of the outcomes of the episode's split, by seed."""
-        split = self.episodes[episode].split
-        rows = self._verdicts(EMBODIED_OUTCOMES if split == MAIN else f"{split}_{EMBODIED_OUTCOMES}")
-        return {int(seed): row for (name, seed, id), row in rows.items() if (name, id) == (arm, episode)}
 
     def runs(self, arm: str, episode: Episode) -> Mapping[int, Score]:
         """The judged runs of an embodied arm by seed; a release has them in `runs`."""

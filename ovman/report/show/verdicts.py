@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
 
@@ -11,7 +11,7 @@ from ovman.models.episode import Episode
 from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
 from ovman.models.run import Score
 from ovman.models.settings import Arm, Kind
-from ovman.report.show.results import MAKE, Results
+from ovman.report.show.results import Results
 from ovman.task import Relation
 
 Point = tuple[float, float]
@@ -23,6 +23,18 @@ REASONS: Mapping[str, str] = {
     "nothing_grounded": "no object of its maps is what the noun means",
     "not_parsed": "the sentence was not understood",
 }
+
+
+Pose = tuple[float, float, float]
+"""x and z in metres, yaw in degrees."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A run as it was driven again. poses: at the spawn, then after each action; empty without a trace."""
+
+    run: Score
+    poses: Sequence[Pose]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,9 +89,11 @@ def static_rows(results: Results, episode: Episode) -> list[StaticRow]:
     for letter, arm in _lettered(results, episode.split, Kind.STATIC):
         runs = predictions.get(arm.name, {})
         if not runs:
-            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{MAKE}” makes it", None, ""))
+            command = results.command(episode.split)
+            rows.append(StaticRow(letter, arm, None, "—", UNKNOWN, f"no prediction here: “{command}” makes it", None, ""))
         for run, prediction in runs.items():
-            verdict, words, distance = _static(results.static_verdict(arm.name, run, episode.id))
+            row = results.static_verdict(arm.name, run, episode.id)
+            verdict, words, distance = _static(row, results.command(episode.split))
             outcome = prediction.outcome
             name, number = (f"{letter}{run}", run) if len(runs) > 1 else (letter, None)
             beside = _beside(outcome, episode)
@@ -89,13 +103,10 @@ def static_rows(results: Results, episode: Episode) -> list[StaticRow]:
 
 def embodied_rows(results: Results, episode: Episode) -> list[EmbodiedRow]:
     """The embodied arms that answer the episode's split, in the order of the tables; their letters follow the static arms'."""
-    rows = []
-    for letter, arm in _lettered(results, episode.split, Kind.EMBODIED):
-        verdicts = results.embodied_verdicts(arm.name, episode.id)
-        runs = results.runs(arm.name, episode)
-        stops = tuple(_stop(seed, run, verdicts.get(seed), episode.relation.past) for seed, run in runs.items())
-        rows.append(EmbodiedRow(letter, arm, stops))
-    return rows
+    return [
+        EmbodiedRow(letter, arm, tuple(stop_of(run, episode.relation.past) for run in results.runs(arm.name, episode).values()))
+        for letter, arm in _lettered(results, episode.split, Kind.EMBODIED)
+    ]
 
 
 def letters(number: int) -> str:
@@ -140,9 +151,9 @@ def _why(reason: str, relation: Relation) -> str:
     return REASONS.get(reason, reason.replace("_", " "))
 
 
-def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
+def _static(row: Mapping[str, str] | None, command: str) -> tuple[str, str, float | None]:
     if row is None:
-        return UNKNOWN, f"not judged yet: “{MAKE}” judges it", None
+        return UNKNOWN, f"not judged yet: “{command}” judges it", None
     success = float(row["success"])
     if row["outcome"] == "abstained":
         return ABSTAINED, "abstained", None
@@ -152,22 +163,19 @@ def _static(row: Mapping[str, str] | None) -> tuple[str, str, float | None]:
     return (FOUND, "found", distance) if success == 1.0 else (MISSED, "missed", distance)
 
 
-def _stop(seed: int, run: Score, row: Mapping[str, str] | None, past: bool) -> Stop:
+def stop_of(run: Score, past: bool) -> Stop:
+    """Return the end of a run with its verdict in words. past: the answer is a place, and what is seen there is left out."""
     at = None if run.stop is None else (run.stop.x, run.stop.z)
     yaw = 0.0 if run.stop is None else run.stop.yaw_deg
-    if row is None:
-        return Stop(seed, at, yaw, UNKNOWN, f"not judged yet: “{MAKE}” judges it")
-    if row["outcome"] == "abstained":
-        return Stop(seed, at, yaw, ABSTAINED, "abstained")
-    success = row["success"] == "1"
-    ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[row["outcome"]]
+    if run.outcome == "abstained":
+        return Stop(run.seed, at, yaw, ABSTAINED, "abstained")
+    ended = {"stopped": "", "budget": "out of actions, ", "stalled": "stalled, "}[run.outcome]
     away = "" if run.answer_distance_m is None else f"{run.answer_distance_m:.2f} m away · "
-    pixels = None if past else run.visible_px
-    seen = "" if not pixels else f"sees {max(pixels.values())} px · "
-    own = {"1": " · any instance: found", "0": " · any instance: missed"}.get(row.get("own_success", ""), "")
-    weight = f" · SPL {float(row['spl']):.2f}" if success else ""
-    words = f"{ended}{away}{seen}{float(row['path_length_m']):.2f} m, {row['actions']} actions{weight}{own}"
-    return Stop(seed, at, yaw, FOUND if success else MISSED, words, bool(own))
+    seen = "" if past or not run.visible_px else f"sees {max(run.visible_px.values())} px · "
+    own = "" if run.own_success is None else f" · any instance: {'found' if run.own_success else 'missed'}"
+    weight = f" · SPL {run.spl:.2f}" if run.success else ""
+    words = f"{ended}{away}{seen}{run.path_length_m:.2f} m, {run.actions} actions{weight}{own}"
+    return Stop(run.seed, at, yaw, FOUND if run.success else MISSED, words, bool(own))
 
 
 def _beside(outcome: Predicted, episode: Episode) -> str:

@@ -48,14 +48,10 @@ def appearance_table(rates: pd.DataFrame, settings: Settings) -> Table:
         numbers("n"),
     )
     caption = (
-        "Cues of appearance in the cost of association, of the agent with its grounding handed over: the features of the "
-        "crops (CLIP), hue-saturation histograms (Hellinger's distance) and back-projected extents (mean absolute logarithm of "
-        "the sides' ratios). Weights are shares that sum to 1, in the order of the cues, each cue scaled to the size of the "
-        "first; they have the highest AUROC of a grid on the split that they are fitted on. AUROC: how probably a pair of map "
-        "objects of the queried category, one of each visit, of one instance is less unlike than a pair of two; same, "
-        f"different: pairs. Pairs that are apart are at least {tau_m} m apart, so that their places do not tell already. "
-        f"Success on the static gate by relation, with Wilson {percent(confidence)} intervals; wins, losses and exact McNemar p "
-        "against CLIP alone, which is the agent as it is."
+        "Cues in the association cost of the reference agent with oracle grounding: features (CLIP), hue-saturation histograms, "
+        "back-projected extents. Weights: shares, in this order, of best AUROC (same against different instances) on the split "
+        f"fitted on. Apart: pairs at least {tau_m} m apart. Success: static gate, Wilson {percent(confidence)} intervals; wins, "
+        "losses, exact McNemar p: against CLIP alone."
     )
     return Table(caption, columns, pd.DataFrame(rows), wide=True)
 

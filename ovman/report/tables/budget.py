@@ -30,9 +30,9 @@ def budget_table(steps: pd.DataFrame, settings: Settings) -> Table:
         numbers("n"),
     )
     caption = (
-        "Error budget of the two-visit agent, static gate: each rung hands over one source of error more. Gained, lost: "
-        "episodes, against the line above; p: exact two-sided McNemar test on them. The answer given succeeds by definition. "
-        f"Grounding is handed over by the reading {', '.join(read) or 'of no arm'} (table readings). "
+        "Error budget of the reference agent, static gate: each rung replaces one more part by the truth. Gained, lost: "
+        "episodes, against the line above; p: exact two-sided McNemar test. The answer given succeeds by definition. "
+        f"Oracle grounding is by the reading {', '.join(read) or 'of no arm'} (table readings). "
         f"Ranges are Wilson {percent(confidence)} intervals."
     )
     return Table(caption, columns, rows)

@@ -144,7 +144,8 @@ ARM_COLUMNS = (
 
 def arms_frame(settings: Settings) -> pd.DataFrame:
     """What tables say of each arm, by its name, in the order of the settings."""
-    rows = [[arm.system, arm.memory, str(arm.grounding), str(arm.positions)] for arm in arms_of(settings.arms)]
+    given = {Source.OWN: "own", Source.HANDED: "oracle"}
+    rows = [[arm.system, arm.memory, given[arm.grounding], given[arm.positions]] for arm in arms_of(settings.arms)]
     return pd.DataFrame(rows, columns=[column.key for column in ARM_COLUMNS], index=pd.Index(settings.arms, name="arm"))
 
 

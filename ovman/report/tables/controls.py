@@ -44,10 +44,9 @@ def controls_table(rates: pd.DataFrame, settings: Settings) -> Table:
         numbers("n"),
     )
     caption = (
-        "Controls, by relation and for each split: arms that lack what the task is said to need. Where one of them comes near to "
-        "an agent, the split does not measure what the control lacks. 1/n: its mean, n the instances of an episode's category. "
-        "1/m: likewise, m the changes of the kind that defines an episode; who sees such changes and not which is meant is right "
-        f"so often. {MARK} The expectation of a stochastic pick."
+        "Controls lack something that the task is said to need. Where one comes near to an agent, the split does not measure "
+        "what the control lacks. Chance: a random pick among the n instances of the category (mean of 1/n), or among the m "
+        f"changes of the kind that defines the episode (mean of 1/m). {MARK} The expectation of a stochastic pick."
     )
     rows = pd.concat(blocks, ignore_index=True) if blocks else pd.DataFrame(columns=[column.key for column in columns])
     return Table(caption, columns, rows, wide=True)

@@ -28,9 +28,8 @@ def fragments_table(relations: pd.DataFrame, settings: Settings) -> Table:
     )
     arm = settings.arms[settings.comparisons.memory.arm]
     caption = (
-        f"The targets in the maps of {arm.system}, {arm.memory}. Detected: in the visit that the answer belongs to; the objects "
-        "that its detections fall into, their mean and how many targets have several. Grounded: one of its objects is in the "
-        "grounded set of every visit that the target is in; missing: the others; each with what became of the prediction (static "
-        "gate)."
+        f"The targets in the maps of {arm.system}, {arm.memory}. Detected: in the answer's visit; objects a target: that its "
+        "detections fall into; several: targets with more than one. Grounded: an object of the target is in the grounded set of "
+        "every visit that it is in; missing: the others; each with the outcome on the static gate."
     )
     return Table(caption, columns, relations.drop(columns="arm"), wide=True)

@@ -27,11 +27,9 @@ def navigation_table(navigations: pd.DataFrame, settings: Settings) -> Table:
         words("seeds"),
     )
     caption = (
-        "What executing an answer costs. SR, SPL and SPL given success (the mean over successful runs): means over seeds, in "
-        "brackets the least and the greatest of a seed. Lost: static successes that fail when executed; gained: static "
-        "failures that succeed, as the stop test also accepts a stop near the target's box or the nearest navigable cell; "
-        "counts of each seed in turn. Static: success of the answers that are executed "
-        f"({MARK} expectation of a stochastic pick, which has no successes to lose)."
+        "What executing an answer costs, means over seeds (least and greatest of a seed). Lost: static successes that fail when "
+        "executed; gained: static failures that succeed, as the stop test also accepts a stop near the target's box or the "
+        f"nearest navigable cell; one count per seed. Static: success of the executed answers ({MARK} of a stochastic pick)."
     )
     return Table(caption, columns, pd.DataFrame(rows), wide=True)
 

@@ -23,8 +23,8 @@ def overview_table(rates: pd.DataFrame, settings: Settings) -> Table:
     columns = (words("system"), *(numbers(f"{split}_{kind}", f"{split}, {SHORT[Kind(kind)]}", three) for split, kind in judged))
     episodes = ", ".join(f"{n} of {split}" for split, n in rates.groupby("split", sort=False)["n"].first().items())
     caption = (
-        f"Who reaches what: success over all relations, on the static gate (a point within {settings.success.radius_m} m of the "
-        f"answer) and driving (at the stop, mean over the seeds); {episodes}. A dash: not asked. Controls lack what the task is "
-        "said to need; what they reach, a success does not show. Published systems are reimplemented."
+        f"Success over all relations, on the static gate (a point within {settings.success.radius_m} m of the answer) and "
+        f"driving (at the stop, mean over the seeds); {episodes}. — means not evaluated. Controls lack something that the task "
+        "is said to need. Published systems are reimplemented."
     )
     return Table(caption, columns, pd.DataFrame(rows, columns=[*(column.key for column in columns), SECTION]))

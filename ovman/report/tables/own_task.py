@@ -44,11 +44,10 @@ def own_task_table(runs: pd.DataFrame, settings: Settings) -> Table:
         numbers("seeds"),
     )
     caption = (
-        "The same runs under two tests. Own task: the agent stopped with any instance of the queried category within "
-        f"{settings.success.radius_m} m and in sight, as it was made to do. This task: Eq. 4, the instance or the place that the "
-        "relation selects. Means over the seeds, in brackets the least and the greatest of a seed. Only own, only this: runs "
-        "that succeed under one of the tests alone, of each seed in turn. p: exact two-sided McNemar test on these, the largest "
-        f"of the seeds. Ranges are Wilson {percent(confidence)} intervals of the own task, as wide as for one pass."
+        "The same runs under two tests, means over the seeds (least and greatest of a seed). Own task: stopped with any instance "
+        f"of the category within {settings.success.radius_m} m and in sight. This task: Eq. 4. Only own, only this: runs that "
+        "succeed under one test alone, per seed. p: exact two-sided McNemar test on these, largest of the seeds. Ranges of the "
+        f"own task: Wilson {percent(confidence)}, as wide as for one pass."
     )
     return Table(caption, columns, pd.DataFrame(rows), wide=True)
 

@@ -93,13 +93,10 @@ def perception_table(rows: pd.DataFrame, settings: Settings) -> Table:
         numbers("synonym_top5", "synonyms top-5", _rate_or_words),
     )
     caption = (
-        f"Perception against the true instances of the recorded tours, each distinct tour once. Recall: true masks of at "
-        f"least {detector.min_mask_px} px in single views that a detected one meets at an IoU of {LEAST_IOU}; precision: "
-        f"detected masks at confidence {detector.confidence} that meet a true one; walls, ceilings and floors are no instances. "
-        f"Doubled: masks that meet an instance which a mask of higher confidence meets, too; precision counts them as right, and "
-        f"less doubled as wrong. Top-1 and top-5: the right category among all of the scene, for the crops of the masks that "
-        f"meet an instance, by the category's own noun and by the mean over its synonyms, which may be {SYNONYMS_BELOW:.2f} "
-        f"below the own nouns of the same crops."
+        f"Distinct tours, single views. Recall: true masks from {detector.min_mask_px} px (no walls, ceilings, floors) met at an "
+        f"IoU of {LEAST_IOU}; precision: detected masks (confidence {detector.confidence}) that meet one. Doubled: met by a "
+        "surer mask before. Top-1, top-5: the right category among those of the scene, by its noun or the mean over synonyms, "
+        f"which may be {SYNONYMS_BELOW:.2f} below."
     )
     return Table(caption, columns, pd.DataFrame(shown, dtype=object), wide=True)
 

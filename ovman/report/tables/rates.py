@@ -45,21 +45,11 @@ def static_table(rates: pd.DataFrame, settings: Settings) -> Table:
     arms = sorted(shown, key=lambda arm: (arm.control, handed_over(arm), arm.ablates is not None))
     rows = _by_arm(rates[~rates["arm"].isin(left)], arms, ALL).join(arms_frame(settings)).rename(columns={"seeds": "runs"})
     rows[SECTION] = [_section(arm) for arm in arms if arm.name in rows.index]
-    caption = (
-        f"Static gate: the predicted point must fall within {settings.success.radius_m} m of the answer; rates over n episodes. "
-        f"{_wilson(confidence)}"
-    )
+    caption = f"Static gate: a prediction succeeds within {settings.success.radius_m} m of the answer. {_wilson(confidence)}"
     if (rates["interval"] == Interval.POISSON_BINOMIAL).any():
-        caption += (
-            f" {MARK} The expectation of a stochastic pick, not a count of successes: its range is the central one that holds "
-            f"the rate of one realised pass over these very episodes with a probability of at least {percent(confidence)}"
-            " (Poisson-binomial)."
-        )
+        caption += f" {MARK} A stochastic pick: its expectation, and the Poisson-binomial range of one pass."
     if (rates["seeds"] > 1).any():
-        caption += (
-            " A system that answers differently each time it runs has several runs: its rates are means over them, and its "
-            "ranges as wide as for one: runs add no episodes."
-        )
+        caption += " Several runs: their means; runs add no episodes."
     columns = (
         *ARM_COLUMNS,
         *_relation_columns(),
@@ -92,9 +82,8 @@ def embodied_table(rates: pd.DataFrame, settings: Settings) -> Table:
         numbers("seeds"),
     )
     caption = (
-        "Embodied evaluation: success rate (SR) at the stop and SPL over n episodes, means over the seeds. "
-        f"{_wilson(confidence)} They are as wide as for one pass over the n episodes: seeds add no episodes. The shortest "
-        "path of SPL is that of the episode, whatever body an agent has."
+        f"Embodied evaluation: success rate (SR) at the stop and SPL, means over the seeds. {_wilson(confidence)} Seeds add no "
+        "episodes and narrow no range. SPL takes the shortest path of the episode, whatever body an agent has."
     )
     return Table(caption, columns, rows.rename(columns={"system": "agent"}).drop(columns="interval"), wide=True)
 
@@ -131,8 +120,8 @@ def _section(arm: Arm) -> str:
     if arm.ablates is not None:
         return "a part taken away (ablation)"
     if arm.positions is Source.HANDED:
-        return "positions handed over (diagnostic)"
-    return "grounding handed over (diagnostic)" if arm.grounding is Source.HANDED else ""
+        return "oracle positions (diagnostic)"
+    return "oracle grounding (diagnostic)" if arm.grounding is Source.HANDED else ""
 
 
 def _wilson(confidence: float) -> str:

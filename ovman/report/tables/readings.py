@@ -34,11 +34,10 @@ def readings_table(rates: pd.DataFrame, settings: Settings) -> Table:
         p_values("p", "p"),
     )
     caption = (
-        'What "grounding handed over" means, static gate: the noun is handed over as the map objects most of whose '
-        "detections truly show the category (majority), those with one such detection (any), or the objects nearest to the "
-        "true positions, within the success radius (nearest). The other tables have majority. A detection shows the instance "
-        "whose mask it overlaps with at an IoU of at least 0.5. Gained, lost: episodes, against own grounding; p: exact "
-        f"two-sided McNemar test. Ranges are {percent(settings.evaluation.confidence)} intervals."
+        "Oracle grounding by each reading, static gate: map objects most of whose detections show the category at an IoU of 0.5 "
+        "(majority, as in all other tables), with one such detection (any), or nearest to the true positions, within the success "
+        "radius (nearest). Gained, lost: episodes, against own grounding; p: exact McNemar test. Ranges are "
+        f"{percent(settings.evaluation.confidence)} intervals."
     )
     return Table(caption, columns, pd.DataFrame(rows), wide=True)
 

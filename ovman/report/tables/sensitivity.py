@@ -14,14 +14,14 @@ from ovman.report.tables.table import Table
 
 IN_FORCE, ALL = "in force", "all settings"
 TITLES = {
-    "drift_tolerance_m": "drift tolerance, m",
-    "tau_m": "tau, m",
-    "delta_min_m": "Delta_min, m",
-    "min_mask_px": "recorded from, px",
-    "motion_m": "motion from, m",
-    "validity_radius_m": "validity radius, m",
-    "spawn_clearance_m": "spawn clearance, m",
-    "visible_px": "visible from, px",
+    "drift_tolerance_m": "allowed drift, m",
+    "tau_m": "counts as moved from, m",
+    "delta_min_m": "least applied displacement, m",
+    "min_mask_px": "smallest recorded mask, px",
+    "motion_m": "least motion, m",
+    "validity_radius_m": "answer to free floor, m",
+    "spawn_clearance_m": "start to change, m",
+    "visible_px": "smallest visible mask, px",
 }
 """What pages call the thresholds."""
 
@@ -43,11 +43,9 @@ def sensitivity_table(margins: pd.DataFrame, settings: Settings) -> Table:
     )
     arm, baseline = (settings.arms[name] for name in (memory.arm, memory.baseline))
     caption = (
-        f"How far the static margin of memory ({arm.memory} less {baseline.memory}, {arm.system}) depends on the thresholds of "
-        f"admissibility. Every combination of two values of each is a setting, under which the verdict on every trial is derived "
-        "again; the predictions stay the same. A row of a value has the least and the greatest margin of the settings with it: "
-        "over all trials that a setting admits, of which those that the setting in force does not admit were not certified, and "
-        "over the released episodes that it leaves."
+        f"Static margin of memory ({arm.memory} less {baseline.memory}, {arm.system}) under other thresholds of admissibility, "
+        "of which every combination is a setting. The predictions stay the same. Margins: least and greatest of the settings "
+        "with a value, over all trials that a setting admits (certified or not), and over the released episodes that it leaves."
     )
     return Table(caption, columns, pd.DataFrame(list(_rows(margins))), wide=True)
 

@@ -33,8 +33,8 @@ def shortcuts_table(rates: pd.DataFrame, settings: Settings) -> Table:
         numbers("uncrowded_rate", "others: success", _rate),
     )
     caption = (
-        "The anti-shortcut rule: success beside the mean of 1/n, n the instances of an episode's category. The first arms pick "
-        "any instance of the category, each as likely, at its true position. Crowded: episodes with another instance within "
+        "The anti-shortcut rule: success and the mean of 1/n, n the instances of the category. The first arms pick an instance "
+        "of the category at random, at its true position. Crowded: episodes with another instance within "
         f"{settings.success.radius_m} m of the answer, in the visit that the answer belongs to or in the second; "
         + ("success on them and on the others stands apart." if left else "no such episode is left.")
     )

@@ -12,7 +12,6 @@ from ovman.report.tables.columns import (
     count,
     exact_mean,
     numbers,
-    p_value,
     p_values,
     relation_column,
     signed,
@@ -20,7 +19,7 @@ from ovman.report.tables.columns import (
 )
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, SECTION, Column, Table
 
-OF_A_PICK = "Poisson-binomial: exact, one-sided, the probability that the pick succeeds at least as often as the first arm did"
+OF_A_PICK = "Poisson-binomial: exact, one-sided, that the pick does as well as the first arm"
 """What captions say of the test against a stochastic pick."""
 TESTS = {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{MARK}"}
 
@@ -28,11 +27,10 @@ TESTS = {Method.MCNEMAR: "McNemar", Method.POISSON_BINOMIAL: f"Poisson-binomial{
 def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
     """Wins, losses and p of every pair, by relation and over all. comparisons: rows of `Comparison`.
 
-    A pair that was run under several seeds is shown under the first; the caption has what the others come to.
+    A pair that was run under several seeds has all relations under the first, and a row over all under each other seed.
     """
     first = comparisons.groupby("title", sort=False)["seed"].transform("first") if len(comparisons) else comparisons["seed"]
-    shown = comparisons[comparisons["seed"] == first]
-    others = comparisons[(comparisons["seed"] != first) & (comparisons["relation"] == ALL)]
+    shown = comparisons[(comparisons["seed"] == first) | (comparisons["relation"] == ALL)]
     rows = shown.rename(columns={"title": "comparison"}).assign(**{SECTION: shown["title"]})
     for key in ("baseline_successes", "wins", "losses"):
         rows[key] = counts(rows, key)
@@ -40,7 +38,7 @@ def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
         words("comparison", formats=CSV_AND_MARKDOWN),
         words("arm", formats=DATA),
         words("baseline", formats=DATA),
-        words("seed", formats=DATA),
+        numbers("seed"),
         relation_column(),
         numbers("n"),
         numbers("successes"),
@@ -51,27 +49,19 @@ def significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:
         p_values("p", "p"),
         p_values("p_holm", "p (Holm)"),
     )
-    return Table(_caption(shown, others), columns, rows, wide=True)
+    return Table(_caption(shown), columns, rows, wide=True)
 
 
-def _caption(shown: pd.DataFrame, others: pd.DataFrame) -> str:
+def _caption(shown: pd.DataFrame) -> str:
     caption = (
-        "Arm against arm on the same episodes: a win is an episode on which the first succeeds and the second, the baseline, "
-        "does not. McNemar: exact, two-sided, on wins and losses. p (Holm): corrected for the relations of one comparison; all "
-        "is one test and is not corrected."
+        "Arm against arm on the same episodes: in a win the first alone succeeds, in a loss the second, the baseline. McNemar: "
+        "exact, two-sided. p (Holm): corrected for the relations of one comparison."
     )
     stochastic = shown[shown["test"] == Method.POISSON_BINOMIAL]
     if len(stochastic):
-        caption += f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. {OF_A_PICK}."
+        caption += f" {MARK} Against a stochastic pick: expectations. {OF_A_PICK}."
     if (stochastic["p"] == 0.0).any():
-        caption += " 0: more successes than the pick can come to."
-    for title, seeds in others.groupby("title", sort=False):
-        further = "; ".join(
-            f"seed {row['seed']}: {count(row['wins'])} to {count(row['losses'])}, p = {p_value(row['p'])}"
-            for _, row in seeds.iterrows()
-        )
-        seed = shown.loc[shown["title"] == title, "seed"].iloc[0]
-        caption += f" {str(title)[0].upper()}{str(title)[1:]}: shown for seed {seed}; over all, {further}."
+        caption += " p = 0: the pick cannot reach that."
     return caption
 
 
@@ -98,13 +88,13 @@ def pairings_table(pairings: pd.DataFrame, settings: Settings) -> Table:
         numbers("n"),
     )
     caption = (
-        "Static arms of which one has several runs, each run of the first against each run of the second, the baseline. "
-        "Difference: of the success rates, the mean over the pairings; worst and best: the pairing with the least and with the "
-        "greatest. Wins, losses: of the worst pairing. p: of the pairing to its left, not corrected; McNemar: exact, two-sided."
+        "Each run of an arm against each run of its baseline. Difference: of the success rates, mean over the pairings; worst, "
+        "best: the least and the greatest. Wins, losses: of the worst. p: of the pairing to its left, not corrected; McNemar: "
+        "exact, two-sided."
     )
     if (pairings["test"] == Method.POISSON_BINOMIAL).any():
-        caption += f" {MARK} The baseline is a stochastic pick: wins and losses are expectations. {OF_A_PICK}"
-        caption += "; 0: more often than the pick can." if (pairings["p"] == 0.0).any() else "."
+        caption += f" {MARK} Against a stochastic pick: expectations. {OF_A_PICK}"
+        caption += "; 0: it cannot." if (pairings["p"] == 0.0).any() else "."
     return Table(caption, columns, pd.DataFrame(rows), wide=True)
 
 

@@ -44,5 +44,5 @@ def split_significance_table(comparisons: pd.DataFrame, settings: Settings) -> T
         "wins and losses; not corrected."
     )
     if (comparisons["test"] == Method.POISSON_BINOMIAL).any():
-        caption += f" {MARK} The baseline is a stochastic pick: its successes, wins and losses are expectations. {OF_A_PICK}."
+        caption += f" {MARK} Against a stochastic pick: expectations. {OF_A_PICK}."
     return Table(caption, columns, rows.drop(columns=["kind", "title"]), wide=True)

@@ -15,7 +15,7 @@ SECTION = "section"
 CONTROLS = "controls"
 """The section of arms that are no systems. Markdown sets a heading above it, too: nobody must take one for a system."""
 EMPTY, EMPTY_TEX = "—", "---"
-CAPTION_WIDTH = 110
+CAPTION_WIDTH = 132
 
 
 class Format(Enum):

@@ -44,9 +44,8 @@ def _caption(episodes: pd.Series[int], lost: pd.DataFrame, settings: Settings) -
     agent = settings.arms[settings.comparisons.agent]
     near_miss_m, radius_m = settings.evaluation.near_miss_m, settings.success.radius_m
     caption = (
-        f"How {agent.system}, {agent.memory}, fails (static gate). Wrong instance: a failed prediction within {radius_m} m of "
-        "where another instance of the category was recorded in the visit that the answer belongs to, however near the answer "
-        f"is. Near miss: any other failed prediction up to {near_miss_m} m from the answer; elsewhere: one that is farther."
+        f"How {agent.system}, {agent.memory}, fails (static gate). Wrong instance: within {radius_m} m of another instance of "
+        f"the category in the answer's visit. Near miss: any other up to {near_miss_m} m from the answer; elsewhere: farther."
     )
     if len(episodes):
         caption += f" The first five rows partition the {episodes[ALL]} episodes."
@@ -54,7 +53,7 @@ def _caption(episodes: pd.Series[int], lost: pd.DataFrame, settings: Settings) -
         first, *others = lost.index
         totals = ", ".join(f"{lost.loc[seed, ALL]} under seed {seed}" for seed in others)
         caption += (
-            " Lost in navigation, a subset of success: static successes that fail when executed once, under seed "
+            " Lost in navigation, a subset of success: fails when executed, under seed "
             f"{first}{f' (in all {totals})' if others else ''}."
         )
     return caption

@@ -158,7 +158,7 @@ def papers_files() -> Files:
 
     rungs = {
         "own": {"arm": "two_visits", "rate": get("static.two.all"), "low": 0.35, "high": 0.48},
-        "grounding handed over": {
+        "oracle grounding": {
             "rate": get("static.grounding_two.all"),
             "low": 0.41,
             "high": 0.54,
@@ -168,7 +168,7 @@ def papers_files() -> Files:
             "lost": get("handover_losses"),
             "p": get("handover_p"),
         },
-        "positions handed over": {
+        "oracle positions": {
             "rate": get("static.positions_two.all"),
             "low": 0.97,
             "high": 1.0,

@@ -66,7 +66,7 @@ def test_a_page_of_the_papers_own_figures(whole):
     total = len(STATEMENTS)
     said = "0 do not, 0 hold under some readings of a definition only, 0 cannot be told**"
     assert f"**Of {total} statements of the paper {total} hold here, {said}" in " ".join(whole.split())
-    assert re.search(r"^\| two visits, own perception, static +\| +\*\*0.416\*\* \| +0.416 \|$", whole, re.MULTILINE)
+    assert re.search(r"^\| reference agent, two visits, static +\| +\*\*0.416\*\* \| +0.416 \|$", whole, re.MULTILINE)
     assert whole.count("✓\u00a0holds") == total + len(OWN) and "✗" not in whole and "?\u00a0" not in whole
     assert "[!WARNING]" not in whole and whole.endswith("\n") and not whole.endswith("\n\n")
     assert not re.search(r"\bnan\b|\binf\b|\bNone\b|Undefined|\{\{|\{%", whole)
@@ -206,8 +206,7 @@ def test_the_stage_writes_the_page_twice_the_same(tmp_path):
     assert (tmp_path / "one").read_bytes() == (tmp_path / "other").read_bytes()
     linked = re.findall(r"!\[[^]]*\]\(([^)]*)\)", (tmp_path / "one").read_text())
     assert sorted(linked) == [
-        f"figures/{name}.png"
-        for name in ("agent", "budget", "controls", "coverage", "diag", "difficulty", "memory", "sensitivity")
+        f"figures/{name}.png" for name in ("agent", "budget", "controls", "coverage", "difficulty", "memory", "sensitivity")
     ]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from ovman.models.settings import MAIN, Kind, arms_of
-from ovman.report.show.command import places
-from ovman.report.show.page import page
+from ovman.playback.command import places
+from ovman.report.show.page import page, shown_at_first
 from ovman.report.show.verdicts import letters
 from tests.report.show.conftest import ROOT
 from tests.report.show.html_reader import Page
@@ -50,3 +50,26 @@ def test_letters_do_not_run_out():
     names = [letters(number) for number in range(1000)]
     assert len({*names}) == 1000
     assert (names[0], names[25], names[26], names[27], names[52], names[702]) == ("A", "Z", "AA", "AB", "BA", "AAA")
+
+
+def test_few_arms_are_drawn_at_first_and_every_arm_can_be(released):
+    settings, results = released
+    read = Page(page(results, next(iter(results.episodes)), settings))
+    first = {*shown_at_first(settings)}
+    assert {settings.comparisons.agent} < first and len(first) == 4
+    boxes = {box.attributes["id"].removeprefix("arm-"): box for box in read.all("input", type="checkbox")}
+    for arm in arms_of(settings.arms):
+        (drawn,) = read.of_class(f"arm-{arm.name}")
+        assert drawn.name == "g" and ("checked" in boxes[arm.name].attributes) == (arm.name in first)
+        for row in read.all("tr", data_arm=arm.name):
+            above = row.parent
+            while above is not None and above.name != "details":
+                above = above.parent
+            assert (above is None) == (arm.name in first)
+
+
+def test_a_split_that_no_arm_answered_names_its_own_command(released):
+    settings, results = released
+    episode = next(name for name, one in results.episodes.items() if one.split == "dev")
+    words = Page(page(results, episode, settings)).all("main")[0].text
+    assert "results/splits/dev" in words and "make tables" not in words
