@@ -140,6 +140,7 @@ def test_a_constant_with_the_value_of_another_changes_the_parameter_of_its_owner
     assert tried > 80
 
 
+@pytest.mark.soak
 def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owners():
     for a, b in pairs():
         assert affected(changed(CONFIG, {a: VALUES[b], b: VALUES[a]})) == owners(a, b), (a, b)
