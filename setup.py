@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: a wheel holds config.yaml, the networks and the released files of the checkout, too."""
+"""What pyproject.toml cannot say: a wheel also holds config.yaml, the networks, the released files and the leaderboard."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BuildWithFiles(build_py):
             return
         inside = Path(self.build_lib) / "ovman" / SHIPPED["INSIDE"].name
         shutil.rmtree(inside, ignore_errors=True)
-        for name in SHIPPED["FILES"]:
+        for name in (*SHIPPED["FILES"], "leaderboard"):
             source, place = HERE / name, inside / name
             place.parent.mkdir(parents=True, exist_ok=True)
             if source.is_dir():

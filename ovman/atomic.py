@@ -41,22 +41,49 @@ def _abandoned(left: Path) -> bool:
         return False
 
 
-def put(partial: Path, place: Path) -> None:
-    """Move a whole file or folder to its place. A folder replaces the one that is there."""
+def put(partial: Path, place: Path, mark: str | None = None) -> None:
+    """Move a whole file or folder to its place.
+
+    A folder replaces an empty folder, or a folder that holds the file `mark`, by which it is known as OVMAN's. ValueError, in
+    one line, for any other folder: it stays.
+    """
     if partial.is_dir():
+        check_own(place, mark)
         remove(place)
     os.replace(partial, place)
 
 
+def check_own(place: Path, mark: str | None) -> None:
+    """Raise ValueError, in one line, for a folder that holds files but not the file `mark`."""
+    if place.is_dir() and any(place.iterdir()) and (mark is None or not (place / mark).is_file()):
+        lacks = "is there already" if mark is None else f"holds other files and no {mark}"
+        raise ValueError(f"{place}: {lacks}, so nothing is replaced; move it away, or name another folder")
+
+
+def below(folder: Path, name: str) -> Path:
+    """Return the path of `name` below a folder. ValueError, in one line, for a name that leads out of it."""
+    return folder / inner(name)
+
+
+def inner(name: str) -> str:
+    """Return a name that a file gives to a path. ValueError, in one line, for an absolute one and one with ".."."""
+    if not name or "\0" in name or Path(name).is_absolute() or ".." in Path(name).parts:
+        raise ValueError(f"{name!r} leads out of its folder; it must be relative and have no ..")
+    return name
+
+
 @contextmanager
-def replacing(place: Path) -> Iterator[Path]:
-    """A path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises."""
+def replacing(place: Path, mark: str | None = None) -> Iterator[Path]:
+    """A path to write a file or a folder to; it replaces `place` at the end, and is removed where the block raises.
+
+    mark: as for `put`.
+    """
     place.parent.mkdir(parents=True, exist_ok=True)
     partial = partial_path(place)
     remove(partial)
     try:
         yield partial
-        put(partial, place)
+        put(partial, place, mark)
     finally:
         remove(partial)
 

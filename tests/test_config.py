@@ -280,6 +280,12 @@ def test_the_file_that_has_the_wrong_setting_is_named(tmp_path):
     assert message(merged, files=[base, overlay]).startswith("config.yaml: association.gama_m")
 
 
+LEVELS = range(1, 10)
+ALIASES = "".join(["a0: &a0 {x: 1}\n", *(f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]\n" for n in LEVELS)]).encode()
+MERGED = "".join(["a0: &a0 {x: 1}\n", *(f"a{n}: &a{n} {{<<: [{', '.join([f'*a{n - 1}'] * 9)}]}}\n" for n in LEVELS)]).encode()
+"""Nine levels of nine aliases each: 400 million values."""
+
+
 @pytest.mark.parametrize(
     ("content", "expected"),
     [
@@ -294,7 +300,9 @@ def test_the_file_that_has_the_wrong_setting_is_named(tmp_path):
         (b"tour: {}\nmaps: {}\0\n", ":2:9: holds the character U+0000; remove it"),
         (b"a: 1\n---\nb: 2\n", ":2:1: but found another document; mend the YAML there"),
         (b"a: *b\n", ":1:4: found undefined alias 'b'; mend the YAML there"),
-        (b"tour: &a {waypoints: *a}\n", ": an alias (*) stands inside what it names; write the values out"),
+        (b"tour: &a {waypoints: *a}\n", ":1:7: an alias (*) stands inside what it names; write the values out"),
+        (ALIASES, ":6:5: its aliases (*) make more than 100000 values; write the values out"),
+        (MERGED, ":6:14: its aliases (*) make more than 100000 values; write the values out"),
         (b"- 1\n- 2\n", ": holds [1, 2]; it must hold sections (benchmark:, camera:, ...)"),
         (b"camera\n", ': holds "camera"; it must hold sections (benchmark:, camera:, ...)'),
         (b"", ": is empty; it must hold sections (benchmark:, camera:, ...), or be left out"),
@@ -386,3 +394,9 @@ def test_whatever_is_written_instead_of_everything_is_refused_in_one_line(value)
     with pytest.raises(ConfigError) as caught:
         load(value if isinstance(value, Mapping) else {"benchmark": value})
     assert "\n" not in str(caught.value)
+
+
+def test_aliases_and_merge_keys_are_read(tmp_path):
+    path = tmp_path / "settings.yaml"
+    path.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\nc: [*a, *a]\n")
+    assert read(path) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}, "c": [{"x": 1, "y": 2}] * 2}

@@ -22,7 +22,9 @@ def add(commands: Any) -> None:
 
 
 def _say(line: str) -> None:
-    print(line, flush=True)
+    from ovman.models.record import printable
+
+    print(printable(line), flush=True)
 
 
 def _add_score(commands: Any) -> None:
@@ -67,7 +69,9 @@ def _add_eval(commands: Any) -> None:
         "--agent", metavar="MODULE:FUNCTION", help="what makes the agent (docs/agents.md); it has a process of its own"
     )
     who.add_argument("--arm", metavar="NAME", help="an embodied arm of config.yaml")
-    found.add_argument("--server", metavar="URL", help="ws://host:port of a server that has the agent, or the arm")
+    found.add_argument(
+        "--server", metavar="URL", help="what the server of the agent, or the arm, printed: ws://host:port/?token=..."
+    )
     found.add_argument(
         "--in-process", action="store_true", help="the agent is trusted: it runs in this process, beside the truth"
     )
@@ -83,7 +87,9 @@ def _add_eval(commands: Any) -> None:
     found.add_argument("--name", metavar="NAME", help="what the agent is called in its records; default: its module's last name")
     found.add_argument("--needs", nargs="*", metavar="NEED", help="of an agent: tours (the default), more, or nothing")
     found.add_argument("--scenes", nargs="+", default=[], metavar="SCENE", help="episodes of these floor plans alone")
-    found.add_argument("--seeds", nargs="+", type=int, metavar="N", help="default: evaluation.seeds of config.yaml")
+    found.add_argument(
+        "--seeds", nargs="+", type=int, metavar="N", help="added to those that DIR has; default: evaluation.seeds of config.yaml"
+    )
     found.add_argument("--shard", default="1/1", metavar="K/M", help="the k-th of m parts of the episodes")
     _add_workers(found)
     found.add_argument("--cache", metavar="DIR", help="where recorded tours are kept; default: the user's cache")
@@ -194,9 +200,11 @@ def _enter(options: argparse.Namespace) -> int:
 
 
 def _add_leaderboard(commands: Any) -> None:
-    found = commands.add_parser("leaderboard", help="all entries driven or judged again here, and the tables of what agrees")
+    found = commands.add_parser("leaderboard", help="all entries replayed or judged again here, and the tables of what agrees")
     found.add_argument("directory", nargs="?", default="leaderboard", metavar="DIR", help="default: leaderboard")
-    found.add_argument("--cache", metavar="DIR", help="remembers what was driven again; default: the user's cache")
+    found.add_argument(
+        "--cache", metavar="DIR", help="keeps what driving measures, and does not drive it again; the pages then say so"
+    )
     _add_workers(found)
     _add_release(found)
     found.set_defaults(run=_leaderboard)

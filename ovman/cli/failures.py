@@ -23,16 +23,23 @@ def said(command: str, work: Callable[[], int], interrupted: str = "interrupted"
         print(f"ovman {command}: {missing.name} is not installed; in a checkout of OVMAN: {install}", file=sys.stderr)
         return 1
     except (ValueError, OSError) as error:
-        print(f"ovman {command}: {error}", file=sys.stderr)
-        return 1
+        return _failed(command, error)
     except KeyboardInterrupt:
         print(f"ovman {command}: {interrupted}", file=sys.stderr)
         return 130
     except Exception as error:
         if not isinstance(error, _known()):
             raise
-        print(f"ovman {command}: {error}", file=sys.stderr)
-        return 1
+        return _failed(command, error)
+
+
+def _failed(command: str, error: Exception) -> int:
+    """Print what failed, with what moves a terminal's cursor written out. Returns the exit status."""
+    from ovman.models.record import printable  # most commands fail at nothing
+
+    lines = map(printable, f"ovman {command}: {error}".split("\n"))
+    print("\n".join(lines), file=sys.stderr)
+    return 1
 
 
 def _known() -> tuple[type[Exception], ...]:

@@ -4,7 +4,7 @@ is seen to be one."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ovman.analysis.outcomes import is_expectation
 from ovman.analysis.rates import Rate, by_arm, by_seed, chances
@@ -19,7 +19,8 @@ class Beside:
 
     released: rates by relation, then all, of these and of the controls. chance: the mean of 1/n_i by relation and over all, n_i
     the instances of an episode's category. tests: each run that was judged against the released arms, by relation, then all.
-    untested: a line for each arm that is not tested, and why. systems: what the released arms are called, by name.
+    untested: a line for each arm that is not tested, and why. systems: what the released arms are called, by name. entries:
+    driving rates on the same episodes, by "arm (role)", of the leaderboard's entries on a split that the release has no rates of.
     """
 
     references: frozenset[str]
@@ -28,19 +29,22 @@ class Beside:
     tests: Sequence[Comparison]
     untested: Sequence[str]
     systems: Mapping[str, str]
+    entries: Mapping[str, Sequence[Rate]] = field(default_factory=dict)
 
 
-def set_beside(judged: Sequence[Outcome], kind: Kind, split: str | None, release: Release) -> Beside:
-    """What stands beside these outcomes, of arms of one kind. split: the released split that they cover whole, None for others.
+def set_beside(judged: Sequence[Outcome], kind: Kind, split: str | None, release: Release, whole: bool = True) -> Beside:
+    """What stands beside these outcomes, of arms of one kind. split: the released split that they are of, None for others.
 
-    A static run is tested against the arms that were realised once, an embodied one against runs under its own seed.
+    whole: whether they cover it; released arms and tests are there only then. A static run is tested against the arms that were
+    realised once, an embodied one against runs under its own seed.
     """
-    rates, outcomes = ([], []) if split is None else release.of_kind(kind, split)
+    rates, outcomes = ([], []) if split is None or not whole else release.of_kind(kind, split)
+    entries = {} if split is None else release.entered(kind, split, {outcome.episode for outcome in judged})
     systems = {name: arm.system for name, arm in release.settings.arms.items()}
     tests, untested = _tests(judged, outcomes, kind, systems)
     chance = chances({outcome.episode: outcome for outcome in judged})
-    by_chance = {relation: of_n for relation, (of_n, _) in chance.items()}
-    return Beside(release.references(kind), rates, by_chance, tests, untested, systems)
+    by_relation = {relation: of_n for relation, (of_n, _) in chance.items()}
+    return Beside(release.references(kind), rates, by_relation, tests, untested, systems, entries)
 
 
 def _tests(

@@ -26,6 +26,7 @@ from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
 from ovman.workflow.provenance import lacking
+from ovman_client.server import lacking as methods_lacking
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
@@ -43,10 +44,17 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     shard = shard_of(options.shard)
     what = asked(release, options.split, episodes_file, options.scenes, shard, options.seeds or settings.evaluation.seeds)
     cache = user_cache() if options.cache is None else Path(options.cache)
-    of_arm = stage_settings(settings, "rollouts", name)
+    if options.agent is not None:
+        module, _, attribute = options.agent.partition(":")
+        if (wrong := lacking(module, attribute, "into this folder")) is not None:
+            raise AgentError(f"--agent {options.agent}: {wrong}")
+    try:
+        of_arm = stage_settings(settings, "rollouts", name)
+    except SyntaxError as error:  # of a module that the agent's imports
+        raise AgentError(f"{error.filename}, line {error.lineno}, is not Python: {error.msg}; mend it") from None
     where = place(options, of_arm.arm)
-    if where is not Where.SERVER:
-        _refuse_absent(name, of_arm.arm, where)
+    if where is Where.EVALUATOR and (absent := methods_lacking(function(name, of_arm.arm.agent))) is not None:
+        raise AgentError(f"{of_arm.arm.agent} has no method {absent}; write it (docs/agents.md)")
     out = Path(options.out)
     doing = Evaluation(of_arm, what, _elsewhere(options, where, settings, out), options.failures == "abstain")
     _, summary = evaluate(doing, release, out, cache.absolute(), say, checked_workers(options.workers))
@@ -97,17 +105,6 @@ def _elsewhere(options: argparse.Namespace, where: Where, settings: Settings, ou
     if options.config is not None:
         arguments += ["--config", str(Path(options.config).absolute())]
     return OwnProcess(("-m", "ovman.entry.serve", *arguments), settings.remote, out / LOG)
-
-
-def _refuse_absent(name: str, arm: ArmJob, where: Where) -> None:
-    """AgentError where the agent is not there, in the working directory or elsewhere on Python's path.
-
-    What is to run in a process of its own is looked for and not imported.
-    """
-    if where is Where.EVALUATOR:
-        function(name, arm.agent)
-    elif (wrong := lacking(*arm.agent.split(":", 1))) is not None:
-        raise AgentError(f"arms.{name}.agent is {arm.agent!r}, and {wrong}")
 
 
 def checked_workers(number: int) -> int:

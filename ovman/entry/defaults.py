@@ -4,5 +4,5 @@ from __future__ import annotations
 
 from ovman.shipped import EMBEDDED, HOME
 
-CONFIG, DATA = HOME / "config.yaml", HOME / EMBEDDED
-"""The settings, and the release."""
+CONFIG, DATA, LEADERBOARD = HOME / "config.yaml", HOME / EMBEDDED, HOME / "leaderboard"
+"""The settings, the release, and everybody's entries."""

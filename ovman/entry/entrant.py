@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from pydantic import ValidationError
 
@@ -21,6 +22,9 @@ def with_agent(settings: Settings, agent: str, name: str | None, needs: Sequence
 
     EntryError for a name that is taken or is none, and for what cannot be needed outside the workflow.
     """
+    file, _, attribute = agent.partition(":")
+    if file.endswith(".py"):
+        raise EntryError(f"--agent: {file} is a file; write {Path(file).stem}:{attribute or 'Agent'}")
     wanted = [str(Need.TOURS)] if needs is None else list(needs)
     if others := [need for need in wanted if need not in set(map(str, MADE_APART))]:
         able = ", ".join(sorted(MADE_APART))

@@ -1,37 +1,42 @@
 """`ovman eval`: an embodied agent on released episodes, outside the workflow and by the same function.
 
-Every finished run is kept in a journal at once. An evaluation that is killed and started again loses the run that it was in.
+Every finished run is kept in a journal at once. An evaluation that is killed and started again loses the run that it was in, and
+makes another attempt at it. Attempts are counted (`ovman.entry.attempts`), and the manifest names the runs that took several.
 """
 
 from __future__ import annotations
 
+import errno
 import json
+import shutil
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.entry import attempts
+from ovman.entry.attempts import Attempts, CountedAgent
 from ovman.entry.errors import EntryError
-from ovman.entry.manifest import Manifest, Where, claim, manifest_of
+from ovman.entry.manifest import Manifest, Repeated, Where, claim, manifest_of, write_manifest
 from ovman.entry.progress import Progress
 from ovman.entry.release import Release
 from ovman.entry.results import write_results
 from ovman.entry.spread import Keeping, spread
 from ovman.entry.summary import Summary
 from ovman.entry.tour_cache import VISITS, TourCache, recording_key
-from ovman.evaluation.attempt import run_episode, session_for
+from ovman.evaluation.attempt import Attempt, run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.scores import score
-from ovman.evaluation.supervision import AgentError
+from ovman.evaluation.supervision import AgentError, function
 from ovman.models.episode import Episode
 from ovman.models.run import Rollout, Score
 from ovman.models.settings import Need
 from ovman.remote.agent import Remotes
-from ovman.remote.elsewhere import Elsewhere, Server
+from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.remote.line import LineLost
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
@@ -68,6 +73,8 @@ def asked(
 
     shard: (k, m), k from 1. A shard is a stretch of the file, so it has few scenes. EntryError or RecordError in one line.
     """
+    if negative := [seed for seed in seeds if seed < 0]:
+        raise EntryError(f"--seeds: {negative[0]} is negative; write 0 or more")
     path = release.episodes(split) if episodes_file is None and split is not None else episodes_file
     if path is None:
         raise EntryError("name the episodes: --split NAME or --episodes FILE")
@@ -128,23 +135,48 @@ def evaluate(
     EntryError, AgentError or SimulatorError, in one line; finished runs are kept.
     """
     settings, what = doing.settings, doing.what
-    out.mkdir(parents=True, exist_ok=True)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise EntryError(f"--out: {out} is a file, or lies below one; name a folder") from None
     ids = [episode.id for episode in what.chosen]
-    manifest = manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds, doing.where)
-    claim(out, manifest)
-    with held(out / ".lock"):
+    manifest = claim(out, manifest_of(settings.arm, what.source, what.split, len(what.episodes), ids, what.seeds, doing.where))
+    if added := [seed for seed in manifest.seeds if seed not in what.seeds]:
+        say(f"{out} has seeds {', '.join(map(str, added))} already; they are kept, and the summary is of all")
+    what = replace(what, seeds=manifest.seeds)
+    doing = replace(doing, what=what)
+    with held(out / ".lock"), _room(out, cache):
         journal, tours, note = Journal(out / JOURNAL), TourCache(cache, say), partial(_note, out / FAILURES, say)
+        begun = Attempts(out / attempts.FILE)
         if workers == 1:
             with doing.opened() as remotes:
-                _drive(doing, remotes, journal, tours, note, say)
+                _drive(doing, remotes, journal, begun, tours, note, say)
         else:
-            spread(_drive, run_key, workers, doing, journal, tours, note, say)
+            spread(_drive, run_key, workers, doing, journal, out / attempts.FILE, tours, note, say)
+            begun = Attempts(out / attempts.FILE)
+        number = {(episode.id, seed): begun.of(episode.id, seed) for seed in what.seeds for episode in what.chosen}
+        repeated = [Repeated(episode=name, seed=seed, attempts=n) for (name, seed), n in number.items() if n > 1]
+        manifest = manifest.model_copy(update={"repeated": tuple(repeated)})
+        write_manifest(out, manifest)
         runs = [
             _judged(settings, episode, journal[run_key(settings, episode, seed)])
             for seed in what.seeds
             for episode in what.chosen
         ]
-    return manifest, write_results(out, runs, what.chosen, manifest, release)
+        return manifest, write_results(out, runs, what.chosen, manifest, release)
+
+
+@contextmanager
+def _room(*places: Path) -> Iterator[None]:
+    """Turn a full disk into an EntryError that names which of these folders lies on it."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT):
+            raise
+        fullest = min((place for place in places if place.exists()), key=lambda place: shutil.disk_usage(place).free)
+        where = error.filename or fullest
+        raise EntryError(f"{where}: {error.strerror}; free some, and the same command goes on") from None
 
 
 def run_key(settings: StageSettings, episode: Episode, seed: int) -> str:
@@ -157,6 +189,7 @@ def _drive(
     doing: Evaluation,
     remotes: Remotes | None,
     journal: Keeping,
+    begun: Attempts,
     tours: TourCache,
     note: Callable[[Mapping[str, Any]], None],
     say: Callable[[str], None],
@@ -172,7 +205,11 @@ def _drive(
             else:
                 absent.setdefault(episode.id, {})[seed] = key
     progress.resumed()
+    if again := sum(begun.of(name, seed) > 0 for name, seeds in absent.items() for seed in seeds):
+        say(f"{again} runs are taken again, and the leaderboard counts them as failures; a new --out has none")
     waiting = [episode for episode in what.chosen if episode.id in absent]
+    if waiting and remotes is not None:
+        remotes.line()  # an agent that cannot be loaded is told of before a tour is recorded
     for _, alike in groupby(waiting, key=lambda episode: (episode.scene, episode.backend, episode.protocol)):
         group = list(alike)
         # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
@@ -181,31 +218,53 @@ def _drive(
                 store = _store(settings, episode, tours, touring)
                 for seed, key in absent[episode.id].items():
                     work = partial(run_episode, session, episode, settings.arm, seed, settings, store)
+                    begin = partial(begun.begin, episode.id, seed)
                     try:
-                        run = session.with_restarts(partial(_attempted, work, remotes))
+                        run = session.with_restarts(partial(_attempted, work, doing, remotes, begin))
                     except AgentError as error:
-                        where = f"{episode.id}, seed {seed}"
+                        where, said = f"{episode.id}, seed {seed}", _with_log(doing, error)
                         if not doing.abstains:
-                            raise type(error)(str(error) if where in str(error) else f"{where}: {error}") from None
-                        note({"episode": episode.id, "seed": seed, "error": str(error)})
+                            raise type(error)(said if where in said else f"{where}: {said}") from None
+                        note({"episode": episode.id, "seed": seed, "error": said})
                         run = session.with_restarts(partial(work, made=lambda _: Abstaining()))
                     kept = journal.write(key, run.to_json())
                     progress.made(_judged(settings, episode, kept))
 
 
-def _attempted(work: Callable[..., Rollout], remotes: Remotes | None) -> Rollout:
-    """A run, begun again once where the line to the agent was lost. AgentError, LineLost among them, where the agent fails."""
-    if remotes is None:
-        return work()
-    try:
-        return work(made=remotes)
-    except LineLost:
-        remotes.lost()
-    try:
-        return work(made=remotes)
-    except LineLost:
-        remotes.lost()
-        raise
+def _attempted(work: Callable[..., Rollout], doing: Evaluation, remotes: Remotes | None, begin: Callable[[], None]) -> Rollout:
+    """Make a run. begin: called before the agent is shown the first observation of its drive.
+
+    Where the line to the agent is lost before that, it is dialled again, once. AgentError, LineLost among them, where the agent
+    fails.
+    """
+    arm = doing.settings.arm
+    shown = False
+
+    def first() -> None:
+        nonlocal shown
+        begin()
+        shown = True
+
+    def made(attempt: Attempt) -> Any:
+        agent = remotes(attempt) if remotes is not None else function(arm.name, arm.agent)(attempt.context())
+        return CountedAgent(agent, first) if callable(getattr(agent, "act", None)) else agent
+
+    for last in (False, True):
+        try:
+            return work(made=made)
+        except LineLost:
+            assert remotes is not None
+            remotes.lost()
+            if last or shown:
+                raise
+    raise AssertionError("the last attempt returns or raises")
+
+
+def _with_log(doing: Evaluation, error: AgentError) -> str:
+    """Return the message of an error, and where the agent's traceback is, if the evaluator started the agent's process."""
+    if isinstance(doing.elsewhere, OwnProcess) and not isinstance(error, LineLost):
+        return f"{error}; {doing.elsewhere.log} has the traceback"
+    return str(error)
 
 
 class Abstaining:

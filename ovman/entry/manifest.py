@@ -18,7 +18,7 @@ from ovman import __version__
 from ovman.atomic import replace_bytes
 from ovman.entry.errors import EntryError
 from ovman.models.episode import SCHEMA as EPISODE
-from ovman.models.record import Count, Record, RecordError, Text
+from ovman.models.record import Count, Name, Record, RecordError, Text
 from ovman.models.settings import Source
 from ovman.models.settings.arms import ArmJob
 from ovman.workflow.provenance import module_digest
@@ -40,11 +40,19 @@ class Where(StrEnum):
 class Machine(Record):
     """What the runs were made on."""
 
-    system: str
-    machine: str
+    system: Text
+    machine: str = Field(pattern=r"^\P{Cc}*$")
     processors: int | None
-    python: str
-    numpy: str
+    python: Text
+    numpy: Text
+
+
+class Repeated(Record):
+    """A run that took several attempts: the agent was shown its drive, and the run began again."""
+
+    episode: Text
+    seed: int
+    attempts: Count
 
 
 class Manifest(Record):
@@ -55,29 +63,31 @@ class Manifest(Record):
     from ovman. where: the agent ran. handed: what of the truth the agent is given; with any it is a diagnostic and no system.
     embodiment: body and camera. any_instance: whether reaching any instance of the category is judged, too. budget: actions of
     an episode, None for that of its protocol. marks: numbers of actions at which the path length is recorded. ovman, engine,
-    protocol: versions. machines: those that the runs were made on, one but for a merged evaluation.
+    protocol: versions. machines: those that the runs were made on. repeated: runs that took several attempts;
+    earlier versions, which did not count, say nothing.
     """
 
     schema_id: Literal["ovman-manifest/1"] = Field("ovman-manifest/1", alias="schema")
-    split: str | None
+    split: Name | None
     sha256: Text
     n: Count
     asked: tuple[Text, ...]
-    seeds: tuple[int, ...]
+    seeds: tuple[Count, ...]
     arm: Text
     agent: Text
-    needs: tuple[str, ...]
+    needs: tuple[Text, ...]
     where: Where
-    code: str | None
-    handed: tuple[str, ...]
+    code: Text | None
+    handed: tuple[Text, ...]
     embodiment: Literal["default", "locobot"]
     any_instance: bool
-    budget: int | None
-    marks: tuple[int, ...]
-    ovman: str
-    engine: str | None
-    protocol: str
+    budget: int | None = Field(ge=1)
+    marks: tuple[Count, ...]
+    ovman: Text
+    engine: Text | None
+    protocol: Text
     machines: tuple[Machine, ...]
+    repeated: tuple[Repeated, ...] = ()
 
     @property
     def whole(self) -> bool:
@@ -125,11 +135,11 @@ def this_machine() -> Machine:
     )
 
 
-def claim(directory: Path, manifest: Manifest) -> None:
-    """Make `directory`, which is there, that of an evaluation, or go on in it, and write its manifest.
+def claim(directory: Path, manifest: Manifest) -> Manifest:
+    """Make `directory`, which is there, that of an evaluation, or go on in it; return its manifest, as it is written.
 
-    Seeds and the episodes that are asked for may be others than before. EntryError where it holds an evaluation of another arm or
-    on other episodes, or something else.
+    Seeds that it has stay, and those of `manifest` are added to them. EntryError where it holds an evaluation of another arm, on
+    other episodes or of some that are not asked for now, or something else.
     """
     path = directory / FILE
     if path.exists():
@@ -143,9 +153,22 @@ def claim(directory: Path, manifest: Manifest) -> None:
                 raise EntryError(
                     f"--out: {directory} holds an evaluation whose {key} is {before}, not {now}; name another folder"
                 )
+        if lost := sorted(set(there.asked) - set(manifest.asked)):
+            raise EntryError(
+                f"--out: {directory} holds runs on {len(lost)} episodes that are not asked for now, such as {lost[0]}; "
+                "ask for them, too, or name another folder"
+            )
+        for key in ("seeds", "machines", "repeated"):
+            manifest = manifest.model_copy(update={key: tuple(dict.fromkeys([*getattr(there, key), *getattr(manifest, key)]))})
     elif any(not path.name.startswith(".") for path in directory.iterdir()):
         raise EntryError(f"--out: {directory} holds something else than an evaluation; name another folder")
-    replace_bytes(path, manifest.to_line().encode())
+    write_manifest(directory, manifest)
+    return manifest
+
+
+def write_manifest(directory: Path, manifest: Manifest) -> None:
+    """Write the manifest of an evaluation into its folder."""
+    replace_bytes(directory / FILE, manifest.to_line().encode())
 
 
 def read_manifest(directory: Path) -> Manifest:

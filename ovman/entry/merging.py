@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from ovman.atomic import replacing
+from ovman.entry import attempts
 from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import JOURNAL
-from ovman.entry.manifest import FILE, Manifest, read_manifest
+from ovman.entry.manifest import FILE, Manifest, Repeated, read_manifest
 from ovman.entry.recorded import At, Recorded, read_recorded
 from ovman.entry.release import Release
 from ovman.entry.results import write_results
@@ -19,7 +20,7 @@ from ovman.entry.summary import Summary
 from ovman.models.run import Rollout, Score
 from ovman.workflow.journal import contents
 
-OWN = frozenset({"asked", "seeds", "machines"})
+OWN = frozenset({"asked", "seeds", "machines", "repeated"})
 """Keys of a manifest in which shards of one evaluation may differ."""
 SHOWN = 80
 """Characters of a value in a message."""
@@ -73,15 +74,18 @@ def merge(out: Path, directories: Sequence[Path], release: Release, episodes_fil
             "asked": tuple(order),
             "seeds": seeds,
             "machines": tuple(dict.fromkeys(one for shard in shards for one in shard.manifest.machines)),
+            "repeated": _repeated(shards, seeds, order),
         }
     )
     journal = _journal(shards, [runs[name, seed] for name in order for seed in seeds])
     by_seed = [runs[name, seed] for seed in seeds for name in order]
-    with replacing(out) as partial:
+    with replacing(out, FILE) as partial:
         partial.mkdir()
         (partial / FILE).write_text(manifest.to_line(), encoding="utf-8")
         if journal is not None:
             (partial / JOURNAL).write_bytes(journal)
+        if begun := attempts.joined(shard.directory for shard in shards):
+            (partial / attempts.FILE).write_bytes(begun)
         return manifest, write_results(partial, by_seed, [episodes[name] for name in order], manifest, release)
 
 
@@ -92,6 +96,14 @@ def _shard(directory: Path, release: Release, episodes_file: Path | None) -> Sha
     if recorded.faults:
         raise EntryError(f"{recorded.faults[0]}; run `ovman eval` with this folder to its end first")
     return Shard(directory, manifest, recorded)
+
+
+def _repeated(shards: Sequence[Shard], seeds: Sequence[int], order: Sequence[str]) -> tuple[Repeated, ...]:
+    """Runs that took several attempts in a shard, in the order of the runs."""
+    most: dict[At, Repeated] = {}
+    for one in (one for shard in shards for one in shard.manifest.repeated):
+        most[one.episode, one.seed] = max(one, most.get((one.episode, one.seed), one), key=lambda run: run.attempts)
+    return tuple(most[name, seed] for seed in seeds for name in order if (name, seed) in most)
 
 
 def _among(out: Path, directories: Sequence[Path]) -> bool:

@@ -17,6 +17,7 @@ from ovman.entry.manifest import FILE, Manifest, installed, this_machine
 from ovman.entry.release import Release
 from ovman.entry.results import SUMMARY
 from ovman.entry.run_files import read_runs, runs_path
+from ovman.entry.score_page import LEADERBOARD
 from ovman.entry.summary import as_json, summary_of
 from ovman.models.episode import SCHEMA, Episode
 from ovman.models.run import Score
@@ -87,7 +88,7 @@ def stated(directory: Path, recorded: Recorded, release: Release) -> Iterator[st
         return
     try:
         there = dict(flat(json.loads(path.read_text(encoding="utf-8"))))
-    except ValueError:
+    except (ValueError, RecursionError):
         yield f"{path}: is no JSON; make it again"
         return
     if not recorded.complete or recorded.faults:
@@ -96,14 +97,16 @@ def stated(directory: Path, recorded: Recorded, release: Release) -> Iterator[st
     runs = [recorded.drivable[name, seed][1] for seed in manifest.seeds for name in recorded.episodes]
     made = summary_of(runs, [*recorded.episodes.values()], manifest, release)
     here = dict(flat(json.loads(as_json(made))))
-    for key in dict.fromkeys([*there, *here]):
+    for key in (key for key in dict.fromkeys([*there, *here]) if not key.startswith(LEADERBOARD)):
         one, other = there.get(key, MISSING), here.get(key, MISSING)
         if not _close(one, other):
             yield f"{path}: {key}: {one} recorded, the runs come to {other}"
 
 
 def remarks(manifest: Manifest) -> Iterator[str]:
-    """Lines on versions and machines that are others here. They decide nothing: the runs are driven by what is here."""
+    """Lines on repeated runs, and on versions and machines that are others here. They decide nothing about the recorded runs."""
+    if manifest.repeated:
+        yield f"{FILE}: repeated: {len(manifest.repeated)} runs took several attempts; the leaderboard counts them as failures"
     for key, here in (("ovman", __version__), ("engine", installed("ovman-engine"))):
         if (there := getattr(manifest, key)) != here:
             yield f"{FILE}: {key}: made with {there}, verified with {here}"

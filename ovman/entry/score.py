@@ -72,7 +72,7 @@ def score_file(file: Path, release: Release, split: str, episodes_file: Path | N
         radius_m=tuple(sorted({episode.protocol.success.radius_m for episode in episodes})),
         rates=static_rates(judged, release.settings.evaluation.confidence),
         missing=missing,
-        beside=set_beside(judged, Kind.STATIC, None if missing else of_split, release),
+        beside=set_beside(judged, Kind.STATIC, of_split, release, not missing),
     )
 
 

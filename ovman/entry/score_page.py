@@ -12,6 +12,8 @@ from ovman.entry.beside import Beside
 from ovman.entry.score import StaticScore
 
 SCHEMA = "ovman-static-score/1"
+LEADERBOARD = "leaderboard"
+"""Key of the rates of the leaderboard's entries. Entries are added over time, so this key is never compared."""
 
 
 def as_json(score: StaticScore) -> str:
@@ -39,6 +41,7 @@ def as_values(beside: Beside) -> dict[str, Any]:
         "chance": beside.chance,
         "tests": [asdict(test) for test in beside.tests],
         "untested": beside.untested,
+        **({LEADERBOARD: {arm: [asdict(rate) for rate in of] for arm, of in beside.entries.items()}} if beside.entries else {}),
     }
 
 
@@ -66,5 +69,7 @@ def _lines(score: StaticScore) -> Iterator[str]:
         )
         yield from tables.table(tables.beside(score.rates, score.beside, "this file"), markdown=False)
         yield from tables.said(score.rates, score.beside)
+    elif score.beside.entries:
+        yield from ("", tables.ENTRIES, *tables.table(tables.entries(score.beside), markdown=False))
     elif score.whole:
         yield from ("", "beside it: nothing; the release has no static arms on these episodes")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ovman.entry.defaults import CONFIG
 from ovman.entry.entrant import entrant
+from ovman.entry.errors import EntryError
 from ovman.entry.source_cache import remembered
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.host import hosted
@@ -38,9 +39,13 @@ def serve(options: argparse.Namespace) -> None:
     sys.path.insert(0, str(Path(options.path).absolute()))
     settings, name = entrant(load(Path(options.config or CONFIG)), options.agent, options.arm, options.name, options.needs)
     make = hosted(stage_settings(settings, "rollouts", name), settings)
-    server = Server(make, name, options.host, options.port, decoded=False)
+    try:
+        server = Server(make, name, options.host, options.port, decoded=False)
+    except (OSError, OverflowError) as error:
+        where = f"--host {options.host} --port {options.port}"
+        raise EntryError(f"{where}: {error}; write another port, or 0 for a free one") from None
     if options.ready is None:
-        print(f"{name} listens on ws://{options.host}:{server.port}", file=sys.stderr, flush=True)
+        print(server.greeting, file=sys.stderr, flush=True)
     else:
         os.write(options.ready, f"{server.port}\n".encode())
         os.close(options.ready)

@@ -10,6 +10,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+from ovman.entry.attempts import Attempts
 from ovman.entry.progress import Progress
 from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
@@ -60,11 +61,15 @@ def spread(
     workers: int,
     doing: Evaluation,
     journal: Journal,
+    attempts: Path,
     tours: TourCache,
     note: Note,
     say: Callable[[str], None],
 ) -> None:
-    """Make the runs that the journal does not have as `drive` does, in so many processes. run_key: of a run in the journal."""
+    """Make the runs that the journal does not have as `drive` does, in so many processes.
+
+    run_key: of a run in the journal. attempts: file of the attempts, to which each process appends.
+    """
     settings, what = doing.settings, doing.what
     progress = Progress(len(what.chosen) * len(what.seeds), say)
     episodes = {episode.id: episode for episode in what.chosen}
@@ -93,11 +98,11 @@ def spread(
     waiting = [episode for episode in what.chosen if episode.id in absent]
     pieces = [as_texts(alike) for _, alike in groupby(waiting, key=lambda episode: episode.scene)]
     without_episodes = replace(doing, what=replace(what, source=b"", episodes=(), chosen=()))
-    shared_out(partial(_opened, drive, without_episodes, journal.path, tours.directory), pieces, workers, receive)
+    shared_out(partial(_opened, drive, without_episodes, journal.path, attempts, tours.directory), pieces, workers, receive)
 
 
 @contextmanager
-def _opened(drive: Drive, doing: Evaluation, journal: Path, cache: Path) -> Iterator[Work[Sequence[str]]]:
+def _opened(drive: Drive, doing: Evaluation, journal: Path, attempts: Path, cache: Path) -> Iterator[Work[Sequence[str]]]:
     """In a worker: what makes the runs of a floor plan that the journal lacks, by an agent of the worker's own."""
     remembered()
     with doing.opened() as remotes:
@@ -108,6 +113,7 @@ def _opened(drive: Drive, doing: Evaluation, journal: Path, cache: Path) -> Iter
                 here,
                 remotes,
                 _Sent(journal, send),
+                Attempts(attempts),
                 TourCache(cache, send),
                 lambda record: send(Noted(record)),
                 lambda line: None,

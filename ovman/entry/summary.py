@@ -36,7 +36,7 @@ def summary_of(runs: Sequence[Score], episodes: Sequence[Episode], manifest: Man
     """The summary of runs, each seed's over all of these episodes. settings of the release: as for `score_file`."""
     outcomes = embodied_outcomes([Case.of(episode) for episode in episodes], runs)
     rates = embodied_rates(outcomes, release.settings.evaluation.confidence)
-    return Summary(manifest, rates, set_beside(outcomes, Kind.EMBODIED, manifest.split if manifest.whole else None, release))
+    return Summary(manifest, rates, set_beside(outcomes, Kind.EMBODIED, manifest.split, release, manifest.whole))
 
 
 def as_json(summary: Summary) -> str:
@@ -52,6 +52,7 @@ def as_json(summary: Summary) -> str:
         "n": manifest.n,
         "asked": len(manifest.asked),
         "seeds": manifest.seeds,
+        **({"repeated": [one.to_json() for one in manifest.repeated]} if manifest.repeated else {}),
         "rates": [asdict(rate) for rate in summary.rates],
         **as_values(summary.beside),
     }
@@ -71,9 +72,15 @@ def _lines(summary: Summary, markdown: bool) -> Iterator[str]:
     yield f"{'# ' if markdown else ''}{manifest.arm} ({manifest.agent}) on {of}, {seeds}: {part}"
     if manifest.handed:
         yield from ("", f"DIAGNOSTIC: the agent is handed the truth ({', '.join(manifest.handed)}); this is no system's score")
+    if manifest.repeated:
+        runs = f"{len(manifest.repeated)} of {len(manifest.asked) * len(manifest.seeds)} runs"
+        first = f"{manifest.repeated[0].episode}, seed {manifest.repeated[0].seed}"
+        yield from ("", f"TAKEN AGAIN: {runs} took several attempts, such as {first}; the leaderboard counts them as failures")
     yield from ("", *tables.table(tables.of_arm(summary.rates, summary.beside.chance), markdown))
     if summary.beside.released:
         yield from ("", "Beside it: success of the released arms on the same episodes, and p of McNemar's exact test by seed", "")
         yield from tables.table(tables.beside(summary.rates, summary.beside, "this evaluation"), markdown)
         for line in tables.said(summary.rates, summary.beside):
             yield from ("", line)
+    if summary.beside.entries:
+        yield from ("", tables.ENTRIES, "", *tables.table(tables.entries(summary.beside), markdown))

@@ -8,6 +8,7 @@ from ovman.analysis.rates import ALL, Interval, Rate
 from ovman.analysis.significance import Comparison
 from ovman.entry.beside import Beside
 
+ENTRIES = "Leaderboard: driving success of its entries on the same episodes"
 DECIMALS = 6
 """Of released rates: a control that ties must not seem to fall short by what the file has rounded away."""
 
@@ -53,6 +54,13 @@ def beside(rates: Sequence[Rate], found: Beside, judged: str) -> list[list[str]]
         if len(runs) > 1:
             rows += [[f"  {test.arm}, seed {test.seed}", *("" for _ in relations), *_test(test)] for test in tests]
     return [*rows, ["chance 1/n", *(share(found.chance[relation]) for relation in relations), "", "", ""]]
+
+
+def entries(found: Beside) -> list[list[str]]:
+    """One row per entry of the leaderboard: driving success by relation and over all, then chance."""
+    relations = [relation for relation in found.chance if relation != ALL] + [ALL]
+    rows = [["", *relations], *([name, *_shares(of, relations)] for name, of in found.entries.items())]
+    return [*rows, ["chance 1/n", *(share(found.chance[relation]) for relation in relations)]]
 
 
 def said(rates: Sequence[Rate], found: Beside) -> Iterator[str]:

@@ -23,6 +23,7 @@ from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.scores import score
 from ovman.models.episode import Episode
+from ovman.models.record import printable
 from ovman.models.run import Rollout, Score
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
@@ -65,9 +66,10 @@ def verify(
 ) -> Verification:
     """Verify the evaluation in `directory`.
 
-    episodes_file: that the runs are of, where they are of no released split. say: told of progress. journal: keeps what was
-    driven, so that the same is not driven again. EntryError or RecordError, in one line, for what is no evaluation;
-    SimulatorError.
+    episodes_file: that the runs are of, where they are of no released split. say: told of progress. journal: keeps what driving
+    measured. A run that is in it is judged again but not driven again, so an agreement then shows no more than that the runs
+    agree with the journal, which whoever can write it may have made up. EntryError or RecordError, in one line, for what is no
+    evaluation; SimulatorError.
     """
     manifest = read_manifest(directory)
     recorded = read_recorded(directory, manifest, release, episodes_file)
@@ -104,27 +106,35 @@ def verify(
 
 def _drive(settings: StageSettings, recorded: Recorded, journal: Journal | None, workers: int, drove: Send) -> None:
     """Drive the recorded runs that the journal does not have, by floor plans; `drove` is told of each run."""
-    engine = module_digest(ENGINE)
     waiting: list[tuple[Episode, Score]] = []
     keys: dict[tuple[str, int], str] = {}
+
+    def judge(driven: Rollout) -> None:
+        judged = score(driven, recorded.episodes[driven.episode], settings.arm.any_instance)
+        drove(((driven.episode, driven.seed), judged))
+
+    def receive(driven: Rollout) -> None:
+        if journal is not None:
+            journal.write(keys[driven.episode, driven.seed], driven.to_json())
+        judge(driven)
+
     for at, (_, run) in recorded.drivable.items():
         episode = recorded.episodes[run.episode]
-        keys[at] = digest(settings.canonical, engine, episode.to_json(), run.seed, run.trace)
+        keys[at] = measurement_key(settings, episode, run)
         if journal is not None and keys[at] in journal:
-            drove((at, Score.from_json(journal[keys[at]], f"{journal.path}")))
+            judge(Rollout.from_json(journal[keys[at]], f"{journal.path}"))
         else:
             waiting.append((episode, run))
-
-    def receive(driven: Score) -> None:
-        at = driven.episode, driven.seed
-        if journal is not None:
-            journal.write(keys[at], driven.to_json())
-        drove((at, driven))
 
     order = {name: number for number, name in enumerate(recorded.episodes)}
     waiting.sort(key=lambda pair: order[pair[0].id])
     pieces = [_piece(list(alike)) for _, alike in groupby(waiting, key=lambda pair: _place(pair[0]))]
     shared_out(partial(_again, settings), pieces, workers, receive)
+
+
+def measurement_key(settings: StageSettings, episode: Episode, run: Score) -> str:
+    """Return the key of what driving a run measures: digest of engine, constants, code that drives, episode, seed and trace."""
+    return digest(settings.canonical, module_digest(ENGINE), episode.to_json(), run.seed, run.trace)
 
 
 def _place(episode: Episode) -> tuple[object, ...]:
@@ -142,7 +152,7 @@ def _piece(runs: Sequence[tuple[Episode, Score]]) -> Piece:
 
 @contextmanager
 def _again(settings: StageSettings) -> Iterator[Work[Piece]]:
-    """What drives runs of one floor plan again, and sends each with its verdict."""
+    """Drive runs of one floor plan again, and send what is measured of each."""
     yield partial(_drive_again, settings)
 
 
@@ -153,8 +163,7 @@ def _drive_again(settings: StageSettings, piece: Piece, send: Send) -> None:
         for episode, runs in zip(episodes, traces, strict=True):
             for seed, trace in runs:
                 made = session.with_restarts(partial(_driven, session, episode, seed, trace, settings))
-                # Records are rounded when they are written down.
-                send(score(Rollout.from_json(made.to_json()), episode, settings.arm.any_instance))
+                send(Rollout.from_json(made.to_json()))  # records are rounded when they are written down
 
 
 def _driven(session: Session, episode: Episode, seed: int, trace: str, settings: StageSettings) -> Rollout:
@@ -162,7 +171,7 @@ def _driven(session: Session, episode: Episode, seed: int, trace: str, settings:
 
 
 def as_lines(found: Verification) -> list[str]:
-    """What a verification says, a line each: differences, remarks, and what it comes to."""
+    """Return the lines of a verification: differences, remarks and the result. Control characters of files are escaped."""
     total = len(found.runs)
     said = [*found.differences, *(f"note: {remark}" for remark in found.remarks)]
     apart = ", ".join(f"{value:g} {unit}" for unit, value in sorted(found.deviations.items()))
@@ -170,4 +179,4 @@ def as_lines(found: Verification) -> list[str]:
     came_to = f"all {total} runs agree with what this machine's engine drives"
     if not found.agrees:
         came_to = f"{len(found.differences)} differences; {found.driven} of {total} runs driven again, {found.differing} differ"
-    return [*said, f"{FILE}: {found.manifest.arm}: {came_to}{within}"]
+    return [*map(printable, said), f"{FILE}: {found.manifest.arm}: {came_to}{within}"]

@@ -17,14 +17,16 @@ from ovman.entry.manifest import read_manifest
 from ovman.entry.release import Release
 from ovman.entry.run_files import COMPRESSED, compressed, runs_path
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
-from ovman.leaderboard.page import as_html, as_markdown
+from ovman.leaderboard.page import TITLE, as_html, as_markdown
 from ovman.leaderboard.standing import Refusal, barred, standings
+from ovman.models.record import printable
 from ovman.models.settings import splits_of
-from ovman.perception.libraries import cache as user_cache
 from ovman.workflow.config import load
 from ovman.workflow.journal import Journal
 
 PAGES = ("README.md", "index.html")
+MARKS = {".md": f"{TITLE}\n", ".html": "<title>Leaderboard"}
+"""Texts by which the pages are known, by their suffixes."""
 JOURNAL = "driven_again.jsonl"
 
 
@@ -51,15 +53,15 @@ def enter(options: argparse.Namespace) -> Path:
     else:
         if options.split is None:
             raise EntryError(f"{source}: say which split the points are of, with --split")
-        release.episodes(options.split)
         split, files = options.split, {PREDICTIONS: source.read_bytes()}
+    release.episodes(split)
     directory = folder / split
     if taken := [name for name in files if (directory / name).exists()]:
         raise EntryError(f"{directory / taken[0]}: is there already; remove it, or choose another name")
     folder.mkdir(parents=True, exist_ok=True)
     if not (folder / FILE).exists():
         write_entry(folder, entry)
-    with replacing(directory) as partial:
+    with replacing(directory, PREDICTIONS if MANIFEST in files else MANIFEST) as partial:
         if directory.is_dir():
             shutil.copytree(directory, partial)
         partial.mkdir(exist_ok=True)
@@ -71,22 +73,32 @@ def enter(options: argparse.Namespace) -> Path:
 def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
     """Drive and judge all entries again, and write the tables. False where one is refused.
 
-    What was driven on this machine before, with the same engine, is not driven again. EntryError, ConfigError, SimulatorError.
+    With --cache, a run that this cache has is judged again but not driven again, and the pages say so. EntryError for a folder
+    that is not a leaderboard, whose files stay; ConfigError, SimulatorError.
     """
     release = Release(Path(options.release or DATA), load(Path(options.config or CONFIG)))
     directory = Path(options.directory)
-    cache = user_cache() if options.cache is None else Path(options.cache)
-    cache.mkdir(parents=True, exist_ok=True)
-    found = list(standings(directory, release, say, checked_workers(options.workers), Journal(cache / JOURNAL)))
+    for name in PAGES:
+        _check_own(directory / name)
+    journal = None if options.cache is None else Journal(Path(options.cache) / JOURNAL)
+    found = list(standings(directory, release, say, checked_workers(options.workers), journal))
     splits = splits_of(release.settings.splits)
-    for name, text in zip(PAGES, (as_markdown(found, splits), as_html(found, splits)), strict=True):
+    for name, text in zip(
+        PAGES, (as_markdown(found, splits, journal is not None), as_html(found, splits, journal is not None)), strict=True
+    ):
         replace_bytes(directory / name, text.encode())
         say(str(directory / name))
     refusals = [one for one in found if isinstance(one, Refusal)]
     for one in refusals:
         for reason in one.reasons:
-            say(f"refused: {one.place}: {reason}")
+            say(printable(f"refused: {one.place}: {reason}"))
     return not refusals
+
+
+def _check_own(page: Path) -> None:
+    """Raise EntryError for a page that this command did not write."""
+    if page.exists() and MARKS[page.suffix] not in page.read_text(encoding="utf-8", errors="replace")[:400]:
+        raise EntryError(f"{page}: is not a page of a leaderboard; name the folder of the entries, or move the file away")
 
 
 def _entry(options: argparse.Namespace, folder: Path) -> Entry:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,12 @@ from pydantic import ConfigDict, Field
 
 from ovman.entry.errors import EntryError
 from ovman.models.record import Record, Text
+from ovman.workflow import settings_files
 
 FILE = "entry.yaml"
 PREDICTIONS = "predictions.jsonl"
+MOST_BYTES = 4096
+"""Of `entry.yaml`."""
 NAME = re.compile(r"[a-z0-9][a-z0-9_-]{0,63}")
 
 
@@ -42,7 +46,7 @@ class Entry(Record):
     role: Role
     authors: tuple[Text, ...] = Field(min_length=1)
     date: str = Field(pattern=r"^\d{4}-\d{2}-\d{2}$")
-    code: str | None = Field(pattern=r"^https://\S+$")
+    code: str | None = Field(pattern=r"^https://[^\s()<>\[\]|`\\\"\p{C}]+$")
     about: Text = Field(max_length=300)
 
 
@@ -63,28 +67,37 @@ class Submission:
 
 
 def read_entry(directory: Path) -> Entry:
-    """The `entry.yaml` of a folder. EntryError or RecordError, in one line, for a file that is none."""
+    """The `entry.yaml` of a folder. ConfigError, EntryError or RecordError, in one line, for a file that is none.
+
+    The file may come from anybody. It has `MOST_BYTES` at most, and neither anchors nor aliases.
+    """
     path = directory / FILE
-    try:
-        value: Any = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except OSError:
-        raise EntryError(f"{path}: is not there; write it, or make the entry with `ovman enter`") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise EntryError(f"{path}: {' '.join(str(error).split())}; mend it") from None
+    if not path.is_file():
+        raise EntryError(f"{path}: is not there; write it, or make the entry with `ovman enter`")
+    if path.stat().st_size > MOST_BYTES:
+        raise EntryError(f"{path}: has more than {MOST_BYTES} bytes; shorten it")
+    value: Any = settings_files.read(path)
+    if any(isinstance(token, yaml.AnchorToken | yaml.AliasToken) for token in yaml.scan(path.read_text(encoding="utf-8"))):
+        raise EntryError(f"{path}: has an anchor (&) or an alias (*); write the values out")
     if isinstance(value, dict):
         value = {str(key): str(one) if key == "date" else one for key, one in value.items()}
     return Entry.from_json(value, str(path))
 
 
 def submissions(directory: Path) -> Iterator[Submission]:
-    """What the entry in a folder has, by split. EntryError or RecordError, in one line, for what is no entry."""
+    """Yield the submissions of an entry's folder by split. ConfigError, EntryError or RecordError, in one line, for others."""
     if not NAME.fullmatch(directory.name):
         raise EntryError(f"{directory}: is no name of an entry; write small letters, digits, - and _")
+    for path in chain([directory], directory.rglob("*")):
+        if path.is_symlink():
+            raise EntryError(f"{path}: is a link; put in the file or the folder itself")
     entry = read_entry(directory)
     splits = sorted(path for path in directory.iterdir() if path.is_dir())
     if not splits:
         raise EntryError(f"{directory}: holds no split; put an evaluation or {PREDICTIONS} into a folder named after its split")
     for split in splits:
+        if not NAME.fullmatch(split.name):
+            raise EntryError(f"{split}: is not the name of a split; name the folder after its split")
         drives, static = (split / "manifest.json").is_file(), (split / PREDICTIONS).is_file()
         if not drives and not static:
             raise EntryError(f"{split}: holds neither an evaluation nor {PREDICTIONS}; put in one, or remove it")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -10,12 +11,22 @@ from jinja2 import ChoiceLoader, PackageLoader
 from ovman.entry import tables
 from ovman.leaderboard.entry import Role
 from ovman.leaderboard.standing import SHOWN, Refusal, Standing
+from ovman.models.record import printable
 from ovman.report.show.page import environment
 
 TITLES = {True: "driving", False: "static gate"}
 BLOCKS = {Role.CONTROL: "controls", Role.DIAGNOSTIC: "diagnostics"}
 RAN = {"evaluator": "in the evaluator's process", "process": "in a process of its own", "server": "on a server"}
-MARK = "‡"
+MARK, ALIKE = "‡", "≡"
+TITLE = "# Leaderboard"
+REPLAYED = (
+    "Every row was replayed or judged again on the machine that made this page. A replay shows that the recorded actions come to"
+    " this score. It does not show that an agent chose them."
+)
+CACHED = (
+    "This page is a draft: runs of a cache were judged again but not replayed, and whoever could write the cache may have made"
+    " them up. Make the page without --cache before you publish it."
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +52,21 @@ class Table:
         """The cells of a row without its rank."""
         last = row.rates[-1]
         mark = MARK if row.reached_by and row.entry.role is Role.SYSTEM else ""
+        mark += ALIKE if self.alike(row) else ""
         shares = [tables.share(rate.rate) for rate in row.rates]
         spl = [] if last.spl is None else [tables.share(last.spl)]
         ran = row.where if row.where is not None else str(row.runs)
         bounds = f"{tables.share(last.low)} to {tables.share(last.high)}"
         return [*shares[:-1], shares[-1] + mark, bounds, *spl, ", ".join(row.entry.authors), row.entry.date, ran]
+
+    def alike(self, row: Standing) -> list[str]:
+        """Return the names of those whose actions equal the row's in every run: oracles of the release, and other entries.
+
+        Nothing for a diagnostic, which has no rank.
+        """
+        if row.entry.role is Role.DIAGNOSTIC or row.traces is None:
+            return []
+        return [*row.oracles, *(one.entry.system for one in self.rows if one.traces == row.traces and one.name != row.name)]
 
     def blocks(self) -> Iterator[tuple[str | None, list[tuple[str, Standing]]]]:
         """Blocks with their titles (None for systems), and in each its rows with their ranks ("" where they have none)."""
@@ -79,26 +100,42 @@ def refused(found: Sequence[Standing | Refusal]) -> list[tuple[str, str]]:
     return [(one.place, _why(one)) for one in found if isinstance(one, Refusal)]
 
 
-def as_markdown(found: Sequence[Standing | Refusal], splits: Sequence[str]) -> str:
-    """The leaderboard as Markdown."""
-    return "\n".join(_lines(found, splits)) + "\n"
+def as_markdown(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: bool = False) -> str:
+    """The leaderboard as Markdown. cached: whether runs may be those of a cache."""
+    return "\n".join(_lines(found, splits, cached)) + "\n"
 
 
-def as_html(found: Sequence[Standing | Refusal], splits: Sequence[str]) -> str:
-    """The leaderboard as one HTML file without script."""
+def as_html(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: bool = False) -> str:
+    """The leaderboard as one HTML file without script. cached: as for `as_markdown`."""
     styled = environment()
     assert styled.loader is not None, "it has that of its own package"
     made = styled.overlay(loader=ChoiceLoader([PackageLoader("ovman.leaderboard", "templates"), styled.loader]))
     listed = board(found, splits)
     return made.get_template("leaderboard.html").render(
-        tables=listed, refused=refused(found), mark=MARK, share=tables.share, ran=RAN, entries=_entries(found)
+        tables=listed,
+        refused=refused(found),
+        mark=MARK,
+        share=tables.share,
+        ran=RAN,
+        entries=_entries(found),
+        same=ALIKE,
+        said=[REPLAYED, *[CACHED] * cached],
     )
 
 
-def _lines(found: Sequence[Standing | Refusal], splits: Sequence[str]) -> Iterator[str]:
-    yield "# Leaderboard"
+def _escaped(text: str) -> str:
+    """Return text of an entry as Markdown that shows it: one line, without tags, links and cells of its own."""
+    return re.sub(r"([\\`|<>\[\]])", r"\\\1", printable(text))
+
+
+def _code(text: str) -> str:
+    return f"`{printable(text).replace('`', chr(39))}`"
+
+
+def _lines(found: Sequence[Standing | Refusal], splits: Sequence[str], cached: bool) -> Iterator[str]:
+    yield TITLE
     yield ""
-    yield "Every row was driven or judged again on the machine that made this page: `ovman leaderboard`, or `make leaderboard`."
+    yield from [REPLAYED, *[CACHED] * cached]
     yield "[docs/leaderboard.md](../docs/leaderboard.md) says how to enter and what is checked."
     for table in board(found, splits):
         yield from ("", f"## {table.title}", "")
@@ -106,18 +143,24 @@ def _lines(found: Sequence[Standing | Refusal], splits: Sequence[str]) -> Iterat
         for title, of in table.blocks():
             if title is not None:
                 rows.append([f"*{title}*", *[""] * (len(table.columns) - 2)])
-            rows += [[f"{rank and f'{rank}. '}[{row.entry.system}]({row.name})", *table.cells(row)] for rank, row in of]
+            rows += [
+                [f"{rank and f'{rank}. '}[{_escaped(row.entry.system)}]({row.name})", *map(_escaped, table.cells(row))]
+                for rank, row in of
+            ]
         yield from tables.table(rows, markdown=True)
         for row in table.reached:
-            yield from ("", f"{MARK} {row.entry.system}: {_reached(row)}.")
+            yield from ("", f"{MARK} {_escaped(row.entry.system)}: {_reached(row)}.")
+        for row in table.rows:
+            if others := table.alike(row):
+                yield from ("", f"{ALIKE} {_escaped(row.entry.system)}: {_escaped(_same(others))}.")
     if missing := refused(found):
         yield from ("", "## Refused", "")
-        yield from (f"- `{place}`: {why}" for place, why in missing)
+        yield from (f"- {_code(place)}: {_escaped(why)}" for place, why in missing)
     if entries := _entries(found):
         yield from ("", "## Entries", "")
     for name, one in entries.items():
         code = f" [Code]({one.entry.code})." if one.entry.code else ""
-        yield f"- **{one.entry.system}** (`{name}`): {one.entry.about}{code}"
+        yield f"- **{_escaped(one.entry.system)}** (`{name}`): {_escaped(one.entry.about)}{code}"
 
 
 def _entries(found: Sequence[Standing | Refusal]) -> dict[str, Standing]:
@@ -130,6 +173,10 @@ def _entries(found: Sequence[Standing | Refusal]) -> dict[str, Standing]:
 
 def _reached(row: Standing) -> str:
     return "reached by " + "; ".join(f"{name} ({tables.share(rate)})" for name, rate in row.reached_by)
+
+
+def _same(others: Sequence[str]) -> str:
+    return f"its actions are those of {', '.join(others)} in every run"
 
 
 def _ranks(rows: Sequence[Standing]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ovman.analysis.rates import ALL, Rate
@@ -17,8 +17,10 @@ from ovman.entry.score import score_file
 from ovman.entry.score_page import complaint
 from ovman.entry.summary import summary_of
 from ovman.entry.verification import verify
-from ovman.leaderboard.entry import PREDICTIONS, Entry, Role, Submission, submissions
-from ovman.workflow.journal import Journal
+from ovman.leaderboard.entry import FILE, PREDICTIONS, Entry, Role, Submission, submissions
+from ovman.models.run import Score
+from ovman.models.settings import Source
+from ovman.workflow.journal import Journal, digest
 
 SHOWN = 3
 """Reasons that are shown of a submission that is refused; the rest are counted."""
@@ -31,7 +33,8 @@ class Standing:
 
     rates: by relation, then all. chance: of 1/n over all. reached_by: controls of the release whose success is no lower, with
     it. where: its agent ran, and its body where that is not the benchmark's own; None for predicted points. runs: seeds that
-    were driven again, or runs that were judged.
+    were driven again, or runs that were judged. traces: digest of the actions of all runs; None for predicted points. oracles:
+    arms of the release that are handed the answer and do the same in every run.
     """
 
     name: str
@@ -42,6 +45,8 @@ class Standing:
     reached_by: Sequence[tuple[str, float]]
     where: str | None
     runs: int
+    traces: str | None = None
+    oracles: Sequence[str] = ()
 
     @property
     def drives(self) -> bool:
@@ -62,11 +67,11 @@ def standings(
 ) -> Iterator[Standing | Refusal]:
     """What comes of each submission below `directory`, by the names of their entries.
 
-    journal: of runs that were driven again before, which are not driven again. What is wrong with one entry is its own: others
-    stand. EntryError where there is no entry; SimulatorError.
+    journal: as for `verify`. What is wrong with one entry is its own: others stand. EntryError where there is no entry;
+    SimulatorError.
     """
     folders = sorted(path for path in directory.iterdir() if path.is_dir()) if directory.is_dir() else []
-    if not folders:
+    if not any((folder / FILE).exists() for folder in folders):
         raise EntryError(f"{directory}: holds no entry; make one with `ovman enter`")
     for folder in folders:
         try:
@@ -75,7 +80,7 @@ def standings(
             yield Refusal(folder.name, [str(error)])
             continue
         for one in found:
-            say(f"{one.place}: {'driven again' if one.drives else 'judged again'}")
+            say(f"{one.place}: {'replayed' if one.drives else 'judged again'}")
             try:
                 yield _driven(one, release, say, workers, journal) if one.drives else _judged(one, release)
             except ValueError as error:
@@ -107,9 +112,31 @@ def _driven(one: Submission, release: Release, say: Say, workers: int, journal: 
     if not found.agrees:
         return Refusal(one.place, found.differences)
     episodes = read_recorded(one.directory, manifest, release, None).episodes
-    summary = summary_of(found.runs, [*episodes.values()], manifest, release)
+    runs = first_attempts(found.runs, manifest)
+    summary = summary_of(runs, [*episodes.values()], manifest, release)
     ran = str(manifest.where) if manifest.embodiment == "default" else f"{manifest.where}, {manifest.embodiment}"
-    return _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
+    traces = traces_of(found.runs)
+    oracles = [
+        arm
+        for arm, entry in release.settings.arms.items()
+        if entry.answer is Source.HANDED and traces_of(release.runs(arm, one.split)) == traces
+    ]
+    if manifest.repeated:
+        ran += f", runs failed at the first attempt: {len(manifest.repeated)}"
+    made = _standing(one, summary.rates, summary.beside, ran, len(manifest.seeds))
+    return replace(made, traces=traces, oracles=oracles)
+
+
+def traces_of(runs: Sequence[Score]) -> str:
+    """Return a digest of the actions of runs by episode and seed."""
+    return digest(sorted([run.episode, run.seed, run.trace] for run in runs))
+
+
+def first_attempts(runs: Sequence[Score], manifest: Manifest) -> list[Score]:
+    """Return the runs as their first attempts ended: one that took several attempts failed at the first."""
+    again = {(one.episode, one.seed) for one in manifest.repeated if one.attempts > 1}
+    failed = {"outcome": "abstained", "success": False, "spl": 0.0}
+    return [run.model_copy(update=failed) if (run.episode, run.seed) in again else run for run in runs]
 
 
 def _judged(one: Submission, release: Release) -> Standing | Refusal:

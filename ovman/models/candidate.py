@@ -9,7 +9,7 @@ from pydantic import Field
 
 from ovman.models.change import Alteration
 from ovman.models.geometry import Spawn
-from ovman.models.record import Record, Text
+from ovman.models.record import Name, Record, Text
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.settings.splits import MAIN
@@ -27,8 +27,8 @@ class Candidate(Record):
 
     schema_id: Literal["ovman-candidate/2"] = Field("ovman-candidate/2", alias="schema")
     id: Text
-    split: Text = MAIN
-    scene: Text
+    split: Name = MAIN
+    scene: Name
     relation: Relation
     category: Text
     target: Text

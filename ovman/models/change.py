@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from ovman.models.geometry import Point, Position
-from ovman.models.record import METRE_DECIMALS, Record, Text
+from ovman.models.record import METRE_DECIMALS, InstanceId, Record, Text
 
 HeadingDeg = Literal[0, 90, 180, 270]
 """A heading along the axes of the world, degrees; 0 along +z, 90 along +x."""
@@ -81,7 +81,7 @@ class Alteration(Record):
     """
 
     kind: Literal["displace", "disable", "motion"]
-    instance: Text
+    instance: InstanceId
     placement: Point | None = None
     height_m: float | None = None
     roam: Roam | None = None
@@ -102,7 +102,7 @@ class MoverStart(Record):
     position: of the centre of its box, metres, a point of its lattice; heading_deg: which way it goes on.
     """
 
-    instance: Text
+    instance: InstanceId
     position: Point
     heading_deg: HeadingDeg
 
@@ -127,7 +127,7 @@ class Change(Record):
     about, as `Alteration` has them.
     """
 
-    instance: Text
+    instance: InstanceId
     category: Text
     kind: Literal["displace", "enable", "disable", "motion"]
     before: Position | None

@@ -15,7 +15,7 @@ from ovman.models.certification import CertificationRun
 from ovman.models.change import Alteration, Change, MoverStart
 from ovman.models.geometry import Point, Spawn
 from ovman.models.query import Query
-from ovman.models.record import Length, Record, RecordError, Text, lines
+from ovman.models.record import InstanceId, Length, Name, Record, RecordError, Text, lines
 from ovman.models.relation import Relation
 from ovman.models.settings import Settings
 from ovman.models.settings.benchmark import Camera, Mover, Primitives, Success
@@ -56,18 +56,18 @@ class Episode(Record):
 
     schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
     id: Text
-    split: Text
+    split: Name
     backend: Literal["embedded", "thor"]
-    scene: Text
+    scene: Name
     relation: Relation
     category: Text
     noun: Text
     sentence: Text
-    target: Text
-    distractor: Text | None
+    target: InstanceId
+    distractor: InstanceId | None
     changes: tuple[Change, ...]
     tours: VisitPair[Tour]
-    visits: VisitPair[str]
+    visits: VisitPair[Name]
     movers: tuple[MoverStart, ...]
     spawn: Spawn
     answer: Point

@@ -29,7 +29,15 @@ Length = Annotated[float, Field(ge=0)]
 """Metres, at least 0."""
 Count = Annotated[int, Field(ge=0)]
 """A number of pixels, actions, cells."""
-Text = Annotated[str, Field(min_length=1)]
+_TEXT = r"^[^\p{Cc}\u2028\u2029\u202a-\u202e\u2066-\u2069]*$"
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9_-]*(\.[A-Za-z0-9_-]+)*$"
+_INSTANCE = r"^[^\p{Cc}/\\]*$"
+Text = Annotated[str, Field(min_length=1, pattern=_TEXT)]
+"""One line of text. Control characters and those that turn the direction of writing are refused."""
+Name = Annotated[str, Field(max_length=200, pattern=_NAME)]
+"""A name that becomes a part of a path."""
+InstanceId = Annotated[str, Field(min_length=1, pattern=_INSTANCE)]
+"""The id of an instance, such as "Chair|+01.00|+00.00|-02.50". The name of a visit has its first part."""
 
 
 class RecordError(ValueError):
@@ -69,6 +77,10 @@ def records(path: Path) -> Iterator[tuple[str, Any]]:
             yield place, json.loads(text)
         except json.JSONDecodeError as error:
             raise RecordError(_no_json(place, f"{error.msg} at column {error.colno}")) from None
+        except RecursionError:
+            raise RecordError(_no_json(place, "too deep")) from None
+        except ValueError:
+            raise RecordError(_no_json(place, "a number has too many digits")) from None
 
 
 def read_records(path: Path) -> list[Any]:
@@ -114,7 +126,11 @@ class Record(BaseModel):
         Raises RecordError, one line with place, key and remedy, for a key that is missing, a value of the wrong kind, another
         schema, or a record that contradicts itself.
         """
-        return cls.parse(json.dumps(value), place)
+        try:
+            text = json.dumps(value)
+        except RecursionError:
+            raise RecordError(_no_json(place, "too deep")) from None
+        return cls.parse(text, place)
 
     @classmethod
     def parse(cls, text: str, place: str = "record") -> Self:
@@ -172,7 +188,12 @@ def complaint(error: ValidationError, place: str) -> str:
         key += f"[{part}]" if isinstance(part, int) else f".{part}" if key else str(part)
     where = f"{place}: {key}" if key else place
     says, remedy = _said(first)
-    return " ".join(f"{where}: {says}; {remedy}".split())
+    return printable(" ".join(f"{where}: {says}; {remedy}".split()))
+
+
+def printable(text: str) -> str:
+    r"""Return the text with everything that a terminal would not show as a character escaped: a line feed as \n."""
+    return "".join(one if one.isprintable() else one.encode("unicode_escape").decode() for one in text)
 
 
 _EXPECTED = {
@@ -191,6 +212,13 @@ _EXPECTED = {
     "dict_type": ("expected an object", "write {...}"),
 }
 
+_FORMS = {
+    _TEXT: "one line without control characters",
+    _NAME: "a name of letters, digits, _ and -, with single dots between them",
+    _INSTANCE: "an instance without / and control characters",
+}
+"""Patterns of text in words."""
+
 
 def _said(error: ErrorDetails) -> tuple[str, str]:
     """Complaint and remedy of pydantic's error."""
@@ -206,8 +234,13 @@ def _said(error: ErrorDetails) -> tuple[str, str]:
             return f"expected {options[0]!r}, found {value!r}", "make the file again with this version of ovman"
         near = difflib.get_close_matches(str(value), options, n=1) or [" or ".join(options)]
         return f"{_shown(value)} is not one of {', '.join(options)}", f"write {near[0]}"
+    if kind == "string_pattern_mismatch":
+        pattern = context["pattern"]
+        return f"expected {_FORMS.get(pattern, f'text like {pattern}')}, found {_shown(value)}", "correct it"
     if kind == "too_short":
         return f"expected at least {context['min_length']} element(s), found {context['actual_length']}", "write [...]"
+    if kind == "greater_than":
+        return f"expected a number above {context['gt']:g}, found {_shown(value)}", "write a number within the bound"
     if kind == "greater_than_equal":
         return f"expected at least {context['ge']:g}, found {_shown(value)}", "write a number within the bound"
     if kind in ("less_than", "less_than_equal"):

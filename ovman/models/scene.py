@@ -7,7 +7,7 @@ from typing import Literal
 from pydantic import Field
 
 from ovman.models.geometry import Point, Position
-from ovman.models.record import Count, Record, Text
+from ovman.models.record import Count, Name, Record, Text
 
 
 class SceneObject(Record):
@@ -38,7 +38,7 @@ class Scene(Record):
     """
 
     schema_id: Literal["ovman-scene/2"] = Field("ovman-scene/2", alias="schema")
-    scene: Text
+    scene: Name
     start: Point
     floor_y: float
     reachable: tuple[tuple[float, float], ...]

@@ -11,7 +11,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
 from ovman.models.candidate import Candidate
 from ovman.models.change import MoverRecord
 from ovman.models.geometry import Point, Position
-from ovman.models.record import Count, Length, Record, Text
+from ovman.models.record import Count, Length, Name, Record, Text
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
 from ovman.models.sighting import Sighting, VisitPair
@@ -63,7 +63,7 @@ class TrialMeasurement(Record):
     nearest_navigable: Point | None = None
     answer_to_navigable_m: Length | None = None
     shortest_path_m: Length | None = None
-    visits: VisitPair[str] | None = None
+    visits: VisitPair[Name] | None = None
     sightings: VisitPair[tuple[Sighting, ...]] | None = None
     world_1: RecordedWorld | None = None
     world_2: RecordedWorld | None = None

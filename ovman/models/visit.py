@@ -11,7 +11,7 @@ from pydantic import Field
 
 from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Position
-from ovman.models.record import Count, Record, Text
+from ovman.models.record import Count, Name, Record, Text
 from ovman.models.sighting import Sighting
 from ovman.models.visit_files import read_verified
 
@@ -59,8 +59,8 @@ class Visit(Record):
     """A recorded visit. Positions are centres of axis-aligned boxes, metres."""
 
     schema_id: Literal["ovman-visit/2"] = Field("ovman-visit/2", alias="schema")
-    scene: Text
-    visit: Text
+    scene: Name
+    visit: Name
     alterations: tuple[Alteration, ...]
     placed: Mapping[str, Position]
     present: Mapping[str, Present]

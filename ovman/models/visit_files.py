@@ -14,7 +14,7 @@ from typing import Literal, Self
 
 from pydantic import Field
 
-from ovman.models.record import Record, RecordError, Text
+from ovman.models.record import Name, Record, RecordError, Text
 
 MILLIMETRES = 1000.0
 """Millimetres in a metre: depth pictures are in millimetres."""
@@ -41,7 +41,7 @@ class VisitFiles(Record):
 
     schema_id: Literal["ovman-visit-files/1"] = Field("ovman-visit-files/1", alias="schema")
     key: str
-    sha256: Mapping[str, Text]
+    sha256: Mapping[Name, Text]
 
     @classmethod
     def load(cls, directory: Path) -> Self:
@@ -124,8 +124,8 @@ class VisitManifest(Record):
     """The recorded tours of a scene, "ovman-visits/1": one digest of content (`VisitFiles.content`) a tour, by its name."""
 
     schema_id: Literal["ovman-visits/1"] = Field("ovman-visits/1", alias="schema")
-    scene: Text
-    visits: Mapping[str, Text]
+    scene: Name
+    visits: Mapping[Name, Text]
 
     def directory(self, visits: Path, name: str) -> Path:
         """The directory of a tour of that name. visits: of the recorded tours of all scenes.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -11,6 +12,7 @@ from ovman.evaluation.attempt import Attempt
 from ovman.models.settings.remote import Remote
 from ovman.remote import wire
 from ovman.remote.line import Line, LineLost
+from ovman.remote.process import AgentProcess
 
 VISITS_KEPT = 2
 """Visits that are kept as messages, of some 15 MB each: all seeds of an episode have them in common."""
@@ -23,6 +25,7 @@ class RemoteAgent:
 
     def __init__(self, line: Line, attempt: Attempt, limits: Remote, tours: Tours) -> None:
         self._line, self._limits, self._tours = line, limits, tours
+        self._left_s = limits.run_s
         self._done(wire.begin(attempt), limits.tour_s)
 
     def familiarise(self, visit: Visit) -> None:
@@ -40,7 +43,7 @@ class RemoteAgent:
 
     def act(self, observation: Observation) -> Action:
         """See `Agent.act`. LineLost for what is no action, and as for `Line.ask`."""
-        reply = self._line.ask({"type": "act", "observation": wire.observation(observation)}, self._limits.act_s)
+        reply = self._ask({"type": "act", "observation": wire.observation(observation)}, self._limits.act_s)
         if reply["type"] == "action":
             try:
                 return Action(str(reply.get("action")))
@@ -51,11 +54,24 @@ class RemoteAgent:
         raise LineLost(f"act: the reply {str(reply.get('action', reply['type'])):.40} is no action; answer one of {names}")
 
     def _done(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
-        reply = self._line.ask(message, limit_s)
+        reply = self._ask(message, limit_s)
         if reply["type"] != "done":
             self._line.close()
             raise LineLost(f"{message['type']}: the reply is {reply['type']:.40}, not done; answer as the protocol says")
         return reply
+
+    def _ask(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
+        """The reply to a message, within the time of the message and within what is left of the run's."""
+        began = time.monotonic()
+        try:
+            return self._line.ask(message, min(limit_s, self._left_s))
+        except LineLost as error:
+            if time.monotonic() - began < self._left_s:
+                raise
+            whole = f"the agent has taken {self._limits.run_s:g} s of the run; answer sooner, or raise remote.run_s"
+            raise LineLost(f"{message['type']}: {whole}") from error
+        finally:
+            self._left_s = max(0.0, self._left_s - (time.monotonic() - began))
 
 
 class Tours:
@@ -79,21 +95,25 @@ class Tours:
 class Remotes:
     """Makes the agents of an evaluation, over one line that is dialled again where it was lost. A context manager.
 
-    address: says where to dial, and starts what is to be dialled where that is the evaluator's part. end: ends it again.
+    address: says where to dial, and starts what is to be dialled where that is the evaluator's part. process: what it starts.
     """
 
-    def __init__(self, address: Callable[[], str], limits: Remote, end: Callable[[], None] = lambda: None) -> None:
-        self._address, self._limits, self._end, self._tours = address, limits, end, Tours()
+    def __init__(self, address: Callable[[], str], limits: Remote, process: AgentProcess | None = None) -> None:
+        self._address, self._limits, self._process, self._tours = address, limits, process, Tours()
         self._line: Line | None = None
 
     def __call__(self, attempt: Attempt) -> RemoteAgent:
         """An agent for a run. LineLost, AgentError: as for `Line`."""
-        return RemoteAgent(self.line(), attempt, self._limits, self._tours)
+        line = self.line()
+        if self._process is not None:
+            self._process.clean()
+        return RemoteAgent(line, attempt, self._limits, self._tours)
 
     def line(self) -> Line:
         """The line, dialled where there is none. AgentError as for `Line`."""
         if self._line is None:
-            self._line = Line(self._address(), self._limits.connect_s)
+            why = None if self._process is None else self._process.passed_limit
+            self._line = Line(self._address(), self._limits.connect_s, why)
         return self._line
 
     def lost(self) -> None:
@@ -101,7 +121,8 @@ class Remotes:
         if self._line is not None:
             self._line.close()
         self._line = None
-        self._end()
+        if self._process is not None:
+            self._process.end()
 
     def __enter__(self) -> Remotes:
         return self

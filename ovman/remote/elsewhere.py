@@ -39,7 +39,7 @@ class OwnProcess:
         """What makes its agents. It is started at the first, and ended with the context."""
         with ExitStack() as until:
             process = until.enter_context(AgentProcess(self.arguments, self.limits, self.log))
-            yield until.enter_context(Remotes(process.address, self.limits, process.end))
+            yield until.enter_context(Remotes(process.address, self.limits, process))
 
 
 Elsewhere = Server | OwnProcess

@@ -12,7 +12,7 @@ import numpy as np
 from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAnswer, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import with_sections
-from ovman.evaluation.supervision import function
+from ovman.evaluation.supervision import AgentError, function
 from ovman.models.prediction import Abstention, Answer
 from ovman.models.settings import Need, Settings
 from ovman.models.settings.benchmark import Camera, Primitives
@@ -20,6 +20,7 @@ from ovman.perception.detected import Detected
 from ovman.remote.looking import Looking
 from ovman.workflow.parameter import StageSettings
 from ovman_client import messages
+from ovman_client.server import METHODS, lacking
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
@@ -85,6 +86,8 @@ def hosted(stage: StageSettings, settings: Settings) -> Callable[[Mapping[str, A
     """
     arm, looking = stage.arm, Looking(settings)
     make = function(arm.name, arm.agent)
+    if (absent := lacking(make)) is not None:
+        raise AgentError(f"{arm.agent} has no method {absent}; write it (docs/agents.md)")
 
     def begin(message: Mapping[str, Any]) -> HostedAgent:
         primitives = Primitives.model_validate({name: message[name] for name in Primitives.model_fields})
@@ -105,6 +108,8 @@ class HostedAgent:
     """An `Agent` that is told in messages."""
 
     def __init__(self, agent: Any, context: HostedContext) -> None:
+        if absent := [name for name in METHODS if not callable(getattr(agent, name, None))]:
+            raise TypeError(f"{type(agent).__name__} has no method {absent[0]}; write it (docs/agents.md)")
         self._agent, self._context = agent, context
 
     @property

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import socket
 import threading
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from http import HTTPStatus
 from typing import Any
 
-from websockets.exceptions import ConnectionClosed, InvalidURI, WebSocketException
+from websockets.exceptions import ConnectionClosed, InvalidStatus, InvalidURI, WebSocketException
 from websockets.sync.client import connect
 
 from ovman.evaluation.supervision import AgentError
-from ovman_client.messages import PROTOCOL, MessageError, packed, unpacked
+from ovman_client.messages import MAX_MESSAGE, PROTOCOL, MessageError, packed, unpacked
 
 MAX_REPLY = 1 << 16
 """Bytes. The longest reply that the protocol has is the line of an error."""
@@ -29,12 +30,14 @@ class LineLost(AgentError):
 class Line:
     """A connection that says hello at once. A context manager.
 
-    url: "ws://host:port". connect_s: seconds until it stands. AgentError, in one line, where it does not, or where the other side
-    speaks another protocol.
+    url: "ws://host:port/?token=...", as the server says. connect_s: seconds until it stands. why: says why the other side is
+    gone, where that is known. AgentError, in one line, where the line does not stand, or where the other side speaks another
+    protocol.
     """
 
-    def __init__(self, url: str, connect_s: float) -> None:
-        self._url, self._number = url, 0
+    def __init__(self, url: str, connect_s: float, why: Callable[[], str | None] | None = None) -> None:
+        self._number, self._why = 0, why
+        place = url.partition("?")[0]  # the token is nobody else's
         try:
             self._open = ExitStack()
             self._socket = self._open.enter_context(
@@ -49,13 +52,19 @@ class Line:
                 )
             )
         except InvalidURI:
-            raise AgentError(f"--server: {url!r} is no address; write ws://host:port") from None
+            raise AgentError(f"--server: {place!r} is not an address; write ws://host:port/?token=... as printed") from None
+        except InvalidStatus as error:
+            if error.response.status_code != HTTPStatus.UNAUTHORIZED:
+                raise LineLost(f"{place}: no agent answers ({_words(error)}); name the address of its server") from None
+            raise AgentError(f"{place}: its server asks for a token; write the whole address that it printed") from None
         except (OSError, WebSocketException, TimeoutError) as error:
-            raise LineLost(f"{url}: no agent answers ({_words(error)}); start its server, ovman serve or ovman-client") from None
+            raise LineLost(
+                f"{place}: no agent answers ({_words(error)}); start its server, ovman serve or ovman-client"
+            ) from None
         welcome = self.ask({"type": "hello", "protocol": PROTOCOL}, connect_s)
         if welcome["type"] != "welcome" or not isinstance(welcome.get("agent"), str):
             self.close()
-            raise AgentError(f"{url}: hello was answered by {welcome['type']:.40}; the agent's side speaks another protocol")
+            raise AgentError(f"{place}: hello was answered by {welcome['type']:.40}; the agent's side speaks another protocol")
         self.agent = str(welcome["agent"])[:80]
 
     def ask(self, message: Mapping[str, Any], limit_s: float) -> dict[str, Any]:
@@ -67,8 +76,11 @@ class Line:
         self._number += 1
         what = str(message["type"])
         with self._hung_up(what, limit_s):
+            data = packed({**message, "number": self._number})
+            if len(data) > MAX_MESSAGE:
+                raise MessageError(f"a message of {len(data)} bytes, and the protocol has {MAX_MESSAGE} at most")
             with self._watched(limit_s):
-                self._socket.send(packed({**message, "number": self._number}))
+                self._socket.send(data)
             reply = unpacked(self._socket.recv(timeout=limit_s))
         if reply.get("number") != self._number:
             self.close()
@@ -98,8 +110,9 @@ class Line:
             reason = f"no answer within {limit_s:g} s; answer sooner, or raise the limit in section remote of the settings"
         except ConnectionClosed as error:
             sent = error.sent
-            large = sent is not None and sent.code == 1009
-            reason = f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else "the agent is gone"
+            large = sent is not None and sent.code == TOO_BIG
+            gone = (None if large or self._why is None else self._why()) or "the agent is gone"
+            reason = f"an answer of more than {MAX_REPLY} bytes; answer with one action" if large else gone
         except (MessageError, WebSocketException, OSError) as error:
             reason = f"{_words(error):.{SAID}}; answer as the protocol says"
         else:

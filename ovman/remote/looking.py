@@ -41,7 +41,6 @@ class Looking:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._folder = tempfile.TemporaryDirectory(prefix="ovman-")
         self._detected: OrderedDict[str, Detected] = OrderedDict()
         self._maps: dict[str, Sequence[Cluster]] = {}
         self._phrases: dict[str, np.ndarray] = {}
@@ -65,7 +64,6 @@ class Looking:
         while len(self._detected) > KEPT:
             dropped, _ = self._detected.popitem(last=False)
             self._maps.pop(dropped, None)
-            self._file(dropped).unlink(missing_ok=True)
         return self._detected[content]
 
     def map(self, visit: Visit) -> Sequence[Cluster]:
@@ -96,11 +94,10 @@ class Looking:
         return self._filed("nouns", lambda to: nouns.run(all_nouns(), self._settings, to), read_nouns)
 
     def _filed(self, name: str, write: Callable[[Path], Any], read: Callable[[Path], Made]) -> Made:
-        write(self._file(name))
-        return read(self._file(name))
-
-    def _file(self, name: str) -> Path:
-        return Path(self._folder.name, f"{name}.npz")
+        with tempfile.TemporaryDirectory(prefix="ovman-") as folder:
+            file = Path(folder, f"{name}.npz")
+            write(file)
+            return read(file)
 
 
 def _view(seen: Any) -> tour.View:

@@ -1,13 +1,13 @@
-"""An agent in a process of its own on this machine: an empty directory, few variables, and limits of memory and of files."""
+"""An agent in a process of its own on this machine: empty folders, few variables, and limits that hold for all that it starts."""
 
 from __future__ import annotations
 
-import ctypes
+import json
 import os
-import resource
+import secrets
 import select
 import shutil
-import signal
+import site
 import subprocess
 import sys
 import tempfile
@@ -18,16 +18,19 @@ from pathlib import Path
 
 from ovman.evaluation.supervision import AgentError
 from ovman.models.settings.remote import Remote
+from ovman.perception.libraries import cache
+from ovman.remote import supervisor
 from ovman.remote.line import LineLost
+from ovman_client.server import TOKEN
 
-PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "HOME", "LANG", "TMPDIR", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "XDG_CACHE_HOME")
+PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "LANG", "VIRTUAL_ENV", "LD_LIBRARY_PATH")
 """Variables of the evaluator's that the process has, and those that begin with `PASSED_BEGINNINGS`."""
 PASSED_BEGINNINGS = ("LC_", "OMP_", "OPENBLAS_", "MKL_", "NUMBA_", "CUDA_", "NVIDIA_", "ORT_")
-GB = 10**9
-PR_SET_PDEATHSIG = 1
-"""Linux's number for: end this process when the one that started it ends."""
+PLACES = ("work", "home", "tmp")
+"""Folders of the agent: its working directory, HOME and TMPDIR. They are emptied before each run."""
 TAIL = 2000
 """Bytes of the log in which the last line is looked for."""
+ENDING_S = 2 * supervisor.STUBBORN_S
 
 
 class AgentProcess:
@@ -40,8 +43,8 @@ class AgentProcess:
     def __init__(self, arguments: Sequence[str], limits: Remote, log: Path) -> None:
         self._arguments, self._limits, self._log = list(arguments), limits, log
         self._process: subprocess.Popen[bytes] | None = None
-        self._home: str | None = None
-        self._port = 0
+        self._folder: tuple[Path, int] | None = None
+        self._url = ""
 
     def address(self) -> str:
         """Where it listens; it is started where it does not run. LineLost where it ends before it listens, AgentError where it
@@ -49,7 +52,7 @@ class AgentProcess:
         if self._process is None or self._process.poll() is not None:
             self.end()
             self._start()
-        return f"ws://127.0.0.1:{self._port}"
+        return self._url
 
     def __enter__(self) -> AgentProcess:
         return self
@@ -57,25 +60,36 @@ class AgentProcess:
     def __exit__(self, *error: object) -> None:
         self.end()
 
+    def clean(self) -> None:
+        """Empty the agent's folders, so that a run finds nothing there that another left."""
+        if self._folder is not None:
+            _, places = self._folder
+            _empty(places, PLACES)
+            for name in PLACES:
+                with suppress(FileExistsError):
+                    os.mkdir(name, dir_fd=places)
+
     def _start(self) -> None:
-        self._home = tempfile.mkdtemp(prefix="ovman-agent-")
+        path = Path(tempfile.mkdtemp(prefix="ovman-agent-"))
+        self._folder = path, os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+        self.clean()
         reading, writing = os.pipe()
-        command = [sys.executable, *self._arguments, "--port", "0", "--ready", str(writing)]
+        token = secrets.token_urlsafe(16)
+        limits = {**self._limits.model_dump(), "places": str(path), "ready": writing}
+        server = [sys.executable, *self._arguments, "--port", "0", "--ready", str(writing)]
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(
-                command,
-                cwd=self._home,
-                env=passed(os.environ),
-                stdin=subprocess.DEVNULL,
-                stdout=log,
+                [sys.executable, "-I", "-S", supervisor.__file__, json.dumps(limits), *server],
+                env={**passed(os.environ), **own(path), TOKEN: token},
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
                 stderr=log,
                 pass_fds=[writing],
                 start_new_session=True,
-                preexec_fn=self._limited,
             )
         os.close(writing)
         try:
-            self._port = self._announced(reading)
+            self._url = f"ws://127.0.0.1:{self._announced(reading)}/?token={token}"
         finally:
             os.close(reading)
 
@@ -87,33 +101,59 @@ class AgentProcess:
                 self.end()
                 raise AgentError(f"the agent did not listen within {self._limits.connect_s:g} s; raise remote.connect_s")
             if not (part := os.read(reading, 64)):
-                raise LineLost(f"the agent's process ended before it listened: {self._last_line()}")
+                raise LineLost(f"the agent's process ended before it listened: {self.passed_limit() or self._last_line()}")
             said += part
         return int(said)
-
-    def _limited(self) -> None:
-        memory, file = (int(size * GB) for size in (self._limits.memory_gb, self._limits.file_gb))
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, memory))
-        resource.setrlimit(resource.RLIMIT_FSIZE, (file, file))
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)  # an evaluator that is killed cannot end it
 
     def _last_line(self) -> str:
         said = self._log.read_bytes()[-TAIL:].decode("utf-8", "replace").strip().splitlines()
         return said[-1] if said else "it said nothing"
 
+    def passed_limit(self) -> str | None:
+        """End it, and say which limit its processes had passed, None for none."""
+        if self._process is None:
+            return None
+        try:
+            said, _ = self._process.communicate(timeout=ENDING_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            said, _ = self._process.communicate()
+        self._process = None
+        return said.decode().strip() or None
+
     def end(self) -> None:
-        """End it, where it runs, with all that it started."""
-        if self._process is not None:
-            with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            self._process.wait()
-            self._process = None
-        if self._home is not None:
-            shutil.rmtree(self._home, ignore_errors=True)
-            self._home = None
+        """End it, where it runs, with all that it started, and remove its folders."""
+        self.passed_limit()
+        if self._folder is not None:
+            path, places = self._folder
+            _empty(places)
+            os.close(places)
+            shutil.rmtree(path, ignore_errors=True)
+            self._folder = None
 
 
 def passed(environment: Mapping[str, str]) -> dict[str, str]:
-    """What an agent's process has of the variables of the evaluator's."""
+    """Return what an agent's process has of the variables of the evaluator's."""
     return {name: value for name, value in environment.items() if name in PASSED or name.startswith(PASSED_BEGINNINGS)}
+
+
+def own(folder: Path) -> dict[str, str]:
+    """Return the variables of a process whose folders lie in `folder`. Caches and packages of the user's stay within reach."""
+    user = {"XDG_CACHE_HOME": str(cache().parent), "PYTHONUSERBASE": site.getuserbase()}
+    return {"HOME": str(folder / "home"), "TMPDIR": str(folder / "tmp"), **user}
+
+
+def _empty(directory: int, kept: Sequence[str] = ()) -> None:
+    """Remove all that is in an open directory. Folders called as in `kept` are emptied and stay; no link is followed."""
+    for entry in list(os.scandir(directory)):
+        with suppress(OSError):
+            if not entry.is_dir(follow_symlinks=False):
+                os.unlink(entry.name, dir_fd=directory)
+            elif entry.name in kept:
+                inner = os.open(entry.name, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW, dir_fd=directory)
+                try:
+                    _empty(inner)
+                finally:
+                    os.close(inner)
+            else:
+                shutil.rmtree(entry.name, ignore_errors=True, dir_fd=directory)

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from ovman.analysis.frames import read_rows
+from ovman.atomic import check_own
 from ovman.models.episode import Episode
 from ovman.models.rejection import Rejection
 from ovman.models.relation import Relation
@@ -23,6 +24,7 @@ from ovman_engine.plan import floorplan
 
 FILES = ("episodes/main.jsonl", "episodes/sightings.jsonl")
 """What no release lacks."""
+SUMS = "SHA256SUMS"
 HIDDEN = "."
 NEAR_M = 1.0
 """From a vacated place to another instance of the category that the card counts as beside it."""
@@ -37,6 +39,7 @@ def release(results: Path, output: Path, card: str, perceived: Path | None = Non
     """
     making = made.making(results.parent, home)
     digests = making.files()
+    check_own(output, SUMS)
     shutil.rmtree(output, ignore_errors=True)
     sources = {Path(name): results / name for name in FILES}
     for tree, released in layout.TREES.items():
@@ -58,7 +61,7 @@ def release(results: Path, output: Path, card: str, perceived: Path | None = Non
     (output / "README.md").write_text(card, encoding="utf-8")
     names.append(Path("README.md"))
     sums = [f"{hashlib.sha256((output / n).read_bytes()).hexdigest()}  {n.as_posix()}\n" for n in sorted(names)]
-    (output / "SHA256SUMS").write_text("".join(sums), encoding="utf-8")
+    (output / SUMS).write_text("".join(sums), encoding="utf-8")
     return sorted(names)
 
 

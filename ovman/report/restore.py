@@ -17,7 +17,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import IO
 
-from ovman.atomic import replacing
+from ovman.atomic import below, replacing
 from ovman.models.settings import Settings
 from ovman.report import archive, layout
 from ovman.shipped import HOME
@@ -123,12 +123,17 @@ def _fill(partial: Path, making: Making, release: Path, archives: Sequence[Path]
 
 def _write(partial: Path, name: str, content: IO[bytes], expected: str | None, source: object) -> None:
     """Write a file of results/ below `partial`. ValueError where its content is not the expected."""
-    target = partial / Path(name).relative_to(MADE)
+    target = below(partial, _below(name))
     target.parent.mkdir(parents=True, exist_ok=True)
     with target.open("wb") as file:
         shutil.copyfileobj(content, file)
     if expected is not None and checksums.digest_of(target) != expected:
         raise ValueError(f"{source}: is not what its rule wrote; take the release anew")
+
+
+def _below(result: str | Path) -> str:
+    """Return the path of a result without results/."""
+    return Path(result).relative_to(MADE).as_posix()
 
 
 def _whole(making: Making, files: set[str]) -> dict[str, Mapping[str, str]]:
@@ -154,8 +159,8 @@ def _record(directory: Path, partial: Path, making: Making, whole: Mapping[str, 
             records.write(output, done, now / 1e9, digests)
             if output in whole:
                 if "" not in names:
-                    (partial / Path(output).relative_to(MADE) / STAMP).touch()
-                path = partial / checksums.path_of(Path(output)).relative_to(MADE)
+                    (below(partial, _below(output)) / STAMP).touch()
+                path = below(partial, _below(checksums.path_of(Path(output))))
                 path.parent.mkdir(parents=True, exist_ok=True)
                 text = json.dumps(asdict(Checksums(job.rule, names, of_results)), separators=(",", ":"))
                 path.write_text(f"{text}\n", encoding="utf-8")

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from ovman.atomic import clear_partials, partial_path, put, remove
+from ovman.atomic import check_own, clear_partials, partial_path, put, remove
 from ovman.models.change import Alteration, MoverRecord
 from ovman.models.geometry import Point, Position
 from ovman.models.sensors import Light, Sensors
 from ovman.models.tour import Tour
 from ovman.models.visit import Present, SensedPose, View, ViewPose, Visit
-from ovman.models.visit_files import MILLIMETRES, seal
+from ovman.models.visit_files import FILES, MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.light import illuminate
 from ovman.sim.masks import indexed
@@ -79,11 +79,14 @@ def record(
 ) -> Visit:
     """Walk the tour `views` in `world` and record it under `directory`. SimulatorError if a view is not free.
 
+    ValueError if `directory` holds files that are not those of a recorded tour; they stay.
+
     min_mask_px: masks of fewer pixels are not written down. key: of the recording (`VisitFiles.key`), written with the digests of
     all files. light: of the visit, None for the scene's own. sensors: what the agent senses with; the depth that is written is
     the sensed one, None for exact ones. Masks and positions are true. standing: from a view to where it is taken, asked before
     each; None for the view itself.
     """
+    check_own(directory, FILES)
     clear_partials(directory)
     partial = partial_path(directory)
     remove(partial)
@@ -131,7 +134,7 @@ def record(
     )
     (partial / "visit.json").write_text(visit.to_line(), encoding="utf-8")
     seal(partial, key)
-    put(partial, directory)
+    put(partial, directory, FILES)
     return visit
 
 

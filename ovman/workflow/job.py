@@ -103,6 +103,8 @@ class Job:
             if not partial.exists():
                 raise RuntimeError(f"{self._snakemake.rule} wrote no {place}")
         for place, partial in self._partial.items():
+            if partial.is_dir():  # the outputs of a rule are Snakemake's, which asked for this one to be made again
+                atomic.remove(place)
             atomic.put(partial, place)
             checksums.record(place, self._snakemake.rule, self._digests)
 

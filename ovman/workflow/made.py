@@ -10,7 +10,12 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated, Any, TypeVar
 
+from pydantic import AfterValidator, TypeAdapter, ValidationError
+
+from ovman.atomic import inner
+from ovman.models.record import RecordError, complaint
 from ovman.shipped import HOME
 from ovman.workflow import checksums
 from ovman.workflow.snakemake_records import Done, Records
@@ -18,6 +23,24 @@ from ovman.workflow.snakemake_records import Done, Records
 PARAMETERS, JOBS = Path("parameters.json"), Path("made.jsonl")
 """The two files, in the release."""
 TABLES = (checksums.MADE / "all").as_posix()
+
+
+def is_result(name: str) -> bool:
+    """Whether an input is an output of another rule; others lie in the checkout."""
+    return Path(name).parts[:1] == checksums.MADE.parts
+
+
+def _below_results(name: str) -> str:
+    if not is_result(inner(name)) or len(Path(name).parts) < 2:
+        raise ValueError(f"{name!r} is not a result; it must lie below {checksums.MADE}/")
+    return name
+
+
+Parsed = TypeVar("Parsed")
+Inner = Annotated[str, AfterValidator(inner)]
+Result = Annotated[str, AfterValidator(_below_results)]
+Part = Annotated[str, AfterValidator(lambda name: name and inner(name))]
+"""A file within an output, "" for the output itself."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +52,16 @@ class Made:
 
     rule: str
     parameter: str
-    inputs: tuple[str, ...]
-    outputs: Mapping[str, Mapping[str, str]]
+    inputs: tuple[Inner, ...]
+    outputs: Mapping[Result, Mapping[Part, str]]
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """The content of `PARAMETERS`: parameters by key, and SHA-256 of inputs that lie in the checkout."""
+
+    parameters: Mapping[str, Any]
+    sources: Mapping[Inner, str]
 
 
 @dataclass(frozen=True)
@@ -55,11 +86,6 @@ class Making:
 def key_of(parameter: str) -> str:
     """The key of a canonical text."""
     return hashlib.sha256(parameter.encode()).hexdigest()[:16]
-
-
-def is_result(name: str) -> bool:
-    """Whether an input is an output of another rule; others lie in the checkout."""
-    return Path(name).parts[:1] == checksums.MADE.parts
 
 
 def making(directory: Path, home: Path = HOME) -> Making:
@@ -142,22 +168,34 @@ def write(made: Making, folder: Path) -> list[Path]:
 
 
 def read(folder: Path) -> Making:
-    """What `write` wrote. FileNotFoundError where it is not there; ValueError where it is not what was written."""
+    """What `write` wrote. FileNotFoundError where it is not there; ValueError, in one line, where it is not what was
+    written, and for a name that leads out of results/ or of the checkout."""
     for name in (PARAMETERS, JOBS):
         if not (folder / name).is_file():
             raise FileNotFoundError(f"{folder / name} is not there: this release does not say what made it; take another")
-    record = json.loads((folder / PARAMETERS).read_text(encoding="utf-8"))
-    parameters = {key: json.dumps(one, sort_keys=True, separators=(",", ":")) for key, one in record["parameters"].items()}
+    shared = _parse(TypeAdapter(_Shared), (folder / PARAMETERS).read_bytes(), str(folder / PARAMETERS))
+    parameters = {key: json.dumps(one, sort_keys=True, separators=(",", ":")) for key, one in shared.parameters.items()}
     for key, text in parameters.items():
         if key_of(text) != key:
             raise ValueError(f"{folder / PARAMETERS}: the parameter {key} is not what was written; take the release anew")
-    return Making(parameters, record["sources"], [*_jobs(folder / JOBS)])
+    return Making(parameters, shared.sources, [*_jobs(folder / JOBS, parameters)])
 
 
-def _jobs(path: Path) -> Iterator[Made]:
-    for line in path.read_text(encoding="utf-8").splitlines():
-        record = json.loads(line)
-        yield Made(record["rule"], record["parameter"], tuple(record["inputs"]), record["outputs"])
+def _jobs(path: Path, parameters: Mapping[str, str]) -> Iterator[Made]:
+    adapter = TypeAdapter(Made)
+    for number, line in enumerate(path.read_bytes().splitlines(), start=1):
+        job = _parse(adapter, line, place := f"{path}:{number}")
+        if job.parameter not in parameters:
+            raise RecordError(f"{place}: parameter: {job.parameter!r} is not in {PARAMETERS}; take the release again")
+        yield job
+
+
+def _parse(of: TypeAdapter[Parsed], text: bytes, place: str) -> Parsed:
+    """Return an object of a JSON text. RecordError, in one line, for another text and for a name that leads out of its folder."""
+    try:
+        return of.validate_json(text, strict=True)
+    except ValidationError as error:
+        raise RecordError(complaint(error, place)) from None
 
 
 def done(made: Making, job: Made, digests: Mapping[str, str], home: Path = HOME) -> tuple[Done, dict[str, str]]:

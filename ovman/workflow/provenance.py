@@ -83,17 +83,18 @@ def module_file(name: str, root: Path = ROOT) -> Path | None:
     return _sources(root).module_file(name)
 
 
-def lacking(module: str, function: str) -> str | None:
-    """What is wrong with an agent, and the remedy; None where it is there."""
+def lacking(module: str, function: str, place: str = "beside the overlay") -> str | None:
+    """What is wrong with an agent, and the remedy; None where it is there. place: where its module may lie."""
     path = module_file(module)
     if path is None:
-        return f"there is no module {module}; install it, or put it beside the overlay"
+        return f"there is no module {module}; install it, or put it {place}"
     try:
         names = defined(path.read_bytes())
     except SyntaxError as error:
-        return f"{path.name}, line {error.lineno}, is no Python: {error.msg}; mend it"
+        return f"{path.name}, line {error.lineno}, is not Python: {error.msg}; mend it"
     if names is not None and function not in names:
-        return f"{module} has no function {function}; name one that it has"
+        there = ", ".join(sorted(name for name in names if not name.startswith("_")))
+        return f"{module} has no function {function}; " + (f"name one that it has: {there}" if there else "write it")
     return None
 
 
@@ -185,7 +186,11 @@ class _Sources:
 
     def _parsed(self, path: Path) -> Parsed:
         if path not in self._read:
-            self._read[path] = _memory.parsed(path.read_bytes())
+            try:
+                self._read[path] = _memory.parsed(path.read_bytes())
+            except SyntaxError as error:
+                error.filename = str(path)
+                raise
         return self._read[path]
 
 

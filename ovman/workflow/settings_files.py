@@ -19,6 +19,9 @@ import yaml
 
 SECTIONS = "it must hold sections (benchmark:, camera:, ...)"
 
+VALUES = 100_000
+"""A file of settings has no more values, aliases written out; config.yaml has some thousands."""
+
 
 class ConfigError(ValueError):
     """config.yaml or an overlay cannot be used; one line: the file, the setting and the remedy."""
@@ -74,8 +77,6 @@ def read(path: Path) -> Any:
         raise ConfigError(f"{path}:{_marked(error)}") from None
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise ConfigError(f"{path}: is no YAML ({' '.join(str(error).split())}); mend it") from None
-    if _contains_itself(tree, ()):
-        raise ConfigError(f"{path}: an alias (*) stands inside what it names; write the values out")
     return tree
 
 
@@ -86,7 +87,11 @@ def shown(value: Any) -> str:
 
 
 class _Distinct(yaml.constructor.SafeConstructor):
-    """What YAML's nodes mean to Snakemake, but a key that is there twice is an error."""
+    """Construct what Snakemake would, but refuse a key that is there twice, and aliases that make too many values."""
+
+    def construct_document(self, node: yaml.Node) -> Any:
+        _count(node, {})
+        return super().construct_document(node)
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
         keys = [self.construct_object(key, deep=True) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
@@ -140,12 +145,24 @@ def _marked(error: yaml.MarkedYAMLError) -> str:
     """Line, column, problem and remedy of an error of YAML's reader."""
     mark, problem = error.problem_mark or error.context_mark, error.problem or "is no YAML"
     where = f"{mark.line + 1}:{mark.column + 1}" if mark is not None else "1:1"
-    remedy = "write it once" if "twice" in problem else "indent with spaces" if r"\t" in problem else "mend the YAML there"
+    remedy = "write the values out" if "(*)" in problem else "mend the YAML there"
+    remedy = "write it once" if "twice" in problem else "indent with spaces" if r"\t" in problem else remedy
     return f"{where}: {problem}; {remedy}"
 
 
-def _contains_itself(value: Any, around: tuple[int, ...]) -> bool:
-    if not isinstance(value, dict | list):
-        return False
-    inner = value.values() if isinstance(value, dict) else value
-    return id(value) in around or any(_contains_itself(one, (*around, id(value))) for one in inner)
+def _count(node: yaml.Node, counts: dict[int, int]) -> int:
+    """Return how many nodes a node has with its aliases written out. ConstructorError for more than `VALUES`, and for no end."""
+    if isinstance(node, yaml.ScalarNode):
+        return 1
+    if id(node) not in counts:
+        counts[id(node)] = 0
+        pairs = isinstance(node, yaml.MappingNode)
+        inner = [one for pair in node.value for one in pair] if pairs else node.value
+        counts[id(node)] = 1 + sum(_count(one, counts) for one in inner)
+    elif not counts[id(node)]:
+        problem = "an alias (*) stands inside what it names"
+        raise yaml.constructor.ConstructorError(problem=problem, problem_mark=node.start_mark)
+    if counts[id(node)] > VALUES:
+        problem = f"its aliases (*) make more than {VALUES} values"
+        raise yaml.constructor.ConstructorError(problem=problem, problem_mark=node.start_mark)
+    return counts[id(node)]

@@ -11,7 +11,6 @@ import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -20,6 +19,7 @@ import pytest
 from ovman.agents.interface import Action
 from ovman.cli import main
 from ovman.entry.manifest import Manifest, Where
+from ovman.leaderboard.standing import first_attempts
 from ovman.models.relation import Relation
 from ovman.models.run import Score
 from ovman.models.settings import MAIN
@@ -51,17 +51,16 @@ def module(tmp_path, monkeypatch):
 
 
 def served(arm):
-    """A process that serves an arm, and its port."""
+    """A process that serves an arm, and its address."""
     command = [sys.executable, "-m", "ovman.cli", "serve", "--arm", arm, "--port", "0"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
-    found = re.search(r"listens on ws://127.0.0.1:(\d+)", process.stderr.readline())
-    return process, int(found[1])
+    return process, re.search(r"listens on (ws://\S+)", process.stderr.readline())[1]
 
 
 def test_a_served_arm_makes_the_runs_that_it_makes_beside_the_evaluator(beside, tmp_path, tours):
-    process, port = served(ARM)
+    process, url = served(ARM)
     try:
-        options = ["--arm", ARM, "--server", f"ws://127.0.0.1:{port}", "--split", MAIN, "--scenes", SCENE]
+        options = ["--arm", ARM, "--server", url, "--split", MAIN, "--scenes", SCENE]
         assert evaluated(tmp_path / "out", tours, *options) == 0
     finally:
         process.kill()
@@ -124,7 +123,7 @@ def test_nothing_goes_over_the_line_but_observations_and_the_query(tmp_path, tou
             return next(actions)
 
     with Server(Agent, "three", port=0) as server:
-        options = ["--server", f"ws://127.0.0.1:{server.port}", "--name", "three", "--episodes", str(tmp_path / "six.jsonl")]
+        options = ["--server", server.url, "--name", "three", "--episodes", str(tmp_path / "six.jsonl")]
         assert evaluated(tmp_path / "out", tours, *options) == 0
     protocol = (ROOT / "docs" / "protocol.md").read_text()
     words = set(re.findall(r"[A-Za-z0-9_|<./-]+", protocol))
@@ -210,7 +209,7 @@ def test_an_agent_that_looks_around_finds_no_truth(tmp_path, tours, module, monk
     monkeypatch.setenv("MY_SECRET", "answer")
     module("snoop", SNOOP)
     assert evaluated(tmp_path / "out", tours, "--agent", "snoop:Agent", "--needs", "--split", MAIN, "--scenes", SCENE) == 1
-    assert "act raised LookupError in snoop.py, line 28: {}; mend the agent" in capsys.readouterr().err
+    assert "act raised LookupError in snoop.py, line 28: {}; mend the agent; " in capsys.readouterr().err
 
 
 ILL = """
@@ -291,58 +290,106 @@ def test_an_agent_that_was_ill_goes_on_with_the_next_episode(endured):
     assert len(lines(out / "failures.jsonl")) == len(ILLS)
 
 
-def test_a_server_that_is_killed_and_comes_back_loses_nothing(beside, tmp_path, tours):
-    """Killed before its first answer to `act`; the one that is dialled again makes the run from its beginning."""
-    process, port = served(ARM)
-    killed, dialled = threading.Event(), Line.__init__
+@pytest.mark.parametrize("kind", ["ask", "act"])
+def test_a_server_that_is_killed_and_comes_back(beside, tmp_path, tours, kind, capsys):
+    """Before it has seen its drive, the run begins again by itself. After that it has failed, and the next attempt is counted."""
+    process, url = served(ARM)
+    servers, dialled, asked = [process], Line.__init__, Line.ask
 
-    def again(line, url, connect_s):
-        if killed.is_set() and process.poll() is not None:
-            other, at = served(ARM)
-            others.append(other)
-            url = f"ws://127.0.0.1:{at}"
-        dialled(line, url, connect_s)
-
-    others, asked = [], Line.ask
+    def again(line, _, *others):
+        if servers[-1].poll() is not None:
+            servers.append(served(ARM))
+            servers[-1], addresses[-1] = servers[-1]
+        dialled(line, addresses[-1], *others)
 
     def ask(line, message, limit_s):
-        if message["type"] == "act" and not killed.is_set():
-            killed.set()
+        if message["type"] == kind and len(servers) == 1:
             process.kill()
             process.wait()
         return asked(line, message, limit_s)
 
+    addresses, out = [url], tmp_path / "out"
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Line, "__init__", again)
         patch.setattr(Line, "ask", ask)
         try:
-            options = ["--arm", ARM, "--server", f"ws://127.0.0.1:{port}", "--split", MAIN, "--scenes", SCENE]
-            assert evaluated(tmp_path / "out", tours, *options) == 0
+            options = ["--arm", ARM, "--server", url, "--split", MAIN, "--scenes", SCENE]
+            statuses = [evaluated(out, tours, *options)]
+            if statuses[0] != 0:
+                assert capsys.readouterr().err.count("\n") == 1
+                statuses.append(evaluated(out, tours, *options))
         finally:
-            for one in others:
+            for one in servers:
                 one.kill()
                 one.wait()
-    assert killed.is_set() and len(others) == 1
-    assert (tmp_path / "out" / "runs.jsonl").read_bytes() == (beside / "runs.jsonl").read_bytes()
+    assert statuses == ([0] if kind == "ask" else [1, 0]) and len(servers) == 2
+    assert (out / "runs.jsonl").read_bytes() == (beside / "runs.jsonl").read_bytes()
+    (manifest,) = Manifest.read(out / "manifest.json")
+    first = Score.read(out / "runs.jsonl")[0].episode
+    assert [(one.episode, one.seed, one.attempts) for one in manifest.repeated] == ([] if kind == "ask" else [(first, 0, 2)])
+
+
+PEEKS = """
+import os
+from pathlib import Path
+from ovman.agents.interface import Action
+
+NOTES = Path(__file__).with_name("notes")
+
+class Agent:
+    def __init__(self, context): pass
+    def familiarise(self, visit): pass
+    def revisit(self, visit): pass
+    def ask(self, query): self.left = 3
+    def act(self, observation):
+        self.left -= 1
+        if self.left == 0 and not NOTES.exists():
+            NOTES.write_text("seen")
+            os.KILLS
+        return Action.STOP if NOTES.exists() else Action.ROTATE_LEFT
+"""
+
+
+@pytest.mark.parametrize("kills", ["_exit(3)", "kill(EVALUATOR, 9)"])
+def test_no_attempt_after_the_first_is_free(tmp_path, tours, module, kills):
+    """An agent that looks round, keeps notes and ends itself, or the evaluator."""
+    name = "peeks_and_dies" if "exit" in kills else "peeks_and_kills"  # the digest of a module's code is kept by its name
+    module(name, PEEKS.replace("KILLS", kills).replace("EVALUATOR", "int(Path(__file__).with_name('pid').read_text())"))
+    (tmp_path / "one.jsonl").write_text(of_scene(SCENE)[0].to_line())
+    out = tmp_path / "out"
+    options = ["--agent", f"{name}:Agent", "--needs", "--episodes", "one.jsonl", "--seeds", "0", "--cache", str(tours)]
+    command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(out), *options]
+    with subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+        (tmp_path / "pid").write_text(str(process.pid))
+        _, said = process.communicate()
+    assert process.returncode in (1, -signal.SIGKILL) and not (out / "runs.jsonl").exists(), said
+    assert main(["eval", "--out", str(out), *options]) == 0
+    ((manifest,), (run,)) = Manifest.read(out / "manifest.json"), Score.read(out / "runs.jsonl")
+    assert run.trace == "S" and [one.attempts for one in manifest.repeated] == [2]
+    assert json.loads((out / "summary.json").read_text())["repeated"][0]["attempts"] == 2
+    assert "TAKEN AGAIN" in (out / "summary.md").read_text()
+    (first,) = first_attempts([run.model_copy(update={"success": True, "spl": 1.0})], manifest)
+    assert (first.success, first.spl) == (False, 0.0)
 
 
 def test_the_agents_process_ends_with_an_evaluator_that_is_killed(tmp_path, tours, module):
-    sleeps = "open('/proc/self/fd/2', 'w').write(f'pid {os.getpid()}\\n'); time.sleep(100)"
+    says = r"open('/proc/self/fd/2', 'a').write(f'pid {os.getpid()}\n')"
+    sleeps = f"if os.fork() == 0: os.setsid()\n            {says}; time.sleep(100)"
     module("sleeper", ill({(str(one.relation), one.category): sleeps for one in of_scene(SCENE)}))
     command = [sys.executable, "-m", "ovman.cli", "eval", "--out", str(tmp_path / "out"), "--cache", str(tours), "--seeds", "0"]
     options = ["--agent", "sleeper:Agent", "--needs", "--split", MAIN, "--scenes", SCENE]
     log = tmp_path / "out" / "agent.log"
     with subprocess.Popen([*command, *options], cwd=tmp_path, stdout=subprocess.DEVNULL) as process:
         until = time.monotonic() + 60
-        while not (log.exists() and "pid" in log.read_text()) and time.monotonic() < until:
+        while not (log.exists() and log.read_text().count("pid") == 2) and time.monotonic() < until:
             time.sleep(0.1)
-        agent = int(re.search(r"pid (\d+)", log.read_text())[1])
-        assert Path(f"/proc/{agent}").exists()
+        agents = [int(found) for found in re.findall(r"pid (\d+)", log.read_text())]
+        assert len(agents) == 2 and all(map(alive, agents))
         os.kill(process.pid, signal.SIGKILL)
     until = time.monotonic() + 10
-    while alive(agent) and time.monotonic() < until:
+    while any(map(alive, agents)) and time.monotonic() < until:
         time.sleep(0.05)
-    assert not alive(agent)
+    assert not any(map(alive, agents))
 
 
 def alive(process):

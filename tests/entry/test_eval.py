@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -15,6 +17,7 @@ import pytest
 from ovman.analysis.frames import csv_text
 from ovman.analysis.rates import Rate
 from ovman.cli import main
+from ovman.entry import attempts
 from ovman.entry.command import shard_of
 from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import asked
@@ -35,7 +38,7 @@ ARM = next(name for name, entry in CONFIG.comparisons.controls.items() if entry.
 SCENE = "FloorPlan10"
 """Two episodes of main, four of everyday."""
 SEEDS = CONFIG.evaluation.seeds
-FILES = {"journal.jsonl", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
+FILES = {"attempts.jsonl", "journal.jsonl", "runs.jsonl", "summary.json", "summary.md", "manifest.json"}
 
 
 def evaluated(out, tours, *options):
@@ -150,7 +153,7 @@ def test_an_agent_that_raises_is_one_line_and_costs_no_finished_run(tmp_path, to
     last = capsys.readouterr().err.splitlines()[-1]
     assert last == (
         "ovman eval: FloorPlan10/stable/0000, seed 0: act raised ZeroDivisionError in broken.py, line 10: division by zero; "
-        "mend the agent"
+        f"mend the agent; {tmp_path / 'out' / 'agent.log'} has the traceback"
     )
     assert len(lines(tmp_path / "out" / "journal.jsonl")) == 1 and not (tmp_path / "out" / "runs.jsonl").exists()
 
@@ -224,12 +227,59 @@ def test_a_recording_follows_from_its_tour_and_not_from_the_question():
         (["--arm", ARM, "--episodes", "absent.jsonl"], "absent.jsonl: No such file or directory"),
         (["--arm", ARM, "--split", MAIN, "--scenes", "FloorPlan6"], "--scenes: FloorPlan6 has no episode; write some of"),
         (["--arm", ARM, "--split", MAIN, "--shard", "0/3"], "--shard: '0/3' is no part"),
+        (["--arm", ARM, "--split", MAIN, "--seeds", "-1"], "--seeds: -1 is negative; write 0 or more"),
+        (["--agent", "mine.py:Agent", "--split", MAIN], "--agent: mine.py is a file; write mine:Agent"),
+        (["--agent", "tests.entry.evaluations:Agent", "--split", MAIN], "has no function Agent; name one that it has: .*moving"),
+        (["--agent", "zipfile:ZipInfo", "--split", MAIN, "--in-process"], "zipfile:ZipInfo has no method familiarise; write it"),
     ],
 )
 def test_a_wrong_command_is_one_line(tmp_path, tours, capsys, options, said):
     assert evaluated(tmp_path / "out", tours, *options) == 1
     err = capsys.readouterr().err
     assert re.search(said, err) and err.count("\n") == 1 and not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("own", "helper"), [("def f(:", ""), ("from crooked_helpers.one import two\nclass Agent: pass\n", "\nx = = 1")]
+)
+def test_an_agent_that_is_no_python_is_one_line(tmp_path, tours, monkeypatch, capsys, own, helper):
+    """Its own file, or one that it imports from its package."""
+    package = tmp_path / ("crooked_helpers" if helper else "crooked")
+    package.mkdir()
+    for name, text in {"__init__": "", "agent": own, "one": helper}.items():
+        (package / f"{name}.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    assert evaluated(tmp_path / "out", tours, "--agent", f"{package.name}.agent:Agent", "--split", MAIN) == 1
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and ("one.py, line 2, is not Python" if helper else "agent.py, line 1, is not Python") in err
+
+
+def test_seeds_are_added_to_those_that_are_there(by_seed, depth_driving, tours, tmp_path, capsys):
+    out, options = shutil.copytree(by_seed[0], tmp_path / "out"), ["--arm", ARM, "--split", MAIN]
+    assert evaluated(out, tours, *options, "--scenes", SCENE, "--seeds", "1") == 0
+    for name in ("runs.jsonl", "summary.json", "manifest.json"):
+        assert (out / name).read_bytes() == (depth_driving / name).read_bytes()
+    capsys.readouterr()
+    assert evaluated(out, tours, *options, "--scenes", "FloorPlan7", "--seeds", "0") == 1
+    assert "holds runs on 2 episodes that are not asked for now" in capsys.readouterr().err
+    assert (out / "runs.jsonl").read_bytes() == (depth_driving / "runs.jsonl").read_bytes()
+
+
+def test_a_file_is_no_folder_for_an_evaluation(tmp_path, tours, capsys):
+    (tmp_path / "out").write_text("dear")
+    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN) == 1
+    assert capsys.readouterr().err == f"ovman eval: --out: {tmp_path / 'out'} is a file, or lies below one; name a folder\n"
+
+
+def test_a_full_disk_is_one_line_with_its_place(tmp_path, tours, monkeypatch, capsys):
+    def full(path, content):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(attempts, "durable_append", full)
+    assert evaluated(tmp_path / "out", tours, "--arm", ARM, "--split", MAIN, "--scenes", SCENE, "--seeds", "0") == 1
+    said = capsys.readouterr().err
+    assert re.fullmatch(r"ovman eval: /\S+: No space left on device; free some, and the same command goes on\n", said)
 
 
 def test_a_folder_of_something_else_is_left_alone(tmp_path, tours, whole, capsys):
@@ -245,3 +295,19 @@ def test_what_is_no_shard_is_refused(text):
     with pytest.raises(EntryError, match="--shard"):
         shard_of(text)
     assert shard_of("2/8") == (2, 8)
+
+
+@pytest.mark.parametrize("name", ["", "..", "{folder}", "a/b"])
+def test_a_file_of_episodes_replaces_no_folder(tmp_path, capsys, name):
+    mine = tmp_path / "mine"
+    mine.mkdir()
+    (mine / "thesis.txt").write_text("mine")
+    record = of_scene(SCENE)[0].to_json()
+    record["visits"]["first"] = name.format(folder=mine)
+    (tmp_path / "hostile.jsonl").write_text(json.dumps(record) + "\n")
+    there = {*tmp_path.rglob("*")}
+    options = ["--arm", ARM, "--episodes", str(tmp_path / "hostile.jsonl"), "--seeds", "0"]
+    assert evaluated(tmp_path / "out", tmp_path / "cache", *options) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "hostile.jsonl:1: visits.first: " in line
+    assert {*tmp_path.rglob("*")} == there

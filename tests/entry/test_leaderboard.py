@@ -4,11 +4,18 @@ from __future__ import annotations
 
 import gzip
 import json
+import re
 import shutil
 
 import pytest
 import yaml
 
+from ovman.entry.manifest import read_manifest
+from ovman.entry.replay import replay_settings
+from ovman.entry.verification import measurement_key
+from ovman.models.run import Score
+from ovman.workflow.journal import Journal, contents
+from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, ORACLE, SCENE, command
 from tests.episodes import of_scene
 
@@ -75,7 +82,7 @@ def test_entries_stand_by_split_and_role(evaluations, enter, board, tmp_path, ca
     order = [
         "dev, driving",
         "*controls*",
-        "depth <difference>",
+        r"depth \<difference\>",
         "*diagnostics*",
         "oracle check",
         "dev, static gate",
@@ -141,7 +148,13 @@ def relabelled(source, to, **values):
         ({"seeds": [0]}, "seeds: [0]; run it under [0, 1, 2]"),
         ({"budget": 1000}, "budget: 1000 actions"),
         ({"handed": ["answer"]}, "entered as diagnostic"),
+        ({"budget": -5}, "manifest.json:1: budget: "),
+        ({"seeds": [-1]}, "manifest.json:1: seeds[0]: "),
+        ({"arm": "depth\nall runs agree"}, "manifest.json:1: arm: "),
+        ({"needs": ["\x1b[2J"]}, "manifest.json:1: needs[0]: "),
         ({"split": None}, "split: "),
+        ({"split": "../../elsewhere"}, "manifest.json:1: split: "),
+        ({"split": "elsewhere"}, "elsewhere is no split"),
     ],
 )
 def test_what_is_no_entry_is_refused_before_it_is_one(evaluations, enter, tmp_path, capsys, values, said):
@@ -151,13 +164,31 @@ def test_what_is_no_entry_is_refused_before_it_is_one(evaluations, enter, tmp_pa
     assert said in line and not (tmp_path / "board").exists()
 
 
+def test_the_first_attempt_counts(evaluations, enter, board, tmp_path, capsys):
+    """A run of two attempts is driven again like others, and has failed; entries that count none are as they were."""
+    run = {"episode": of_scene(SCENE)[0].id, "seed": 0, "attempts": 2}
+    source = relabelled(evaluations[ORACLE], tmp_path / "source", repeated=[run])
+    (source / "summary.json").unlink()
+    older = relabelled(evaluations[ORACLE], tmp_path / "older")
+    manifest = json.loads((older / "manifest.json").read_text())
+    assert manifest.pop("repeated") == []
+    (older / "manifest.json").write_text(json.dumps(manifest) + "\n")
+    for name, folder in (("again", source), ("older", older)):
+        assert enter(folder, name, "--system", name, "--role", "diagnostic", *ABOUT) == 0
+    assert board() == 0
+    text = (tmp_path / "board" / "README.md").read_text().splitlines()
+    again, once = (next(line for line in text if f"[{name}]" in line) for name in ("again", "older"))
+    assert "| 0.833 |" in again and "runs failed at the first attempt: 1" in again
+    assert "| 1.000 |" in once and "attempt" not in once
+
+
 def test_what_was_put_there_by_hand_is_refused_alike(evaluations, board, tmp_path):
     relabelled(evaluations[ORACLE], tmp_path / "board" / "mine" / SPLIT, seeds=[0])
     entry = {"system": "mine", "role": "system", "authors": ["A"], "date": "2026-01-01", "code": None, "about": "x"}
     (tmp_path / "board" / "mine" / "entry.yaml").write_text(yaml.safe_dump(entry))
     assert board() == 1
     text = (tmp_path / "board" / "README.md").read_text()
-    assert "seeds: [0]; run it under [0, 1, 2]" in text and "handed: grounding, positions, answer" in text
+    assert r"seeds: \[0\]; run it under \[0, 1, 2\]" in text and "handed: grounding, positions, answer" in text
 
 
 @pytest.mark.parametrize(
@@ -169,6 +200,10 @@ def test_what_was_put_there_by_hand_is_refused_alike(evaluations, board, tmp_pat
         (lambda entry: entry.update(code="javascript:alert(1)"), "code: "),
         (lambda entry: entry.update(authors=[]), "authors: "),
         (lambda entry: entry.update(date="yesterday"), "date: "),
+        (lambda entry: entry.update(about="x\n\n## everyday, driving"), "about: "),
+        (lambda entry: entry.update(authors=["A", "B\n| 1. Forged | 1.000 |"]), "authors[1]: "),
+        (lambda entry: entry.update(code="https://a.b)[c](http://evil"), "code: "),
+        (lambda entry: entry.update(about="x" * 5000), "entry.yaml: has more than 4096 bytes"),
     ],
 )
 def test_a_wrong_entry_is_one_line(board, tmp_path, capsys, change, said):
@@ -187,3 +222,153 @@ def test_an_entry_cannot_lie_elsewhere(enter, tmp_path, capsys):
     for name in ("../mine", "Mine", "", "a/b", "."):
         assert enter(points(tmp_path / "all.jsonl", 2), name, "--split", SPLIT, "--system", "mine", *ABOUT) == 1
         assert "is no name of an entry" in capsys.readouterr().err
+
+
+def by_hand(board_folder, name, **values):
+    """An entry of right points that nobody has checked, as a pull request brings it."""
+    folder = board_folder / name / SPLIT
+    folder.mkdir(parents=True)
+    points(folder / "predictions.jsonl", 2)
+    entry = {"system": name, "role": "system", "authors": ["A"], "date": "2026-01-01", "code": None, "about": "x"} | values
+    (folder.parent / "entry.yaml").write_text(yaml.safe_dump(entry))
+    return folder.parent
+
+
+def refusals(capsys):
+    """The lines in which the command refuses entries."""
+    return [line for line in capsys.readouterr().out.splitlines() if line.startswith("refused: ")]
+
+
+def test_an_alias_bomb_is_refused_at_once(board, tmp_path, capsys):
+    folder = by_hand(tmp_path / "board", "mine")
+    levels = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 7)]
+    (folder / "entry.yaml").write_text("\n".join(["a0: &a0 x", *levels]))
+    by_hand(tmp_path / "board", "other", about="see *below* & above")
+    assert board() == 1
+    (line,) = refusals(capsys)
+    assert "mine/entry.yaml" in line and "alias" in line
+    assert "[other](other)" in (tmp_path / "board" / "README.md").read_text()
+
+
+def test_a_single_alias_is_refused(board, tmp_path, capsys):
+    folder = by_hand(tmp_path / "board", "mine")
+    text = (folder / "entry.yaml").read_text().replace("about: x", "about: &a x").replace("system: mine", "system: *a")
+    assert text.index("&a") < text.index("*a")
+    (folder / "entry.yaml").write_text(text)
+    assert board() == 1
+    assert "has an anchor (&) or an alias (*)" in refusals(capsys)[0]
+
+
+@pytest.mark.parametrize("content", ["[" * 4000, "a: " + "9" * 4000, "date: 2026-13-45", "\x00"])
+def test_an_entry_that_yaml_cannot_hold_is_one_line(board, tmp_path, capsys, content):
+    (by_hand(tmp_path / "board", "mine") / "entry.yaml").write_text(content)
+    assert board() == 1
+    (line,) = refusals(capsys)
+    assert "entry.yaml" in line
+
+
+@pytest.mark.parametrize("what", ["entry.yaml", SPLIT, f"{SPLIT}/predictions.jsonl"])
+def test_a_link_is_refused_and_nothing_of_it_is_shown(board, tmp_path, capsys, what):
+    by_hand(tmp_path / "board", "theirs")
+    secret = tmp_path / "secret"
+    secret.write_text("root:x:0:0: a secret")
+    place = by_hand(tmp_path / "board", "mine") / what
+    if place.is_dir():
+        shutil.rmtree(place)
+    place.unlink(missing_ok=True)
+    place.symlink_to(tmp_path / "board" / "theirs" / SPLIT if what == SPLIT else secret)
+    assert board() == 1
+    (line,) = refusals(capsys)
+    text = (tmp_path / "board" / "README.md").read_text()
+    assert f"{place}: is a link" in line and "secret" not in line + text and "[theirs](theirs)" in text
+
+
+def test_text_of_an_entry_makes_no_row_no_tag_and_no_link(board, tmp_path):
+    by_hand(
+        tmp_path / "board", "mine", system="a | 1.000 |", about="<script>x</script> [b](http://evil) `c`", authors=["[d](e)|"]
+    )
+    assert board() == 0
+    text = (tmp_path / "board" / "README.md").read_text()
+    assert "<script" not in text.replace(r"\<script", "") and "[b](" not in text and "[d](" not in text
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    assert len({len(re.findall(r"(?<!\\)\|", row)) for row in rows}) == 1
+
+
+def test_an_entry_that_does_what_another_does_is_flagged(evaluations, enter, board, tmp_path):
+    oracle = relabelled(evaluations[ORACLE], tmp_path / "source", handed=[])
+    assert enter(evaluations[ORACLE], "oracle", "--system", "oracle check", "--role", "diagnostic", *ABOUT) == 0
+    assert enter(oracle, "mine", "--system", "mine", *ABOUT) == 0
+    assert enter(evaluations[DEPTH], "depth", "--system", "depth", *ABOUT) == 0
+    assert board() == 0
+    for page in ("README.md", "index.html"):
+        text = (tmp_path / "board" / page).read_text()
+        assert text.count("its actions are those of") == 1
+        assert "≡ mine: its actions are those of oracle check in every run." in text
+
+
+def test_the_oracle_of_the_release_is_known_as_well(evaluations, enter, release, tmp_path):
+    again = shutil.copytree(release, tmp_path / "release")
+    (again / "runs" / SPLIT).mkdir(parents=True)
+    shutil.copyfile(evaluations[ORACLE] / "runs.jsonl", again / "runs" / SPLIT / f"{ORACLE}.jsonl")
+    assert enter(relabelled(evaluations[ORACLE], tmp_path / "source", handed=[]), "mine", "--system", "mine", *ABOUT) == 0
+    assert command("leaderboard", tmp_path / "board", "--release", again) == 0
+    assert f"≡ mine: its actions are those of {ORACLE}" in (tmp_path / "board" / "README.md").read_text()
+
+
+def forged(evaluations, release, cache, to):
+    """An evaluation in which every run stops at once and claims the oracle's measurements, and a cache that agrees."""
+    relabelled(evaluations[ORACLE], to, handed=[], where="server")
+    manifest = read_manifest(to)
+    runs = [run.model_copy(update={"trace": "S"}) for run in Score.read(to / "runs.jsonl")]
+    (to / "runs.jsonl").write_text("".join(run.to_line() for run in runs))
+    (to / "summary.json").unlink()
+    settings, journal = replay_settings(CONFIG, manifest), Journal(cache / "driven_again.jsonl")
+    episodes = {one.id: one for one in of_scene(SCENE)}
+    for run in runs:
+        journal.write(measurement_key(settings, episodes[run.episode], run), run.to_json())
+    return to
+
+
+def test_no_cache_stands_for_a_replay(evaluations, enter, release, tmp_path, monkeypatch, capsys):
+    """Anybody who can write files here, such as the process of an agent, can write a cache."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    made = forged(evaluations, release, tmp_path / "ovman", tmp_path / "source")
+    assert enter(made, "mine", "--system", "mine", *ABOUT) == 0
+    assert command("leaderboard", tmp_path / "board", "--release", release) == 1
+    assert refusals(capsys) and "[mine](mine)" not in (tmp_path / "board" / "README.md").read_text()
+    assert command("verify", made, "--release", release) == 1
+    # A page that is made with a cache says so.
+    assert command("leaderboard", tmp_path / "board", "--release", release, "--cache", tmp_path / "ovman") == 0
+    assert "not replayed" in (tmp_path / "board" / "README.md").read_text()
+    assert "not replayed" in (tmp_path / "board" / "index.html").read_text()
+
+
+def test_what_a_cache_has_is_judged_again(evaluations, enter, release, tmp_path):
+    """A verdict in the cache counts for nothing: the judge may have been mended since."""
+    cache = tmp_path / "cache"
+    assert enter(evaluations[DEPTH], "mine", "--system", "mine", *ABOUT) == 0
+    options = ["leaderboard", tmp_path / "board", "--release", release, "--cache", cache]
+    assert command(*options) == 0
+    found = contents(cache / "driven_again.jsonl").units
+    assert found and not any({"success", "spl"} & record.keys() for record in found.values())
+    (cache / "driven_again.jsonl").unlink()
+    journal = Journal(cache / "driven_again.jsonl")
+    for key, record in found.items():
+        journal.write(key, record | {"success": False, "spl": 0.0})
+    assert command(*options) == 0
+
+
+@pytest.mark.parametrize("name", ["README.md", "index.html"])
+def test_a_folder_that_is_no_leaderboard_is_left_alone(board, tmp_path, capsys, name):
+    by_hand(tmp_path / "board", "mine")
+    (tmp_path / "board" / name).write_text("# My notes\n")
+    assert board() == 1
+    assert f"{name}: is not a page of a leaderboard" in capsys.readouterr().err
+    assert (tmp_path / "board" / name).read_text() == "# My notes\n"
+    assert {path.name for path in (tmp_path / "board").iterdir()} == {"mine", name}
+
+
+def test_a_folder_without_entries_gets_no_page(board, tmp_path, capsys):
+    (tmp_path / "board" / "figures").mkdir(parents=True)
+    assert board() == 1
+    assert "holds no entry" in capsys.readouterr().err and [*(tmp_path / "board").iterdir()] == [tmp_path / "board" / "figures"]

@@ -226,3 +226,19 @@ def test_it_takes_two_seconds_at_most_and_nothing_heavy(tmp_path):
     assert (done.returncode, done.stderr.strip()) == (0, "")
     assert spent() - before <= 2.0
     assert "219 episodes" in done.stdout
+
+
+def test_on_a_split_without_released_rates_the_leaderboard_stands_beside(tmp_path, capsys):
+    """Over the same episodes: what the entries reach on dev, and on a part of it."""
+    episodes = Episode.load(RELEASE.episodes("dev"))
+    points = [{"episode": one.id, "x": one.answer[0], "z": one.answer[1]} for one in episodes]
+    entries = score(written(tmp_path, points), split="dev").beside.entries
+    assert {"two_visits_embodied (reference)", "depth_difference_embodied (control)", "joint_embodied (system)"} <= {*entries}
+    assert round(entries["two_visits_embodied (reference)"][-1].rate, 3) == 0.561  # of leaderboard/README.md
+    (tmp_path / "mine.jsonl").unlink()
+    part = score(written(tmp_path, points[:16]), split="dev", partial=True)
+    assert {rates[-1].n for rates in part.beside.entries.values()} == {16}
+    assert "two_visits_embodied (reference)" in as_text(part) and "leaderboard" in json.loads(as_json(part))
+    assert not score(REFERENCE).beside.entries
+    assert main(["score", "--split", "dev", str(tmp_path / "mine.jsonl")]) == 1
+    assert "44 of 60 episodes are missing" in capsys.readouterr().err

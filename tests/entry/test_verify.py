@@ -111,6 +111,10 @@ def test_a_changed_run_is_found_with_its_line_and_key(copy, remembering, capsys,
         ("manifest.json", lambda text: text.replace('"seeds":[0,1]', '"seeds":[]'), "asks for no run"),
         ("summary.json", lambda text: text.replace('"successes": ', '"successes": 1', 1), "recorded, the runs come to"),
         ("summary.json", lambda text: text[:-3], "is no JSON"),
+        ("summary.json", lambda text: "[" * 200_000, "is no JSON"),
+        ("summary.json", lambda text: text.replace('"whole"', '"\\u001b[2J\\nall 4 runs agree"'), r"\x1b[2J\nall 4 runs agree"),
+        ("manifest.json", lambda text: text.replace('"arm":"', '"arm":"x\\nall 4 runs agree', 1), "manifest.json:1: arm: "),
+        ("runs.jsonl", lambda text: text.replace('"episode":"', '"episode":"\\u001b[2J\\n', 1), "runs.jsonl:1: episode: "),
     ],
 )
 def test_a_changed_file_is_found(copy, remembering, capsys, name, change, said):
@@ -120,7 +124,7 @@ def test_a_changed_file_is_found(copy, remembering, capsys, name, change, said):
     assert command("verify", copy) == 1
     found = lines_of(capsys)
     assert any(said in line for line in found), found
-    assert not any("Traceback" in line for line in found)
+    assert not any("Traceback" in line or not line.isprintable() or line.startswith("all") for line in found)
 
 
 def test_other_episodes_are_not_driven(copy, tmp_path, capsys):

@@ -16,7 +16,7 @@ from ovman_engine import kernels
 from tests.entry.evaluations import DEPTH, SCENE
 from tests.episodes import DATA, ROOT
 
-BUILT = ("ovman", "packages", "pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "NOTICE")
+BUILT = ("ovman", "packages", "pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE", "NOTICE", "leaderboard")
 
 
 @pytest.fixture(scope="module")
@@ -87,7 +87,7 @@ def test_a_wheel_is_where_it_is_installed(installed, away):
 
 
 def test_it_holds_the_files_of_the_checkout(installed):
-    for name in FILES:
+    for name in (*FILES, "leaderboard"):
         source, inside = ROOT / name, installed / "ovman" / "shipped" / name
         files = [path for path in source.rglob("*") if path.is_file()] if source.is_dir() else [source]
         assert files
@@ -136,4 +136,5 @@ def test_an_agent_of_the_users_runs_with_it(away):
         "eval", "--agent", "still:Agent", "--needs", "--split", "dev", "--scenes", "FloorPlan6", "--seeds", "0", "--out", "s"
     )
     assert done.returncode == 0, done.stderr
+    assert "two_visits_embodied (reference)" in done.stdout
     assert all(json.loads(line)["trace"] == "S" for line in (here / "s" / "runs.jsonl").read_text().splitlines())

@@ -23,7 +23,7 @@ from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
 from tests.remote.plain_agent import PlainServer
 
-LIMITS = Remote(connect_s=5.0, tour_s=0.5, act_s=0.5, memory_gb=1.0, file_gb=1.0)
+LIMITS = Remote(connect_s=5.0, tour_s=0.5, act_s=0.5, run_s=60.0, memory_gb=1.0, processes=9, disk_gb=1.0, file_gb=1.0)
 SEEN = Observation(np.zeros((8, 8, 3), np.uint8), np.zeros((8, 8), np.float32), CameraPose(0, 1, 0, 0, 0), 90.0)
 WELCOME = {"type": "welcome", "protocol": PROTOCOL, "agent": "mine"}
 
@@ -32,7 +32,7 @@ class Begun(RemoteAgent):
     """An agent at the end of a line, without a run."""
 
     def __init__(self, line):
-        self._line, self._limits, self._tours = line, LIMITS, Tours()
+        self._line, self._limits, self._tours, self._left_s = line, LIMITS, Tours(), LIMITS.run_s
 
 
 @contextmanager
@@ -101,6 +101,23 @@ def test_an_error_of_the_agents_is_told_in_one_line_and_the_line_stays():
             assert not isinstance(caught.value, LineLost) and len(str(caught.value)) < 400
 
 
+def test_the_time_of_a_whole_run_is_limited_too():
+    """Each answer comes in time, and all together do not."""
+
+    def slow(connection, message):
+        time.sleep(0.2)
+        connection.send(packed({"type": "action", "action": "MoveAhead", "number": message["number"]}))
+
+    with line_to(slow) as line:
+        agent, began = Begun(line), time.monotonic()
+        agent._limits = LIMITS.model_copy(update={"run_s": 1.0})
+        agent._left_s = 1.0
+        with pytest.raises(LineLost, match="^act: the agent has taken 1 s of the run; answer sooner, or raise remote.run_s$"):
+            for _ in range(20):
+                agent.act(SEEN)
+        assert time.monotonic() - began < 3
+
+
 def test_a_frame_that_claims_a_gigabyte_is_refused_before_it_comes():
     def flood(connection, message):
         header = b"\x82\x7f" + struct.pack(">Q", 1 << 30)
@@ -121,7 +138,7 @@ def test_a_send_to_an_agent_that_does_not_read_ends_in_time():
     with PlainServer(lambda message: WELCOME, deaf=True) as server:
         line, began = Line(f"ws://127.0.0.1:{server.port}", 5.0), time.monotonic()
         with pytest.raises(LineLost, match="^familiarise: "):
-            line.ask({"type": "familiarise", "visit": bytes(100 << 20)}, 1.0)
+            line.ask({"type": "familiarise", "visit": bytes(60 << 20)}, 1.0)
         assert time.monotonic() - began < 10
 
 
@@ -147,7 +164,7 @@ def test_who_is_no_agent_is_refused(welcome, said):
 
 @pytest.mark.parametrize(
     ("url", "said"),
-    [("ws://127.0.0.1:9", "no agent answers"), ("http://127.0.0.1:9", "no address"), ("127.0.0.1", "no address")],
+    [("ws://127.0.0.1:9", "no agent answers"), ("http://127.0.0.1:9", "not an address"), ("127.0.0.1", "not an address")],
 )
 def test_where_nobody_is(url, said):
     with pytest.raises(AgentError, match=said) as caught:

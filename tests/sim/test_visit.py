@@ -212,3 +212,12 @@ def test_a_view_that_is_not_free_is_an_error_and_leaves_no_visit(session, tmp_pa
     with pytest.raises(SimulatorError, match=SCENE):
         visit.record(session, world(session), "blocked", [], blocked, 50, tmp_path / "v", "key")
     assert not (tmp_path / "v").exists()
+
+
+def test_no_folder_is_replaced_but_a_recorded_tour(session, views, tmp_path):
+    thesis = tmp_path / "v" / "thesis.txt"
+    thesis.parent.mkdir()
+    thesis.write_text("mine")
+    with pytest.raises(ValueError, match=r"v: holds other files and no files\.json"):
+        visit.record(session, world(session), "untouched", [], views, 50, tmp_path / "v", "key")
+    assert [path.name for path in tmp_path.rglob("*")] == ["v", "thesis.txt"] and thesis.read_text() == "mine"

@@ -381,3 +381,38 @@ def test_the_job_of_a_scene_looks_into_no_other(tmp_path):
     assert Episode.load(mixed, "FloorPlan201") == Episode.load((EPISODES / "main.jsonl"), "FloorPlan201")
     with pytest.raises(RecordError, match=r"mixed\.jsonl:1: relation"):
         Episode.load(mixed)
+
+
+@pytest.mark.parametrize("name", ["", ".", "..", "a..b", "/abs", "a/b", "../a", ".hidden", "a\\b", "a\0b", "a\n", "a" * 300])
+def test_what_becomes_a_part_of_a_path_is_a_name(name):
+    record = next(iter(records(EPISODES / "main.jsonl")))[1]
+    others = {
+        "visits.first": {"visits": {**record["visits"], "first": name}},
+        "visits.second": {"visits": {**record["visits"], "second": name}},
+        "scene": {"scene": name, "id": record["id"].replace(record["scene"], name, 1)},
+        "split": {"split": name, "id": f"{record['scene']}/{record['relation']}/{name}-0001"},
+    }
+    for key, values in others.items():
+        with pytest.raises(RecordError, match=f"^file:1: ({key}|id): [^\n]*$"):
+            Episode.from_json(record | values, "file:1")
+
+
+@pytest.mark.parametrize("instance", ["../Chair|1", "a/b", "/abs", "Chair\n|1"])
+def test_the_id_of_an_instance_leads_nowhere(instance):
+    with pytest.raises(RecordError, match=r"^file:1: instance: [^\n]*$"):
+        Alteration.from_json({"kind": "disable", "instance": instance}, "file:1")
+
+
+def test_text_is_one_line_that_says_what_it_shows():
+    record = next(iter(records(EPISODES / "main.jsonl")))[1]
+    for text in ("a\nb", "\x1b[31mred", "a\x85b", "\u202eback"):
+        with pytest.raises(RecordError) as error:
+            Episode.from_json(record | {"sentence": text}, "file:1")
+        assert str(error.value).isprintable() and "file:1: sentence: " in str(error.value)
+
+
+@pytest.mark.parametrize("text", ["[" * 200_000, "1" * 5_000], ids=["deep", "long"])
+def test_json_that_python_cannot_hold_is_one_line(tmp_path, text):
+    (tmp_path / "file.jsonl").write_text(text + "\n")
+    with pytest.raises(RecordError, match=r"file\.jsonl:1: not JSON [^\n]*$"):
+        list(records(tmp_path / "file.jsonl"))

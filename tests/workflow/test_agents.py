@@ -61,7 +61,7 @@ def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     [
         ("nowhere.mine:agent", "and there is no module nowhere.mine; install it, or put it beside the overlay"),
         ("frame_difference:Depth", "and frame_difference has no function Depth; name one that it has"),
-        ("broken:agent", "and broken.py, line 1, is no Python: "),
+        ("broken:agent", "and broken.py, line 1, is not Python: "),
     ],
 )
 def test_an_agent_that_is_not_there_stops_the_workflow_with_one_line(tmp_path, agent, line):

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import lzma
 import shutil
-from collections.abc import Mapping, Sequence
+import tarfile
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -171,3 +175,80 @@ def test_an_archive_is_the_same_bytes_whenever_it_is_written(world, tmp_path):
     copies = shutil.copytree(world.directory / "results", tmp_path / "results", copy_function=shutil.copyfile)
     archive.pack(copies.parent, reversed(names), tmp_path / "two")
     assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def listing(folder: Path, name: str, content: bytes) -> None:
+    """Replace a file of a release, and its checksum with it, as somebody does who hands out a release."""
+    (folder / name).write_bytes(content)
+    sums = (folder / "SHA256SUMS").read_text().splitlines()
+    others = [line for line in sums if line.split("  ", 1)[1] != name]
+    (folder / "SHA256SUMS").write_text("\n".join([*others, f"{hashlib.sha256(content).hexdigest()}  {name}"]) + "\n")
+
+
+def hostile(released: Released, tmp_path: Path, change: Callable[[dict[str, Any]], None]) -> Released:
+    """A release in whose made.jsonl one more job stands, a changed copy of the first."""
+    copy = Released(shutil.copytree(released.folder, tmp_path / "release"), released.perceived)
+    lines = (copy.folder / "made.jsonl").read_text().splitlines()
+    job = json.loads(lines[0])
+    change(job)
+    listing(copy.folder, "made.jsonl", "\n".join([*lines, json.dumps(job)]).encode() + b"\n")
+    return copy
+
+
+OUTSIDE = ("results/../../victim.txt", "results/scenes/../../../victim.txt", "{outside}/victim.txt", "../victim.txt", "results")
+SHA = hashlib.sha256(b"new").hexdigest()
+
+
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_nothing_is_written_outside_results(released, tmp_path, capsys, name):
+    (tmp_path / "victim.txt").write_text("mine")
+    place = name.format(outside=tmp_path)
+    copy = hostile(released, tmp_path, lambda job: job.update(outputs={place: {"": SHA}}))
+    (copy.folder / "victim.txt").write_bytes(b"new")
+    (tmp_path / "again").mkdir()
+    assert "made.jsonl:" in refused(capsys, command(copy, tmp_path / "again"), tmp_path / "again")
+    assert (tmp_path / "victim.txt").read_text() == "mine" and not [*(tmp_path / "again").iterdir()]
+
+
+@pytest.mark.parametrize("part", ["../../../victim.txt", "{outside}/victim.txt"])
+def test_no_file_of_an_output_lies_outside_it(released, tmp_path, capsys, part):
+    inner = part.format(outside=tmp_path)
+    copy = hostile(released, tmp_path, lambda job: job.update(outputs={"results/tables": {inner: SHA}}))
+    assert "made.jsonl:" in refused(capsys, command(copy, tmp_path), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        (lambda job: job.pop("outputs"), "outputs"),
+        (lambda job: job.update(inputs=7), "inputs"),
+        (lambda job: job.update(outputs=[]), "outputs"),
+        (lambda job: job.update(parameter="another"), "parameter"),
+        (lambda job: job.update(rule={}), "rule"),
+    ],
+)
+def test_a_job_without_its_keys_is_one_line(released, tmp_path, capsys, change, key):
+    copy = hostile(released, tmp_path, change)
+    assert f": {key}: " in refused(capsys, command(copy, tmp_path), tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["zeros", "sparse", "long name"])
+def test_an_archive_that_unpacks_to_far_more_than_it_has_is_refused(tmp_path, kind):
+    """The name of a member is read into memory; a member with holes has no bytes in the archive."""
+    place, size = tmp_path / "bomb.tar.xz", 100 << 20
+    member = tarfile.TarInfo("results/maps/FloorPlan1.npz")
+    member.size = size
+    if kind == "long name":
+        member.type, member.name = tarfile.GNUTYPE_LONGNAME, "././@LongLink"
+    with lzma.open(place, "wb", preset=0) as packed:
+        if kind == "sparse":
+            header = {"GNU.sparse.major": "0", "GNU.sparse.minor": "1", "GNU.sparse.realsize": str(size)}
+            member.pax_headers, member.size = header | {"GNU.sparse.map": f"{size},0"}, 0
+        packed.write(member.tobuf(tarfile.PAX_FORMAT if kind == "sparse" else tarfile.GNU_FORMAT))
+        for _ in range(member.size >> 20):
+            packed.write(bytes(1 << 20))
+        packed.write(bytes(1024))
+    written: list[int] = []
+    with pytest.raises(ValueError, match=r"bomb\.tar\.xz: [^\n]*$"):
+        archive.unpack(place, lambda name, content: written.append(len(content.read())))
+    assert not written

@@ -148,6 +148,14 @@ def arms_of_split(split, kind):
     return [name for name in settings.splits[split].arms if name in settings.arms and settings.arms[name].kind is kind]
 
 
+def metrics_across(splits, what):
+    """The rates or outcomes of the arms of each kind on each split."""
+    kinds = [kind.value for kind in Kind]
+    for name in splits[1:]:
+        kinds += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
+    return expand("results/metrics/{kind}_{what}.csv", kind=kinds, what=what)
+
+
 def scenes_of_split(wildcards):
     """The floor plans of a split."""
     return SCENES_OF[wildcards.split]

@@ -2,14 +2,6 @@
 # results/all, in results/metrics/paper of those of results/tables.
 
 
-def metrics_across(splits, what):
-    """The rates or outcomes of the arms of each kind on each split."""
-    kinds = [kind.value for kind in Kind]
-    for name in splits[1:]:
-        kinds += [name] + [f"{name}_embodied"] * bool(arms_of_split(name, Kind.EMBODIED))
-    return expand("results/metrics/{kind}_{what}.csv", kind=kinds, what=what)
-
-
 rule controls:
     input:
         rates=metrics_across(JOB_SPLITS, "rates"),

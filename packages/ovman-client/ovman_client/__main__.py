@@ -6,8 +6,9 @@ import argparse
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from pathlib import Path
 
-from ovman_client.server import serve
+from ovman_client.server import lacking, serve
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -20,12 +21,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     sys.path.insert(0, "")
     module, _, attribute = options.agent.partition(":")
+    if module.endswith(".py"):
+        print(f"ovman-client: {options.agent} names a file; write {Path(module).stem}:{attribute}", file=sys.stderr)
+        return 1
     try:
         agent = getattr(import_module(module), attribute)
-    except (ImportError, AttributeError, ValueError) as error:
+    except (ImportError, AttributeError, ValueError, SyntaxError) as error:
         print(f"ovman-client: {options.agent}: {error}; write module:Class", file=sys.stderr)
         return 1
-    serve(agent, options.name, options.host, options.port)
+    if (absent := lacking(agent)) is not None:
+        print(f"ovman-client: {options.agent} has no method {absent}; write it (docs/protocol.md)", file=sys.stderr)
+        return 1
+    try:
+        serve(agent, options.name, options.host, options.port)
+    except (OSError, OverflowError) as error:
+        print(f"ovman-client: --port {options.port}: {error}; write another, or 0 for a free one", file=sys.stderr)
+        return 1
     return 0
 
 

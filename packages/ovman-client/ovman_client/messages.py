@@ -11,6 +11,8 @@ import numpy as np
 from ovman_client.interface import Action, Camera, CameraPose, Context, Observation, Query, Visit
 
 PROTOCOL = "ovman-agent/1"
+MAX_MESSAGE = 64 << 20
+"""Bytes. A tour of 24 frames of 300 by 300 pixels has 15 MB."""
 PICTURES = {"rgb": "|u1", "depth": "<f4"}
 """The arrays of a frame and their types, as numpy writes them."""
 POSITIONS = "<f8"

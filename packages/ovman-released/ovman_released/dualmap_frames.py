@@ -121,7 +121,7 @@ def write_visit(directory: Path, views: Iterable[Seen], floor_y: float) -> Lens:
     lens = Lens(width, height, focal, len(lines), content.hexdigest())
     (partial / "pose.txt").write_text(_timed(lines))
     (partial / "lens.json").write_text(json.dumps(asdict(lens)) + "\n")
-    put(partial, directory)
+    put(partial, directory, "lens.json")
     return lens
 
 

@@ -142,11 +142,12 @@ def test_equal_files_make_equal_pages(made, settings, pages):
 def test_everything_is_escaped(tmp_path, made, settings):
     """Whatever a record says comes out as words."""
     evil = "<script>alert('x')</script> & \"y\" </svg></style>"
+    thing = evil.replace("/", "")  # the id of an instance has no slash
     root = tmp_path / "results"
     shutil.copytree(made, root)
 
     def spoil(text: str) -> str:
-        return text.replace("Chair|a", json.dumps(evil)[1:-1]).replace("go to the chair of", json.dumps(evil)[1:-1])
+        return text.replace("Chair|a", json.dumps(thing)[1:-1]).replace("go to the chair of", json.dumps(evil)[1:-1])
 
     for path in [*root.rglob("*.json"), *root.rglob("*.jsonl")]:
         path.write_text(spoil(path.read_text()))
@@ -157,7 +158,7 @@ def test_everything_is_escaped(tmp_path, made, settings):
         read = Page(text)
         assert not read.all("script") and "<script" not in text
         assert evil in read.all("h1")[0].text
-        assert evil in "".join(read.of_class("truth-box")[0].words)
+        assert thing in "".join(read.of_class("truth-box")[0].words)
 
 
 @pytest.mark.parametrize(
