@@ -16,7 +16,9 @@ def planned(world: World, *systems: str) -> dict[str, list[tuple[str, str]]]:
     overlay: dict[str, Any] = {}
     for system in systems:
         overlay = merged(overlay, yaml.safe_load((PACKAGE / f"{system}.yaml").read_text()))
-    said = world.snakemake("--dry-run", overlay=overlay)
+    # The tables wait for the episodes, so that a dry run in an empty folder plans nothing that only they need.
+    predictions = [f"results/predictions/{name}.jsonl" for name, arm in overlay["arms"].items() if arm["kind"] == "static"]
+    said = world.snakemake("--dry-run", overlay=overlay, target=["results/notes/released_cow.json", *predictions])
     assert said.returncode == 0, said.stdout
     found: dict[str, list[tuple[str, str]]] = {}
     for name, text, resources in re.findall(r"^rule (\w+):(.*?)^    resources: (.*?)$", said.stdout, re.MULTILINE | re.DOTALL):
@@ -31,6 +33,4 @@ def test_both_systems_have_their_jobs_and_cow_has_a_gpu(tmp_path):
     expected = {"released_cow": 1, "released_dualmap_setup": 1, "released_dualmap": 1, "released_dualmap_predictions": 4}
     assert counts == expected
     assert re.search(r"\bgpu=1$", rules["released_cow"][0][1])
-    assert not any("cow_released" in text for text, _ in rules["rollouts"])
-    assert not any("dualmap_released" in text for text, _ in rules["predictions"])
-    assert "results/notes/released_cow.json" in rules["tables"][0][0]
+    assert not any("released" in text for name in ("rollouts", "predictions") for text, _ in rules.get(name, []))
