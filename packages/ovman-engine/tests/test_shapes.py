@@ -79,6 +79,7 @@ def reach(piece: Piece) -> np.ndarray:
     return piece[1] + np.stack([-half, half])
 
 
+@pytest.mark.soak
 def test_every_recorded_type_has_a_form_of_its_own(forms):
     assert {o.type for _, o, _ in forms} - set(shapes.FORMS) == {"CounterTop"}
 
