@@ -15,7 +15,7 @@ PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-i
 READY = .venv/ready
 DEV = .venv/ready-dev
 NETWORKS = .venv/ready-networks
-# PyTorch's build without CUDA, where there is no NVIDIA driver. Empty: the build of PyPI, with CUDA.
+# Index with PyTorch's build without CUDA, used if the machine lacks an NVIDIA driver. Empty: PyPI, whose build has CUDA.
 TORCH_INDEX ?= $(if $(wildcard /proc/driver/nvidia/version),,https://download.pytorch.org/whl/cpu)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)

@@ -57,7 +57,7 @@ def declared() -> list[tuple[str, Requirement]]:
 
 
 LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-networks.lock")
-"""What the benchmark imports, what its tests add, and what PyTorch and the long tests add."""
+"""Packages of the benchmark, of lint and tests, and of PyTorch and the long tests."""
 
 
 def locked(*names: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""The default's graphs and phrases are what ultralytics and open_clip make of the weights beside them."""
+"""The default's graphs and phrases equal what ultralytics and open_clip make of the shipped weights."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is in files of weights, and which are downloaded."""
+"""Files of weights are opened, refused and downloaded."""
 
 from __future__ import annotations
 

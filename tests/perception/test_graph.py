@@ -1,4 +1,4 @@
-"""A file that is no graph of ours is refused."""
+"""A file that is not an OVMAN graph is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The default's graphs and phrases belong to the weights beside them, and run without ultralytics and open_clip."""
+"""The default's graphs and phrases belong to the shipped weights, and run without ultralytics and open_clip."""
 
 from __future__ import annotations
 
