@@ -11,16 +11,20 @@ SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 WATCH = .venv/bin/python -m ovman.workflow.watch
 # Twice quiet: pip warns of every index of the machine's own that lacks a package.
 PIP = .venv/bin/python -m pip --quiet --quiet --disable-pip-version-check --no-input
-# What the benchmark imports; and with it what tests, measures, trains and exports.
+# Three steps of one environment: what the benchmark imports, what `make lint` and `make test` add, and what trains and exports.
 READY = .venv/ready
-FULL = .venv/ready-dev
+DEV = .venv/ready-dev
+NETWORKS = .venv/ready-networks
+# Index with PyTorch's build without CUDA, used if the machine lacks an NVIDIA driver. Empty: PyPI, whose build has CUDA.
+TORCH_INDEX ?= $(if $(wildcard /proc/driver/nvidia/version),,https://download.pytorch.org/whl/cpu)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PYTHONNOUSERSITE = 1
 # Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore static quick models show release leaderboard test soak cluster-test mutants bench lint lock setup setup-dev clean
+.PHONY: help tables all restore static quick models show release leaderboard test test-networks soak cluster-test mutants bench lint lock \
+	setup setup-dev setup-networks clean
 
 help:
 	@echo "make tables  the benchmark from floor plans to results/tables, on $(CORES) cores (CORES=n for more)"
@@ -32,13 +36,14 @@ help:
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
 	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture, and into dataset/ as Parquet"
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
-	@echo "make test    the tests, in $(CORES) processes;  make soak: the long ones"
+	@echo "make test    the tests, in $(CORES) processes;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
 	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
-	@echo "make lock    requirements.lock and requirements-dev.lock from the newest releases that pyproject.toml allows"
-	@echo "make setup   .venv alone, with what the benchmark imports;  make setup-dev: with PyTorch and the tests' packages"
+	@echo "make lock    the three files requirements*.lock from the newest releases that pyproject.toml allows"
+	@echo "make setup   .venv with what the benchmark imports;  make setup-dev: with the packages of the tests as well"
+	@echo "make setup-networks  .venv with PyTorch as well; TORCH_INDEX= for the build with CUDA"
 	@echo "make clean   remove .venv and caches, keep results"
 
 # V=1 shows all that Snakemake says.
@@ -62,14 +67,14 @@ quick: $(READY)
 	@$(WATCH) logs/quick.log ::: $(SNAKEMAKE) --directory results-quick --configfile overlays/quick.yaml -- results/all \
 		:::: results-quick/results/tables/static.md results-quick/results/tables/embodied.md results-quick/results/all/overview.md
 
-models: $(FULL)
+models: $(NETWORKS)
 	@$(SNAKEMAKE) -- results/models
 
 show: $(READY)
 	@[ -n "$(EPISODE)" ] || { echo "Name an episode: make show EPISODE=FloorPlan201/moved/0001" >&2; exit 2; }
 	@.venv/bin/ovman show "$(EPISODE)"
 
-release: all $(FULL)
+release: all $(DEV)
 	@$(SNAKEMAKE) -- results/episodes/dev.jsonl results/episodes/dev_everyday.jsonl \
 		results/figures/relations.png results/figures/difficulty.png results/results.md
 	@mkdir -p docs/figures; cp results/results.md docs/; cp results/figures/*.png results/figures/*.pdf docs/figures/
@@ -81,27 +86,30 @@ leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
 # A process has one thread, as a job of the workflow has: several in each of $(CORES) processes wait for each other's cores.
-test: $(FULL)
+test: $(DEV)
 	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
-soak: $(FULL)
-	@.venv/bin/python -m pytest -q -m soak
+test-networks: $(NETWORKS)
+	@.venv/bin/python -m pytest -q -m "networks and not soak"
+
+soak: $(NETWORKS)
+	@.venv/bin/python -m pytest -q -m "networks or soak"
 	@$(MAKE) --no-print-directory mutants
 
-cluster-test: $(FULL)
+cluster-test: $(DEV)
 	@for program in munged slurmctld slurmd sbatch; do \
 		PATH="$$PATH:/usr/sbin" command -v $$program > /dev/null || { \
 			echo "There is no $$program here: sudo apt install slurmctld slurmd slurm-client munge" >&2; exit 2; }; \
 	done
 	@.venv/bin/python -m pytest -q -m soak tests/cluster
 
-mutants: $(FULL)
+mutants: $(NETWORKS)
 	@.venv/bin/python tests/mutation/survivors.py --processes $(CORES)
 
-bench: $(FULL)
+bench: $(NETWORKS)
 	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
 
-lint: $(FULL)
+lint: $(DEV)
 	@.venv/bin/ruff check
 	@.venv/bin/ruff format --check
 	@.venv/bin/snakefmt --check Snakefile workflow packages/ovman-released
@@ -109,33 +117,36 @@ lint: $(FULL)
 	@.venv/bin/lint-imports --no-cache
 	@.venv/bin/python -m ovman.workflow.lint
 
-# All is resolved at once; of that, a second environment takes what the benchmark alone needs.
+# The first environment resolves everything at once. Each further one takes the versions of the one before, for fewer packages.
 # opencv-python-headless is opencv-python less the windows, which need system libraries that a fresh machine may lack.
 OWN = --editable ./packages/ovman-client --editable ./packages/ovman-engine
 FOUND = list --format=freeze --exclude pip --exclude ovman --exclude ovman-client --exclude ovman-engine --exclude ovman-released
 lock:
-	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; touch "$$directory/dev"; \
-	for kind in dev core; do \
+	@directory=$$(mktemp -d); trap 'rm -rf "$$directory"' EXIT; set -e; touch "$$directory/found" "$$directory/nothing"; \
+	for kind in networks dev core; do \
 		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
 		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
-		case $$kind in dev) of=".[dev]";; core) of=".";; esac; \
-		$$pip install --constraint "$$directory/dev" --upgrade setuptools; \
-		$$pip install --constraint "$$directory/dev" $(OWN) --editable "$$of"; \
-		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/found"; \
-		cp "$$directory/found" "$$directory/$$kind"; \
+		case $$kind in networks) of=".[dev,networks,soak]";; dev) of=".[dev]";; core) of=".";; esac; \
+		$$pip install --constraint "$$directory/found" --upgrade setuptools; \
+		$$pip install --constraint "$$directory/found" $(OWN) --editable "$$of"; \
+		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/$$kind"; \
+		cp "$$directory/$$kind" "$$directory/found"; \
 	done; \
-	LC_ALL=C grep --invert-match --line-regexp --fixed-strings --file "$$directory/core" "$$directory/dev" > "$$directory/further"; \
 	locked() { \
-		echo "# Exact versions for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64 of $$2; made by \`make lock\`, opencv-python replaced by its build without windows."; \
-		sed 's/^opencv-python==/opencv-python-headless==/' "$$directory/$$1"; \
+		echo "# Exact versions for $$("$(PYTHON)" --version | cut -d. -f1,2) on Linux x86-64 of $$3; made by \`make lock\`, opencv-python replaced by its build without windows."; \
+		LC_ALL=C grep --invert-match --line-regexp --fixed-strings --file "$$directory/$$2" "$$directory/$$1" \
+			| sed 's/^opencv-python==/opencv-python-headless==/'; \
 	}; \
-	locked core "what the benchmark imports" > "$$directory/requirements.lock"; \
-	locked further "what the extras networks and dev bring beside requirements.lock" > "$$directory/requirements-dev.lock"; \
-	cp "$$directory/requirements.lock" "$$directory/requirements-dev.lock" .
+	locked core nothing "what the benchmark imports" > "$$directory/requirements.lock"; \
+	locked dev core "what the extra dev adds to requirements.lock" > "$$directory/requirements-dev.lock"; \
+	locked networks dev "what the extras networks and soak add to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
+	cp "$$directory"/requirements*.lock .
 
 setup: $(READY)
 
-setup-dev: $(FULL)
+setup-dev: $(DEV)
+
+setup-networks: $(NETWORKS)
 
 $(READY): requirements.lock pyproject.toml
 	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || { \
@@ -153,12 +164,24 @@ $(READY): requirements.lock pyproject.toml
 	@touch $@
 
 # Into the same environment.
-$(FULL): requirements-dev.lock $(READY)
+$(DEV): requirements-dev.lock $(READY)
 	@rm -f $@
-	@echo "Adding to .venv what trains, exports and tests (once; two to five minutes, 6 GB, most of it PyTorch with its CUDA libraries)"
-	@echo "$$(grep -c '^[^#]' requirements-dev.lock) packages of requirements-dev.lock"
+	@echo "Adding to .venv the $$(grep -c '^[^#]' requirements-dev.lock) packages of requirements-dev.lock (once; a minute, 0.5 GB)"
 	@$(PIP) install --no-deps --no-build-isolation --requirement requirements-dev.lock
 	@touch $@
+
+# TORCH_INDEX is asked for PyTorch alone. The third call adds the CUDA libraries that the build from PyPI requires; the build for
+# processors requires none.
+TORCH = ^torch(vision)?==
+CUDA = ^(cuda-|nvidia-(cu|n)|triton==)
+$(NETWORKS): requirements-networks.lock $(DEV)
+	@rm -f $@
+	@echo "Adding to .venv the packages of requirements-networks.lock (once; some minutes, 1.6 GB, with CUDA 6 GB)"
+	@$(PIP) install --no-deps $(if $(TORCH_INDEX),--extra-index-url $(TORCH_INDEX)) $$(grep -E '$(TORCH)' requirements-networks.lock)
+	@grep -Ev '$(TORCH)|$(CUDA)' requirements-networks.lock > $@.lock
+	@$(PIP) install --no-deps --no-build-isolation --requirement $@.lock
+	@$(PIP) install --constraint requirements-networks.lock torch
+	@rm $@.lock; touch $@
 
 clean:
 	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info

@@ -4,7 +4,7 @@ What takes long to make and is of use to several files, such as the finished wor
 process that needs it (tests/shared.py).
 
 Examples are drawn in the same way every time, so that a change fails for what it does; `pytest --hypothesis-profile default`
-draws others. Mutation testing takes `mutants`, which does not look for the smallest example of what fails.
+draws others, and more. Mutation testing takes `mutants`, which does not look for the smallest example of what fails.
 """
 
 from __future__ import annotations
@@ -25,53 +25,50 @@ from tests import shared
 if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
-settings.register_profile("same", derandomize=True)
+settings.register_profile("same", derandomize=True, deadline=None, max_examples=30)
 settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
+
+NETWORKS = Path(__file__).parent / "networks"
 
 LONGEST = (
     "tests/workflow/test_restored_tables.py",
     "tests/entry/test_apart.py",
+    "tests/workflow/test_reruns.py",
     "tests/workflow/test_kill.py",
-    "packages/ovman-engine/tests/test_rest.py",
+    "tests/test_release.py",
     "tests/entry/test_merge.py",
     "tests/entry/test_eval.py",
-    "tests/workflow/test_splits.py",
-    "tests/test_release.py",
-    "tests/generation/test_released.py",
-    "tests/workflow/test_pictures.py",
-    "tests/workflow/test_reruns.py",
-    "tests/entry/test_score.py",
-    "tests/entry/test_wheel.py",
-    "tests/workflow/test_declared_inputs.py",
-    "tests/perception/test_shipped_networks.py",
-    "tests/perception/test_networks.py",
-    "tests/gym/test_environment.py",
-    "packages/ovman-released/tests/test_rules.py",
     "tests/generation/test_others.py",
-    "tests/gym/test_score.py",
-    "tests/entry/test_verify.py",
     "tests/workflow/test_restore.py",
-    "tests/sim/test_session.py",
-    "tests/test_doctor.py",
-    "tests/evaluation/test_episode_alone.py",
-    "tests/generation/test_two_days.py",
-    "tests/workflow/test_errors.py",
+    "tests/entry/test_score.py",
     "tests/workflow/test_agents.py",
+    "tests/gym/test_environment.py",
+    "tests/generation/test_two_days.py",
     "tests/report/paper_comparison/test_page.py",
-    "packages/ovman-engine/tests/test_fuzz.py",
-    "tests/report/test_charts.py",
-    "tests/agents/dynamem/test_dynamem_answers.py",
-    "tests/test_config.py",
     "tests/dataset/test_dataset.py",
-    "tests/workflow/test_gpu.py",
-    "tests/agents/joint/test_joint_answers.py",
-    "tests/entry/test_rrd.py",
+    "tests/workflow/test_declared_inputs.py",
+    "tests/entry/test_verify.py",
+    "tests/generation/test_released.py",
     "tests/workflow/test_judgement.py",
+    "packages/ovman-engine/tests/test_rest.py",
+    "tests/gym/test_score.py",
+    "tests/report/test_charts.py",
+    "tests/workflow/test_errors.py",
+    "tests/workflow/test_gpu.py",
+    "tests/entry/test_wheel.py",
+    "tests/evaluation/test_episode_alone.py",
+    "tests/test_doctor.py",
+    "tests/agents/dynamem/test_dynamem_answers.py",
+    "tests/sim/test_session.py",
+    "tests/test_config.py",
+    "packages/ovman-engine/tests/test_fuzz.py",
+    "tests/agents/joint/test_joint_answers.py",
     "tests/entry/test_leaderboard.py",
     "tests/workflow/test_plugins.py",
+    "tests/workflow/test_splits.py",
 )
-"""Files of some ten seconds of a processor and more, the longest first: the first makes the world."""
+"""Files of five seconds of a processor and more, the longest first. The first makes the world."""
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -94,6 +91,12 @@ def _forked_engines() -> Generator[None, None, None]:
 def tours(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder that recorded tours are kept in. Processes may share it, so each tour is recorded once."""
     return shared.folder(tmp_path_factory) / "tours"
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out tests/networks where its marker is deselected: its files import PyTorch, which need not be installed."""
+    left_out = collection_path == NETWORKS and "not networks" in config.option.markexpr
+    return True if left_out else None
 
 
 @pytest.hookimpl(wrapper=True)

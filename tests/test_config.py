@@ -140,6 +140,7 @@ def test_a_constant_with_the_value_of_another_changes_the_parameter_of_its_owner
     assert tried > 80
 
 
+@pytest.mark.soak
 def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owners():
     for a, b in pairs():
         assert affected(changed(CONFIG, {a: VALUES[b], b: VALUES[a]})) == owners(a, b), (a, b)
@@ -374,7 +375,6 @@ junk = st.recursive(
 )
 
 
-@settings(derandomize=True, max_examples=150, deadline=None)
 @given(st.sampled_from(sorted(VALUES)), junk)
 def test_whatever_is_written_somewhere_is_accepted_or_refused_in_one_line(name, value):
     tree = with_value(name, 0)
@@ -389,7 +389,6 @@ def test_whatever_is_written_somewhere_is_accepted_or_refused_in_one_line(name, 
         assert "\n" not in str(error) and name.split(".")[0] in str(error)
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(junk)
 def test_whatever_is_written_instead_of_everything_is_refused_in_one_line(value):
     with pytest.raises(ConfigError) as caught:

@@ -153,6 +153,7 @@ def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) ->
     assert checks.perception(tmp_path / "absent.yaml").state is State.ABSENT
 
 
+@pytest.mark.networks
 def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(checks, "NETWORKS_LIMIT_S", 500.0)
     from safetensors.torch import save_file

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.workflow.journal import Fault, Journal, contents, digest
@@ -19,7 +19,6 @@ def test_a_unit_is_measured_once(tmp_path):
     assert calls == [1]
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 500))
 def test_cut_anywhere_it_keeps_every_whole_line_and_goes_on(tmp_path_factory, cut):
     path = tmp_path_factory.mktemp("journal") / "j.jsonl"
@@ -81,7 +80,6 @@ def test_a_torn_end_is_named(tmp_path, capfd):
     assert capfd.readouterr().out == f"{path}, line 3: is torn; its unit is made again\n"
 
 
-@settings(derandomize=True, max_examples=150, deadline=None)
 @given(st.data())
 def test_no_flipped_bit_passes_unnoticed(tmp_path_factory, data):
     path = tmp_path_factory.mktemp("journal") / "j.jsonl"

@@ -26,6 +26,10 @@ PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-e
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
+NOT_INSTALLED = {"mutmut": "mutmut", "onnx": "onnx", "open_clip": "open-clip-torch", "rerun": "rerun-sdk"} | {
+    name: name for name in ("torch", "torchvision", "ultralytics")
+}
+"""The distributions of modules that `make setup-dev` does not install."""
 
 EXTRAS = {"ovman": ("dataset", "gym", "networks", "rerun")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
@@ -52,12 +56,12 @@ def declared() -> list[tuple[str, Requirement]]:
     return [(project, one) for project, one in all_of_them if canonicalize_name(one.name) not in PROJECTS]
 
 
-LOCKS = ("requirements.lock", "requirements-dev.lock")
-"""What the benchmark imports, and what the extras bring beside it."""
+LOCKS = ("requirements.lock", "requirements-dev.lock", "requirements-networks.lock")
+"""Packages of the benchmark, of lint and tests, and of PyTorch and the long tests."""
 
 
 def locked(*names: str) -> dict[str, str]:
-    """The versions that locks name, of both without `names`."""
+    """The versions that locks name, of all without `names`."""
     lines = [line for name in names or LOCKS for line in (ROOT / name).read_text().splitlines() if not line.startswith("#")]
     pairs = [line.split("==") for line in lines]
     return {SAME_MODULE.get(canonicalize_name(name), canonicalize_name(name)): version for name, version in pairs}
@@ -133,7 +137,7 @@ def test_what_is_imported_is_declared(folder: str, requires: list[str]) -> None:
         for r in required(p, *(PROJECTS[p]["project"].get("optional-dependencies", {}) if extras is None else extras))
     ]
     allowed = {canonicalize_name(requirement.name) for requirement in found}
-    distributions = packages_distributions()
+    distributions = {name: [distribution] for name, distribution in NOT_INSTALLED.items()} | packages_distributions()
     undeclared = {
         (str(path.relative_to(ROOT)), module)
         for path in sorted((ROOT / folder).rglob("*.py"))

@@ -137,7 +137,7 @@ def run(
             model.logit_scale.fill_(math.log(SCALES[0]) + rise * math.log(SCALES[1] / SCALES[0]))
         optimiser.zero_grad(set_to_none=True)
         loss = _loss(model, lessons, batch, generator)
-        loss.backward()  # type: ignore[no-untyped-call]
+        loss.backward()
         torch.nn.utils.clip_grad_norm_(model.parameters(), CLIPPED)
         optimiser.step()
         keep = min(MEMORY, step / (step + 10))

@@ -4,7 +4,7 @@ from itertools import combinations, permutations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -48,7 +48,6 @@ def close(p_1, p_2, f_1=None, f_2=None) -> Association:
     return associate(p_1, p_2, f_1, f_2, gate_m=GATE, feature_scale_m=SCALE)
 
 
-@settings(max_examples=150, derandomize=True, deadline=None)
 @given(points(), points(), st.booleans(), st.integers(0, 99))
 def test_padding_finds_the_cheapest_of_all_partial_matchings(p_1, p_2, with_features, seed):
     f_1, f_2 = (unit_features(len(p_1), seed), unit_features(len(p_2), seed + 1)) if with_features else (None, None)
@@ -58,7 +57,6 @@ def test_padding_finds_the_cheapest_of_all_partial_matchings(p_1, p_2, with_feat
     assert all(cost[i, j] < GATE for i, j in association.pairs)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(points(7), points(7))
 def test_every_instance_is_in_one_pair_or_unmatched(p_1, p_2):
     association = close(p_1, p_2)
@@ -68,7 +66,6 @@ def test_every_instance_is_in_one_pair_or_unmatched(p_1, p_2):
     assert association.unmatched_1 == tuple(sorted(association.unmatched_1))
 
 
-@settings(max_examples=150, derandomize=True, deadline=None)
 @given(points(6), points(6), st.randoms(use_true_random=False))
 def test_order_of_the_instances_does_not_matter_even_under_ties(p_1, p_2, random):
     order_1, order_2 = list(range(len(p_1))), list(range(len(p_2)))
@@ -82,7 +79,6 @@ def test_order_of_the_instances_does_not_matter_even_under_ties(p_1, p_2, random
     assert matched(close(p_1, p_2), p_1, p_2) == matched(close(shuffled_1, shuffled_2), shuffled_1, shuffled_2)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(points(5), points(5), st.floats(0.05, 1.2), st.floats(0.05, 1.2))
 def test_a_wider_gate_never_leaves_more_unmatched(p_1, p_2, one, other):
     narrow, wide = sorted((one, other))
@@ -90,14 +86,12 @@ def test_a_wider_gate_never_leaves_more_unmatched(p_1, p_2, one, other):
     assert len(associations[0].pairs) <= len(associations[1].pairs)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(points(5), points(5))
 def test_swapping_the_visits_costs_the_same(p_1, p_2):
     cost = cost_matrix(p_1, p_2, feature_scale_m=SCALE)
     assert total_cost(cost, close(p_1, p_2).pairs) == pytest.approx(total_cost(cost.T, close(p_2, p_1).pairs), abs=1e-9)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(points(5))
 def test_an_unchanged_visit_is_matched_at_no_displacement(p):
     association = close(p, p)
@@ -160,7 +154,6 @@ def test_a_gate_is_positive():
         associate([(0, 0)], [(0, 0)], gate_m=0.0, feature_scale_m=SCALE)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(points(), points(), st.integers(0, 99))
 def test_a_disagreement_stands_for_that_of_the_features(p_1, p_2, seed):
     f_1, f_2 = unit_features(len(p_1), seed), unit_features(len(p_2), seed + 1)

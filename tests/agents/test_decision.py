@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer
@@ -28,7 +28,6 @@ def distance(a, b) -> float:
     return float(np.hypot(a[0] - b[0], a[1] - b[1]))
 
 
-@settings(max_examples=120, derandomize=True, deadline=None)
 @given(homes, st.tuples(coordinate, coordinate), st.integers(0, 4))
 def test_a_displacement_beyond_the_gate_is_found_under_exact_positions(home, place, index):
     """gamma < Delta_min: a displaced instance does not match its own visit-1 position, so both of its ends are the answers."""
@@ -43,7 +42,6 @@ def test_a_displacement_beyond_the_gate_is_found_under_exact_positions(home, pla
     assert ask(Relation.FORMER, p_1, p_2) == Answer(*before)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(homes, st.tuples(coordinate, coordinate))
 def test_what_comes_and_what_goes_mirror_each_other(home, place):
     assume(place not in home)
@@ -52,7 +50,6 @@ def test_what_comes_and_what_goes_mirror_each_other(home, place):
     assert arrival == Answer(*place)
 
 
-@settings(max_examples=150, derandomize=True, deadline=None)
 @given(homes, homes, st.sampled_from(STATIC))
 def test_answers_come_from_the_visit_of_the_relation(p_1, p_2, relation):
     answer = ask(relation, p_1, p_2)
@@ -60,7 +57,6 @@ def test_answers_come_from_the_visit_of_the_relation(p_1, p_2, relation):
         assert (answer.x, answer.z) in (p_1 if relation in PAST else p_2)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(homes, homes, st.sampled_from(STATIC), st.randoms(use_true_random=False))
 def test_order_of_the_instances_does_not_matter(p_1, p_2, relation, random):
     shuffled_1, shuffled_2 = list(p_1), list(p_2)
@@ -69,7 +65,6 @@ def test_order_of_the_instances_does_not_matter(p_1, p_2, relation, random):
     assert ask(relation, p_1, p_2) == ask(relation, shuffled_1, shuffled_2)
 
 
-@settings(max_examples=100, derandomize=True, deadline=None)
 @given(homes, homes)
 def test_visits_swapped_swap_the_relations(p_1, p_2):
     assert ask(Relation.APPEARED, p_1, p_2) == ask(Relation.REMOVED, p_2, p_1)
@@ -81,7 +76,6 @@ def test_visits_swapped_swap_the_relations(p_1, p_2):
     )
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(homes)
 def test_nothing_changed_is_no_change(home):
     assert ask(Relation.APPEARED, home, home) == Abstention(AbstentionReason.NO_CANDIDATE)
@@ -96,7 +90,6 @@ def test_an_empty_home_abstains(relation):
     assert ask(relation, [], []) == Abstention(AbstentionReason.NO_CANDIDATE)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(homes.filter(lambda home: len(home) > 0))
 def test_where_the_other_visit_shows_nothing_one_candidate_is_answered_and_several_are_not_told_apart(home):
     for relation, p_1, p_2 in (
@@ -162,7 +155,6 @@ def test_the_spread_must_exceed_its_threshold(spread, moves):
     assert answer == (Answer(spread, 0.0) if moves else Abstention(AbstentionReason.NO_MOTION))
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=6), st.randoms(use_true_random=False))
 def test_spread_is_that_of_the_set_and_at_most_the_path(track, random):
     shuffled = list(track)

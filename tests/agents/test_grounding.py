@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.reference.grounding import grounded, similarities
@@ -21,14 +21,12 @@ coordinate = st.floats(-5, 5)
 places = st.lists(st.tuples(coordinate, coordinate), max_size=10, unique=True)
 
 
-@settings(derandomize=True, max_examples=60)
 @given(maps, units, st.floats(0, 2), st.floats(0, 2))
 def test_a_wider_band_holds_what_a_narrower_one_holds(features, noun, one, other):
     narrow, wide = sorted((one, other))
     assert set(grounded(features, noun, 0)) <= set(grounded(features, noun, narrow)) <= set(grounded(features, noun, wide))
 
 
-@settings(derandomize=True, max_examples=60)
 @given(maps, units)
 def test_no_band_leaves_the_best_and_a_large_one_everything(features, noun):
     s = [float(np.dot(f, noun)) for f in features]
@@ -37,7 +35,6 @@ def test_no_band_leaves_the_best_and_a_large_one_everything(features, noun):
     assert grounded(features, noun, 2.001) == tuple(range(len(features)))
 
 
-@settings(derandomize=True, max_examples=60)
 @given(maps, units, st.randoms(use_true_random=False))
 def test_the_order_of_the_map_is_of_no_consequence(features, noun, random):
     order = list(range(len(features)))
@@ -77,7 +74,6 @@ def test_similarity_does_not_depend_on_the_neighbours():
     assert similarities(features, noun).tolist() == alone
 
 
-@settings(derandomize=True, max_examples=60)
 @given(places, places, st.floats(0.1, 3))
 def test_truth_names_the_nearest_object_of_each_recorded_position(recorded, p, radius_m):
     found = grounding_by_truth(recorded, p, radius_m)
@@ -107,7 +103,6 @@ labels = st.lists(st.tuples(st.integers(NOTHING, 2), st.integers(1, 9)), max_siz
 )
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(labels, labels, st.integers(1, 4), st.sampled_from(CATEGORIES), st.randoms(use_true_random=False))
 def test_an_object_is_of_one_category_by_majority_and_of_all_that_it_shows_by_any(first, second, objects, category, random):
     owner = [random.randrange(objects) for _ in range(len(first) + len(second))]

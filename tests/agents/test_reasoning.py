@@ -6,7 +6,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidence, UniformBox, UniformPick
@@ -61,7 +61,6 @@ def asked(relation: Relation, first, second, noun: int = 0, constants: Settings 
     )
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(instances, instances, st.sampled_from(STILL), st.integers(0, 2))
 def test_maps_that_are_true_lead_to_the_answer_of_positions_handed_over(first, second, relation, noun):
     # A map without any instance of the category grounds the noun in something else, which positions never do.
@@ -74,7 +73,6 @@ unit = st.floats(0, 1.5).map(lambda angle: (np.cos(angle), np.sin(angle), 0.0))
 seen = st.lists(st.builds(cluster, coordinate, coordinate, unit, st.integers(0, 23).map(lambda v: (v,))), max_size=8)
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(seen, seen, st.sampled_from(list(Relation)), st.randoms(use_true_random=False))
 def test_the_order_of_the_clusters_is_of_no_consequence(first, second, relation, random):
     answer, evidence = asked(relation, first, second)
@@ -92,7 +90,6 @@ def test_the_order_of_the_clusters_is_of_no_consequence(first, second, relation,
     assert alike or named(found, shuffled) == named(evidence, (first, second))
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(seen, seen, st.sampled_from(list(Relation)), st.floats(0.3, 3))
 def test_pairs_are_grounded_and_cost_less_than_the_gate(first, second, relation, gate_m):
     _, evidence = asked(relation, first, second, constants=constants(0.2, gate_m))
@@ -170,7 +167,6 @@ grounded_clusters = st.lists(
 )
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(grounded_clusters, st.data())
 def test_the_single_visit_succeeds_as_often_as_its_candidates_are_right(found, data):
     relation = data.draw(st.sampled_from([r for r in Relation if not r.past]))

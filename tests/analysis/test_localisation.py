@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.instances import TrueObject, TrueScene
@@ -38,7 +38,6 @@ def test_the_single_ray_is_worse_on_an_l():
     assert box_distance_m(single_ray_point(depth, mask, CAMERA), box) > 0.03
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_the_median_never_leaves_the_box_of_what_is_seen(seed):
     rng = np.random.default_rng(seed)

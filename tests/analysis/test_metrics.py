@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis import metrics
@@ -40,7 +40,6 @@ def embodied(number: int, seed: int, success: bool, spl: float) -> EmbodiedOutco
     )
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(st.sampled_from(Relation), st.booleans()), min_size=1, max_size=30))
 def test_relations_add_up_to_all(results):
     rates = static_rates([static(i, relation, float(success)) for i, (relation, success) in enumerate(results)], 0.95)
@@ -52,7 +51,6 @@ def test_relations_add_up_to_all(results):
     assert (whole.low, whole.high) == wilson_interval(int(whole.successes), whole.trials, 0.95)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=25), st.sampled_from((0.5, 0.9, 0.95)))
 def test_an_expectation_lies_in_the_range_of_what_is_realised(probabilities, confidence):
     low, high = poisson_binomial_range(probabilities, confidence)

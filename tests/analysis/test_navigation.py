@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.navigation import navigation
@@ -19,7 +19,6 @@ ARMS = [
 EPISODES = st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0.01, 1)), min_size=1, max_size=40)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(EPISODES)
 def test_lost_and_gained_are_the_way_from_static_to_embodied_success(episodes):
     outcomes = [static("answers", i, answered) for i, (answered, *_) in enumerate(episodes)]

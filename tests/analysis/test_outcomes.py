@@ -4,7 +4,7 @@ import json
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
@@ -46,7 +46,6 @@ def judge(outcome, case=CASE, radius=1.0, seed=0):
     return row
 
 
-@settings(max_examples=80, derandomize=True)
 @given(offset, offset, st.floats(0.1, 3), st.floats(0.1, 3))
 def test_the_static_gate_is_a_disc_about_the_answer(dx, dz, one, other):
     small, large = sorted((one, other))

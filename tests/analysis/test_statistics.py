@@ -8,7 +8,7 @@ from fractions import Fraction
 from unittest.mock import patch
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom, binomtest, norm, poisson_binom
 from statsmodels.stats.contingency_tables import mcnemar
@@ -17,19 +17,16 @@ from statsmodels.stats.proportion import proportion_confint
 
 from ovman.analysis.statistics import auroc, holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 
-PROPERTY = settings(max_examples=60, derandomize=True, deadline=None)
 COUNTS = st.integers(1, 400).flatmap(lambda trials: st.tuples(st.integers(0, trials), st.just(trials)))
 PROBABILITIES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))
 
 
-@PROPERTY
 @given(COUNTS, st.sampled_from([0.5, 0.9, 0.95, 0.99]))
 def test_wilson_agrees_with_scipy(counts, confidence):
     theirs = binomtest(*counts).proportion_ci(confidence, method="wilson")
     assert wilson_interval(*counts, confidence) == pytest.approx((theirs.low, theirs.high), abs=1e-12)
 
 
-@PROPERTY
 @given(COUNTS, st.sampled_from([1, 2, 3]), st.sampled_from([0.5, 0.9, 0.95, 0.99]))
 def test_wilson_agrees_with_statsmodels(counts, seeds, confidence):
     """Of a mean over seeds, too, which is no whole count."""
@@ -38,7 +35,6 @@ def test_wilson_agrees_with_statsmodels(counts, seeds, confidence):
     assert wilson_interval(successes, trials, confidence) == pytest.approx(theirs, abs=1e-12)
 
 
-@PROPERTY
 @given(COUNTS, st.sampled_from([1, 2, 3]))
 def test_wilson_solves_its_own_equation(counts, seeds):
     successes, trials = counts[0] / seeds, counts[1]
@@ -47,7 +43,6 @@ def test_wilson_solves_its_own_equation(counts, seeds):
         assert (bound - successes / trials) ** 2 == pytest.approx(z * z * bound * (1 - bound) / trials, abs=1e-9)
 
 
-@PROPERTY
 @given(COUNTS)
 def test_wilson_encloses_the_rate_and_mirrors(counts):
     successes, trials = counts
@@ -69,7 +64,6 @@ def test_wilson_refuses_what_is_no_rate(successes, trials, confidence):
         wilson_interval(successes, trials, confidence)
 
 
-@PROPERTY
 @given(st.integers(0, 120), st.integers(0, 120))
 def test_mcnemar_is_the_two_sided_sign_test(wins, losses):
     p = mcnemar_exact(wins, losses)
@@ -98,7 +92,6 @@ def test_mcnemar_refuses_negative_counts():
         mcnemar_exact(-1, 3)
 
 
-@PROPERTY
 @given(st.lists(PROBABILITIES, max_size=7), st.integers(-1, 8))
 def test_the_tail_agrees_with_enumeration(probabilities, successes):
     expected = math.fsum(
@@ -125,21 +118,18 @@ def test_the_far_tail_agrees_with_whole_numbers():
     assert 0.0 < poisson_binomial_tail(probabilities, 120) < 1e-22
 
 
-@PROPERTY
 @given(st.lists(PROBABILITIES, min_size=1, max_size=60))
 def test_the_distribution_agrees_with_scipys(probabilities):
     theirs = poisson_binom.pmf(range(len(probabilities) + 1), probabilities)
     assert poisson_binomial(probabilities) == pytest.approx(theirs, rel=1e-9, abs=1e-300)
 
 
-@PROPERTY
 @given(st.integers(1, 250), st.floats(0.01, 0.99), st.integers(0, 250))
 def test_equal_probabilities_make_it_binomial_to_relative_precision(trials, probability, successes):
     expected = float(binom.sf(successes - 1, trials, probability))
     assert poisson_binomial_tail([probability] * trials, successes) == pytest.approx(expected, rel=1e-8, abs=1e-290)
 
 
-@PROPERTY
 @given(st.lists(PROBABILITIES, max_size=30), st.integers(0, 30), st.randoms(use_true_random=False))
 def test_the_tail_falls_with_the_threshold_and_does_not_depend_on_the_order(probabilities, successes, random):
     mixed = list(probabilities)
@@ -149,7 +139,6 @@ def test_the_tail_falls_with_the_threshold_and_does_not_depend_on_the_order(prob
     assert poisson_binomial_tail(probabilities, successes + 1) <= tail <= 1.0
 
 
-@PROPERTY
 @given(st.lists(PROBABILITIES, min_size=1, max_size=30))
 def test_the_tails_sum_to_the_expected_number_of_successes(probabilities):
     tails = [poisson_binomial_tail(probabilities, k) for k in range(1, len(probabilities) + 1)]
@@ -162,7 +151,6 @@ def test_the_tail_refuses_what_is_no_probability(probability):
         poisson_binomial_tail([0.5, probability], 1)
 
 
-@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), max_size=8), st.floats(0.01, 0.99))
 def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, level):
     rejected, remaining = set(), len(p_values)
@@ -174,7 +162,6 @@ def test_holm_rejects_exactly_what_the_step_down_procedure_rejects(p_values, lev
     assert {k for k, p in enumerate(holm(p_values)) if p <= level} == rejected
 
 
-@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_agrees_with_statsmodels(p_values):
     with patch("gc.collect"):  # which statsmodels does at every correction, and takes longer than all else here
@@ -182,7 +169,6 @@ def test_holm_agrees_with_statsmodels(p_values):
     assert holm(p_values) == pytest.approx(theirs, abs=1e-15)
 
 
-@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_is_the_largest_of_the_multiples_so_far(p_values):
     ranked = sorted(p_values)
@@ -191,7 +177,6 @@ def test_holm_is_the_largest_of_the_multiples_so_far(p_values):
     assert holm(p_values) == pytest.approx([expected[p] for p in p_values], abs=1e-15)
 
 
-@PROPERTY
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8))
 def test_holm_lies_between_the_raw_value_and_bonferroni_and_keeps_the_order(p_values):
     adjusted = holm(p_values)
@@ -211,7 +196,6 @@ def test_holm_on_a_family_worked_by_hand():
 SCORES = st.lists(st.one_of(st.integers(-2, 2).map(float), st.floats(-1e6, 1e6), st.just(math.inf)), min_size=1, max_size=12)
 
 
-@PROPERTY
 @given(SCORES, SCORES)
 def test_auroc_is_the_share_of_pairs_in_order_with_ties_at_half(positive, negative):
     halves = sum(2 * (p > n) + (p == n) for p in positive for n in negative)

@@ -3,7 +3,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.navigation import navigation
@@ -17,7 +17,6 @@ from tests.analysis.fabricated import embodied, static
 from tests.episodes import TARGET, episode_record
 
 R, NEAR = 1.0, 2.0
-PROPERTY = settings(max_examples=80, derandomize=True, deadline=None)
 coordinate = st.floats(-4, 4).map(lambda value: round(value, 2))
 point = st.tuples(coordinate, coordinate)
 EXECUTED = ArmJob(name="driven", kind=Kind.EMBODIED, agent="x:y", executes="two_visits")
@@ -48,7 +47,6 @@ def judge(case, outcome):
     return verdict(row, R, NEAR)
 
 
-@PROPERTY
 @given(st.sampled_from(["moved", "former", "removed"]), point, st.lists(point, max_size=4), point)
 def test_the_verdict_is_what_the_distances_say(relation, target, others, predicted):
     def distance(where):
@@ -87,7 +85,6 @@ def test_only_the_visit_of_the_answer_and_only_the_category_count(relation):
     assert judge(record, Answer(2.5, 0.0)) is Verdict.ELSEWHERE
 
 
-@PROPERTY
 @given(st.lists(st.tuples(st.booleans(), st.booleans(), st.floats(0, 5), st.floats(0, 5) | st.none()), min_size=1, max_size=40))
 def test_verdicts_partition_the_episodes_of_every_relation(episodes):
     outcomes = [
@@ -109,7 +106,6 @@ def test_verdicts_partition_the_episodes_of_every_relation(episodes):
         assert counts["all"] == sum(count for relation, count in counts.items() if relation != "all")
 
 
-@PROPERTY
 @given(st.lists(st.tuples(st.booleans(), st.booleans(), st.booleans()), min_size=1, max_size=30))
 def test_what_navigation_loses_is_a_subset_of_the_successes(episodes):
     outcomes = [static("two_visits", i, answered) for i, (answered, *_) in enumerate(episodes)]

@@ -390,11 +390,6 @@ def test_every_line_of_code_of_the_card_runs_as_it_is_printed(small, tmp_path, m
             assert names["first"][0]["rgb"].size == names["first"][0]["depth"].size
 
 
-def test_the_same_input_is_the_same_bytes(small, tmp_path):
-    assert small.make(tmp_path / "again") == 0
-    assert files(tmp_path / "again") == files(small.made)
-
-
 def test_what_is_not_what_was_made_is_named(small, tmp_path, capsys):
     copy = tmp_path / "copy"
     shutil.copytree(small.made, copy)

@@ -81,7 +81,7 @@ def test_what_is_there_is_not_made_again(whole, tours, capsys):
     assert {path.name: path.read_bytes() for path in whole.iterdir()} == before
 
 
-@pytest.mark.parametrize("moment", ["recording the second", "2/6 "])
+@pytest.mark.parametrize("moment", [pytest.param("recording the second", marks=pytest.mark.soak), "2/6 "])
 def test_killed_it_goes_on_where_it_was(whole, tours, tmp_path, capsys, moment):
     """SIGKILL while a tour is recorded into a cache of its own, and after two runs."""
     here = tmp_path / "cache" if "recording" in moment else tours

@@ -117,6 +117,7 @@ def test_workers_leave_the_bytes_of_one_process_even_where_one_is_killed(by_seed
         assert {**whole, "repeated": []} == {**killed, "repeated": []}
 
 
+@pytest.mark.soak
 def test_a_worker_has_an_agent_process_of_its_own(tours, tmp_path, monkeypatch, capsys):
     """An ill agent in a worker ends the evaluation in one line, and costs its own runs where failures abstain."""
     (tmp_path / "ill.py").write_text(

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from rerun.chunk import RrdReader
 
 from ovman.models.run import Score
 from ovman.playback import command as playback
@@ -19,6 +18,8 @@ EPISODE = of_scene(SCENE)[0]
 @pytest.fixture(scope="module")
 def chunks(tmp_path_factory, depth_driving):
     """The tables of the recording of an episode with the runs of an evaluation, by entity."""
+    from rerun.chunk import RrdReader
+
     path = tmp_path_factory.mktemp("rrd") / "one.rrd"
     assert command("show", "--rrd", EPISODE.id, "--results", DATA, "--output", path, "--runs", depth_driving) == 0
     found = {}
@@ -38,6 +39,7 @@ def values(chunks, entity, component):
     return [value for _, value in sorted(rows, key=lambda row: row[0])]
 
 
+@pytest.mark.networks
 def test_both_tours_have_every_view(chunks):
     for which in ("first", "second"):
         tour = EPISODE.tours[which]
@@ -48,6 +50,7 @@ def test_both_tours_have_every_view(chunks):
         assert len([entity for entity in chunks if entity.startswith(f"/{which}/points/")]) == views
 
 
+@pytest.mark.networks
 def test_points_are_in_the_room(chunks):
     """A pixel's point lies on its ray: what is seen of a home is not beyond its walls."""
     cells = np.array([row[:3] for row in values(chunks, "/truth/reachable", "Points3D:positions")[0]])
@@ -58,6 +61,7 @@ def test_points_are_in_the_room(chunks):
             assert (np.abs(np.median(points, axis=0) - np.median(cells, axis=0))[[0, 2]] < 5.0).all()
 
 
+@pytest.mark.networks
 def test_the_answer_is_where_the_episode_has_it(chunks):
     ((x, _, z),) = values(chunks, "/truth/answer", "Points3D:positions")[0]
     assert (x, z) == pytest.approx(EPISODE.answer, abs=1e-4)
@@ -65,6 +69,7 @@ def test_the_answer_is_where_the_episode_has_it(chunks):
     assert np.allclose(np.hypot(circle[:, 0] - x, circle[:, 2] - z), EPISODE.protocol.success.radius_m, atol=1e-4)
 
 
+@pytest.mark.networks
 def test_paths_end_where_the_runs_stopped(chunks, depth_driving):
     runs = [run for run in Score.read(depth_driving / "runs.jsonl") if run.episode == EPISODE.id]
     assert len(runs) == 2
@@ -82,6 +87,7 @@ def test_without_rerun_it_is_one_line(monkeypatch, capsys, tmp_path):
     assert capsys.readouterr().err == "ovman show: rerun-sdk is not installed; in a checkout of OVMAN: pip install '.[rerun]'\n"
 
 
-def test_an_unknown_episode_is_one_line(capsys, tmp_path):
+def test_an_unknown_episode_is_one_line(monkeypatch, capsys, tmp_path):
+    monkeypatch.setattr(playback, "find_spec", lambda name: name)
     assert command("show", "--rrd", "FloorPlan10/moved/9999", "--results", DATA, "--output", tmp_path / "x.rrd") == 1
     assert capsys.readouterr().err.count("\n") == 1 and not list(tmp_path.iterdir())

@@ -149,6 +149,7 @@ def test_what_is_no_evaluation_is_one_line(tmp_path, capsys, made, said):
     assert line.startswith("ovman verify: ") and said in line
 
 
+@pytest.mark.soak
 def test_two_workers_say_the_same(copy, capsys):
     changed(copy, 1, spl=0.123)
     said = []

@@ -104,6 +104,7 @@ def test_it_scores(away):
     assert scored["whole"] and scored["released"] and scored["tests"]
 
 
+@pytest.mark.soak
 def test_it_evaluates_verifies_and_shows(away, depth_driving, tours):
     """The tours that the checkout has recorded are those that it needs: they are keyed by the code."""
     here, run = away
@@ -120,6 +121,7 @@ def test_it_evaluates_verifies_and_shows(away, depth_driving, tours):
     assert "<!DOCTYPE html>" in (here / "pages" / SCENE / "moved" / "0001.html").read_text()
 
 
+@pytest.mark.soak
 def test_an_agent_of_the_users_runs_with_it(away):
     """On tours that it records itself, into the empty home."""
     here, run = away

@@ -54,7 +54,7 @@ def released(arm: str, scene: str) -> list[Score]:
     return Score.read(DATA / "runs" / arm / "seed0" / f"{scene}.jsonl")
 
 
-@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("scene", [SCENES[0], pytest.param(SCENES[1], marks=pytest.mark.soak)])
 def test_the_oracle_runs_an_episode_from_its_record_as_it_was_released(alone, scene):
     episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
     assert any(episode.relation is Relation.MOVING for episode in episodes)
@@ -83,7 +83,7 @@ def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "True"
 
 
-@pytest.mark.parametrize("relation", [Relation.MOVING, Relation.REMOVED])
+@pytest.mark.parametrize("relation", [Relation.MOVING, pytest.param(Relation.REMOVED, marks=pytest.mark.soak)])
 def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
     episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
     settings = stage_settings(CONFIG, "rollouts", "oracle_check")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.models.prediction import Abstention, AbstentionReason, Answer, Evidence, Prediction, UniformBox, UniformPick
@@ -30,7 +30,6 @@ evidence = st.none() | st.builds(
 )
 
 
-@settings(max_examples=80, derandomize=True)
 @given(outcomes, st.integers(0, 9), evidence)
 def test_a_record_says_all_that_was_predicted(outcome, seed, evidence):
     prediction = Prediction.of("FloorPlan201/moved/0003", "positions_two_visits", seed, outcome, evidence)

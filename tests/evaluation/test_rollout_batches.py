@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation import rollouts
@@ -23,7 +23,6 @@ SEEDS = (0, 1)
 NAMES = st.lists(st.sampled_from([f"FloorPlan{number}" for number in range(1, 31)]), unique=True, max_size=20)
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(st.dictionaries(st.sampled_from(["main", "multi", "everyday", "dev"]), NAMES), st.integers(1, 25))
 def test_the_batches_of_a_split_part_its_scenes_in_their_order(scenes, size):
     found = batches(scenes, size)
@@ -51,7 +50,7 @@ class Drive:
         self.folder, self.settings = folder, stage_settings(CONFIG, "rollouts", arm)
         self.episodes = folder / "episodes.jsonl"
         folder.mkdir()
-        self.episodes.write_text(lines(episode for scene in SCENES for episode in of_scene(scene)[:3]), encoding="utf-8")
+        self.episodes.write_text(lines(episode for scene in SCENES for episode in of_scene(scene)[:2]), encoding="utf-8")
 
     def job(self, scenes: Sequence[str]) -> None:
         outputs = {scene: {seed: self.folder / f"{scene}.{seed}.jsonl" for seed in SEEDS} for scene in scenes}
@@ -85,7 +84,7 @@ def test_a_job_of_several_scenes_writes_what_a_job_of_each_writes(tmp_path, star
 def test_a_job_that_was_killed_goes_on_and_another_size_of_batches_loses_nothing(tmp_path, monkeypatch):
     drive, whole = Drive(tmp_path / "killed", "oracle_check"), Drive(tmp_path / "whole", "oracle_check")
     whole.job(SCENES)
-    run, runs, allowed = rollouts.run_episode, [], 8  # in the second scene
+    run, runs, allowed = rollouts.run_episode, [], 5  # in the second scene
 
     def counted(session, episode, *rest, **offered):
         if len(runs) == allowed:
@@ -97,7 +96,7 @@ def test_a_job_that_was_killed_goes_on_and_another_size_of_batches_loses_nothing
     with pytest.raises(RuntimeError, match="killed"):
         drive.job(SCENES)
     assert [*drive.folder.glob("FloorPlan*")] == []
-    allowed = len(SCENES) * 3 * len(SEEDS)
+    allowed = len(SCENES) * 2 * len(SEEDS)
     for scenes in (SCENES[:2], SCENES[2:]):
         drive.job(scenes)
     assert len(runs) == allowed and {runs.count(name) for name in runs} == {len(SEEDS)}, "each once under each seed"

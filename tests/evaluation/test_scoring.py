@@ -6,7 +6,7 @@ from math import pi
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation.scoring import success_probability
@@ -21,7 +21,6 @@ def probability(pick, answer, radius=RADIUS, samples=20_000, seed=0) -> float:
     return success_probability(pick, answer, radius, samples=samples, generator=np.random.default_rng(seed))
 
 
-@settings(max_examples=80, derandomize=True, deadline=None)
 @given(candidates, st.tuples(coordinate, coordinate), st.floats(0.1, 3), st.floats(0.1, 3))
 def test_the_pick_is_a_fraction_of_its_candidates_and_grows_with_the_radius(points, answer, one, other):
     small, large = (probability(UniformPick(points), answer, radius) for radius in sorted((one, other)))
@@ -29,7 +28,6 @@ def test_the_pick_is_a_fraction_of_its_candidates_and_grows_with_the_radius(poin
     assert small * len(points) == pytest.approx(round(small * len(points)))
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(candidates, st.data())
 def test_an_answer_among_the_candidates_is_at_least_chance(points, data):
     answer = data.draw(st.sampled_from(points))

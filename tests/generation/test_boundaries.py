@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.audit import COLUMNS, audit
@@ -426,7 +426,6 @@ POOLS = st.dictionaries(st.sampled_from("ABCDE"), st.integers(0, 6), min_size=1)
 )
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(POOLS, st.integers(0, 25), st.integers(0, 99))
 def test_the_split_takes_turns_among_the_scenes_until_it_has_enough_or_all(pool, wanted, seed):
     """No scene gives two more than another with ids left; nothing comes twice; the order of scenes and ids is no matter."""
@@ -447,7 +446,6 @@ def test_a_smaller_split_is_the_beginning_of_a_larger_one():
     assert {k[0] for k in largest[:3]} == {"a", "b", "c"} and {k[0] for k in largest[3:5]} == {"a", "c"}
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(POOLS, st.integers(0, 25), st.integers(0, 99), st.integers(1, 4))
 def test_instances_take_turns(pool, wanted, seed, instances):
     """No instance is asked about twice before each is asked about once, and so on; of one use scenes take turns as ever."""
@@ -464,7 +462,6 @@ def test_instances_take_turns(pool, wanted, seed, instances):
     assert select(again, wanted, np.random.default_rng(seed), instance_of) == chosen
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
 @given(POOLS, st.integers(0, 25), st.integers(0, 99))
 def test_turns_among_instances_of_one_episode_each_change_nothing(pool, wanted, seed):
     each = {k: k for ids in pool.values() for k in ids}
@@ -472,7 +469,6 @@ def test_turns_among_instances_of_one_episode_each_change_nothing(pool, wanted, 
     assert select(pool, wanted, np.random.default_rng(seed), each) == alone
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(POOLS, st.integers(0, 99), st.integers(1, 4), st.randoms(use_true_random=False))
 def test_sizes_take_turns(pool, seed, instances, random):
     """Instances take turns as ever. Of one use, the largest are within one of chance while there are both."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.independence import independent, left_out, tour_pair
@@ -12,7 +12,6 @@ from ovman.models.relation import Relation
 from ovman.models.sighting import VisitPair
 from tests.generation.test_boundaries import TRIALS, admitted, measured
 
-PROPERTY = settings(derandomize=True, max_examples=60, deadline=None)
 CAME, WENT, ELSE = Relation.APPEARED, Relation.REMOVED, Relation.MOVED
 CLAIMS = st.lists(st.tuples(st.sampled_from("AB"), st.sampled_from([(CAME,), (WENT,), (CAME, WENT), (ELSE,)])), max_size=14)
 
@@ -27,7 +26,6 @@ def drawn(claims):
     return pairs, relation_of
 
 
-@PROPERTY
 @given(CLAIMS, st.integers(0, 9), st.integers(0, 9), st.integers(0, 5))
 def test_every_pair_serves_one_trial_and_both_relations_have_enough_where_that_is_possible(claims, came, went, seed):
     pairs, relation_of = drawn(claims)
@@ -42,7 +40,6 @@ def test_every_pair_serves_one_trial_and_both_relations_have_enough_where_that_i
     assert independent(shuffled, relation_of, wanted, np.random.default_rng(seed)) == kept
 
 
-@PROPERTY
 @given(CLAIMS, st.data())
 def test_what_is_left_out_shares_its_tours_with_what_is_released(claims, data):
     pairs, relation_of = drawn(claims)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.candidates import eligible, targets
@@ -53,7 +53,6 @@ def floor_for(scene, item):
     return FreeFloor.of(scene, item, 0.25, scene.waypoints)
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(st.floats(-0.5, 5.5), st.floats(-0.5, 4.5), st.floats(0.05, 0.8), st.floats(0.05, 0.8))
 def test_what_fits_meets_no_box_no_waypoint_and_stays_near_the_reachable(scene, x, z, half_x, half_z):
     item = thing("new", "Chair", 9.0, 9.0, (2 * half_x, 0.8, 2 * half_z))

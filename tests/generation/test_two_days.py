@@ -58,7 +58,7 @@ def episode_of(trial: Trial) -> Episode:
     return Episode.from_json(episode(trial, (), stage_settings(CONFIG, "episodes")).to_json())
 
 
-@pytest.mark.parametrize("relation", ASKED)
+@pytest.mark.parametrize("relation", [Relation.MOVING, pytest.param(Relation.APPEARED, marks=pytest.mark.soak)])
 def test_the_record_alone_gives_the_tours_that_were_measured_to_the_byte(measured, tmp_path, relation):
     directory, found = measured
     one, settings = episode_of(found[relation]), stage_settings(CONFIG, "rollouts", "oracle_check")

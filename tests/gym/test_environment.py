@@ -251,7 +251,7 @@ def test_a_wrong_environment_is_one_line(made, options, said):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("mode", ["sync", "async"])
+@pytest.mark.parametrize("mode", ["sync", pytest.param("async", marks=pytest.mark.soak)])
 def test_two_beside_each_other_are_two_alone(small, two, tours, mode):
     """Their seeds follow one another, and the one that ends begins again; in one process and in two that share memory."""
     options = {"episodes": two, "cache": tours, "looks": False, "tours": "reset"}

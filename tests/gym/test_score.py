@@ -53,6 +53,7 @@ def test_a_control_drives_as_it_does_outside(tmp_path, tours):
     assert wanted.actions > 0 and wanted.trace
 
 
+@pytest.mark.soak
 def test_the_example_finds_the_rates_of_ovman_eval(tmp_path, tours, examples, capsys):
     """The reference agent detects, maps and associates what the dictionary shows; the random one draws what it draws outside."""
     file, seeds = file_of(tmp_path / "one.jsonl", of_scene(SCENE)[:1]), ("--seeds", "0", "1")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import string
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.language.forms import FORMS, drawn, sentences
@@ -32,7 +32,6 @@ def test_every_form_is_understood(relation):
             assert parse(said) == Parsed(noun, relation), said
 
 
-@settings(max_examples=150, deadline=None)
 @given(query=QUERIES, form=FORM)
 def test_forms_and_nouns_of_the_vocabulary_are_understood(query, form):
     relation, noun = query
@@ -44,7 +43,6 @@ def test_every_noun_is_told_from_every_other_in_a_sentence():
     assert [parse(sentence("moved", noun)) for noun in all_nouns()] == [Parsed(noun, "moved") for noun in all_nouns()]
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     query=QUERIES,
     form=FORM,
@@ -62,7 +60,6 @@ def test_articles_case_punctuation_and_politeness_do_not_matter(query, form, art
 
 
 @given(st.text(alphabet=string.printable, max_size=80))
-@settings(max_examples=80, deadline=None)
 def test_any_text_is_parsed_or_its_failure_is_named(text):
     result = parse(text)
     assert isinstance(result, ParseFailure) or (result.noun_phrase in all_nouns() and result.relation in RELATIONS)

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.navigation.grid import LATTICE_TOLERANCE_M, Grid
 
-PROPERTY = settings(max_examples=50, derandomize=True, deadline=None)
 STEP = 0.25
 CELLS = st.frozensets(st.tuples(st.integers(-5, 5), st.integers(-5, 5)), min_size=1, max_size=60)
 OFFSETS = st.sampled_from([0.0, 0.05, 0.1, 0.125, -0.0625, -0.1])
@@ -22,7 +21,6 @@ def positions(cells, offset=(0.0, 0.0)):
     return [(offset[0] + STEP * i, offset[1] + STEP * j) for i, j in cells]
 
 
-@PROPERTY
 @given(CELLS, OFFSETS, OFFSETS, st.integers(0, 2**32 - 1))
 def test_positions_come_back_as_centres_in_any_order_and_precision(cells, offset_x, offset_z, seed):
     points = positions(cells, (offset_x, offset_z))
@@ -37,7 +35,6 @@ def test_positions_come_back_as_centres_in_any_order_and_precision(cells, offset
     assert np.allclose(centres, sorted(points), atol=1e-4)
 
 
-@PROPERTY
 @given(CELLS, CELLS, OFFSETS, OFFSETS)
 def test_grids_of_one_lattice_share_their_indices(before, after, offset_x, offset_z):
     grids = [Grid.from_positions(positions(cells, (offset_x, offset_z)), STEP) for cells in (before, after)]
@@ -45,7 +42,6 @@ def test_grids_of_one_lattice_share_their_indices(before, after, offset_x, offse
     assert grids[0].cells & grids[1].cells == Grid.from_positions(positions(before & after, (offset_x, offset_z)), STEP).cells
 
 
-@PROPERTY
 @given(CELLS, st.integers(0, 1), st.floats(2 * LATTICE_TOLERANCE_M, STEP / 2), st.sampled_from([-1, 1]))
 def test_a_position_off_the_lattice_is_an_error_that_names_it(cells, axis, off_m, sign):
     cells = cells | {(-6, -6)}
@@ -65,7 +61,6 @@ def test_heights_are_passed_over_and_no_positions_are_no_cells():
         empty.nearest(0.0, 0.0)
 
 
-@PROPERTY
 @given(CELLS, POINTS, st.data())
 def test_nearest_is_nearest_and_ties_go_to_the_smallest_cell(cells, point, data):
     grid = Grid(STEP, (0.1, -0.05), cells)
@@ -86,7 +81,6 @@ def test_a_point_between_cells_goes_to_the_smallest():
     assert grid.nearest(0.1, 0.1, within={(2, 0)}) == (2, 0)
 
 
-@PROPERTY
 @given(CELLS, POINTS)
 def test_the_cell_at_a_point_is_the_square_around_it(cells, point):
     grid = Grid(STEP, (0.0, 0.0), cells)
@@ -99,7 +93,6 @@ def test_the_cell_at_a_point_is_the_square_around_it(cells, point):
         assert grid.nearest(*point) == cell
 
 
-@PROPERTY
 @given(CELLS)
 def test_components_partition_the_grid_into_closed_connected_sets(cells):
     grid = Grid(STEP, (0.0, 0.0), cells)
@@ -112,7 +105,6 @@ def test_components_partition_the_grid_into_closed_connected_sets(cells):
             assert set(grid.neighbours(cell)) <= component
 
 
-@PROPERTY
 @given(CELLS)
 def test_neighbourhood_is_symmetric_and_one_step_wide(cells):
     grid = Grid(STEP, (0.0, 0.0), cells)

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.navigation import Grid, Navigator, geodesic_m
@@ -45,7 +45,6 @@ def drive(grid, start, goal, blocked=frozenset(), expires=False, limit=400, face
 cells = st.sets(st.tuples(st.integers(0, 7), st.integers(0, 7)), min_size=2, max_size=50)
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(cells, st.data())
 def test_it_arrives_facing_its_goal_without_a_failed_move(cells, data):
     grid = grid_of(cells)
@@ -61,7 +60,6 @@ def test_it_arrives_facing_its_goal_without_a_failed_move(cells, data):
         assert abs(error) <= PRIMITIVES.heading_tolerance_deg + 1e-5
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(cells, st.data())
 def test_a_failed_edge_is_tried_once_and_a_way_around_is_found_if_there_is_one(cells, data):
     grid = grid_of(cells)

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
@@ -15,7 +15,6 @@ from ovman.navigation.grid import DIRECTIONS, Grid
 from ovman.navigation.plan import geodesic_m, shortest_path, steps_from
 from ovman.navigation.waypoints import farthest_points
 
-PROPERTY = settings(max_examples=50, derandomize=True, deadline=None)
 STEP = 0.25
 
 
@@ -49,7 +48,6 @@ def dijkstra_m(grid, start, blocked=frozenset()):
     return dict(zip(cells, dijkstra(csr_array(matrix), indices=index[start]), strict=True))
 
 
-@PROPERTY
 @given(grids(), st.data())
 def test_the_geodesic_is_dijkstras(grid, data):
     start = data.draw(st.sampled_from(sorted(grid.cells)))
@@ -62,7 +60,6 @@ def test_the_geodesic_is_dijkstras(grid, data):
         assert reached == pytest.approx({c: d for c, d in dijkstra_m(grid, start).items() if np.isfinite(d)})
 
 
-@PROPERTY
 @given(grids(), st.data(), st.permutations(DIRECTIONS))
 def test_a_path_joins_its_ends_over_unblocked_edges_without_a_loop(grid, data, directions):
     start, goal = (data.draw(st.sampled_from(sorted(grid.cells))) for _ in range(2))
@@ -79,7 +76,6 @@ def test_a_path_joins_its_ends_over_unblocked_edges_without_a_loop(grid, data, d
     assert STEP * (len(path) - 1) == pytest.approx(geodesic_m(grid, start, goal, blocked))
 
 
-@PROPERTY
 @given(grids(), st.data())
 def test_a_path_depends_on_the_grid_and_not_on_how_it_was_made(grid, data):
     start, goal = (data.draw(st.sampled_from(sorted(grid.cells))) for _ in range(2))
@@ -87,7 +83,6 @@ def test_a_path_depends_on_the_grid_and_not_on_how_it_was_made(grid, data):
     assert shortest_path(grid, start, goal) == shortest_path(again, start, goal)
 
 
-@PROPERTY
 @given(grids(), st.data())
 def test_blocking_an_edge_never_shortens_a_path(grid, data):
     start, goal = (data.draw(st.sampled_from(sorted(grid.cells))) for _ in range(2))
@@ -95,7 +90,6 @@ def test_blocking_an_edge_never_shortens_a_path(grid, data):
     assert obstructed is None or (free is not None and obstructed >= free)
 
 
-@PROPERTY
 @given(grids(), st.data())
 def test_the_geodesic_is_a_metric(grid, data):
     a, b, c = (data.draw(st.sampled_from(sorted(grid.cells))) for _ in range(3))
@@ -146,7 +140,6 @@ def test_an_end_outside_the_grid_is_an_error(ends):
         shortest_path(open_room(2, 2), *ends)
 
 
-@PROPERTY
 @given(grids(), st.data())
 def test_each_waypoint_is_the_farthest_from_those_before(grid, data):
     component = grid.components()[0]

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.backprojection import Camera, median_point, single_ray_point, world_points
@@ -19,7 +19,6 @@ SIDE_PX, FIELD_OF_VIEW_DEG = 200, 90.0
 SLACK_M = 0.02
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(yaw=st.floats(0, 360), horizon=st.floats(-80, 80))
 def test_the_camera_looks_where_its_angles_say(yaw, horizon):
     axes = Camera((0, 0, 0), yaw, horizon, 90.0).axes()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.clusters import Detection, clusters
@@ -22,7 +22,6 @@ tours = st.lists(st.tuples(st.integers(0, 23), coordinates, coordinates, st.floa
 )
 
 
-@settings(derandomize=True, max_examples=100, deadline=None)
 @given(tours)
 def test_every_detection_is_in_one_cluster_and_height_does_not_matter(detections):
     found = clusters(detections, RADIUS_M)
@@ -37,7 +36,6 @@ def test_every_detection_is_in_one_cluster_and_height_does_not_matter(detections
         assert c.position == pytest.approx(np.median(c.track, axis=0))
 
 
-@settings(derandomize=True, max_examples=50, deadline=None)
 @given(st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=6, unique=True), st.integers(1, 4))
 def test_things_that_stand_apart_are_told_apart(places, times):
     places = [(2 * round(x), 2 * round(z)) for x, z in places]

@@ -4,7 +4,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.array_file import ArrayFileError
@@ -14,7 +14,6 @@ from ovman.perception.cues import Cues, colours, read_cues, write_cues
 RED, GREY, BLUE = (255, 0, 0), (120, 120, 120), (0, 0, 255)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30), st.integers(1, 30))
 def test_a_histogram_is_of_the_masks_pixels_alone_wherever_they_are(seed, hue_bins, saturation_bins):
     rng = np.random.default_rng(seed)
@@ -36,7 +35,6 @@ def test_hue_and_saturation_and_no_brightness():
     assert not (red * blue).any() and not (red * grey).any()
 
 
-@settings(max_examples=30, derandomize=True, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.floats(0.5, 1.0))
 def test_an_extent_is_within_that_of_all_points_and_equal_to_it_for_all_of_them(seed, share):
     rng = np.random.default_rng(seed)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -14,7 +14,6 @@ PICTURES = arrays(np.int64, (5, 6), elements=st.integers(-2, 3))
 MASKS = arrays(bool, (4, 5, 6))
 
 
-@settings(derandomize=True, max_examples=80, deadline=None)
 @given(MASKS, PICTURES)
 def test_a_mask_shows_the_instance_of_the_largest_overlap_from_a_half_on(masks, ids):
     iou, sizes = intersection_over_union(masks, ids, 4)
@@ -26,7 +25,6 @@ def test_a_mask_shows_the_instance_of_the_largest_overlap_from_a_half_on(masks, 
             assert value in equal and sizes[value] == sizes[equal].max()
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
 @given(PICTURES)
 def test_the_mask_of_an_instance_shows_it_and_no_mask_shows_what_is_none(ids):
     for value in np.unique(ids):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.detected import Detected, PackedMasks
@@ -26,7 +26,6 @@ def content(clusters) -> list:
     return [(c.position.tolist(), c.track.tolist(), c.members.tolist()) for c in clusters]
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(tours, tours)
 def test_detections_are_numbered_through_both_tours_and_each_is_in_one_cluster(first, second):
     points = np.concatenate([first.point, second.point])[:, [0, 2]]
@@ -39,7 +38,6 @@ def test_detections_are_numbered_through_both_tours_and_each_is_in_one_cluster(f
         assert not len(first) or (c.views[later] > first.view.max()).all()
 
 
-@settings(derandomize=True, max_examples=30, deadline=None)
 @given(tours)
 def test_a_tour_that_shows_nothing_adds_nothing_and_the_same_tour_again_stays_within_its_clusters(seen):
     nothing = tour([])

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.backprojection import Camera, median_point, median_points
@@ -86,7 +86,6 @@ def test_no_tour_is_refused():
         detections([], Eyes([]), Colours(), 10, 0.1)
 
 
-@settings(derandomize=True, max_examples=40, deadline=None)
 @given(seed=st.integers(0, 10**6), yaw=st.floats(0, 360), horizon=st.floats(-60, 60), share=st.floats(0.02, 0.9))
 def test_all_medians_at_once_are_those_of_each_mask(seed, yaw, horizon, share):
     rng = np.random.default_rng(seed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -26,25 +27,39 @@ FIGURES = tuple(sorted(re.findall(r"(\w+)\.png", RULES.split("rule charts")[1]))
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory) -> list[Path]:
+def draw(tmp_path_factory) -> Callable[[], Path]:
+    """Return a function that runs the stage and returns its folder."""
     metrics = written_files(tmp_path_factory.mktemp("metrics"), papers_files())
-    directories = [tmp_path_factory.mktemp(name) for name in ("one", "other")]
-    for directory in directories:
+
+    def run() -> Path:
+        directory = tmp_path_factory.mktemp("drawn")
         charts.run(metrics, PAPER, CONFIG, directory)
-    return directories
+        return directory
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def drawn(draw) -> Path:
+    return draw()
 
 
 def width_px(picture: Path) -> int:
     return int.from_bytes(picture.read_bytes()[16:20], "big")
 
 
-def test_the_stage_makes_what_the_rule_declares_twice_the_same(drawn):
-    one, other = drawn
-    assert {path.name for path in one.iterdir()} == {f"{name}.{form}" for name in FIGURES for form in ("png", "pdf")}
-    for path in one.iterdir():
-        assert path.read_bytes() == (other / path.name).read_bytes(), path.name
+@pytest.mark.soak
+def test_the_stage_draws_the_same_bytes_twice(draw, drawn):
+    again = draw()
+    for path in drawn.iterdir():
+        assert path.read_bytes() == (again / path.name).read_bytes(), path.name
+
+
+def test_the_stage_makes_what_the_rule_declares(drawn):
+    assert {path.name for path in drawn.iterdir()} == {f"{name}.{form}" for name in FIGURES for form in ("png", "pdf")}
+    for path in drawn.iterdir():
         assert path.read_bytes().startswith(b"\x89PNG" if path.suffix == ".png" else b"%PDF"), path.name
-    assert {width_px(path) for path in one.glob("*.png")} == {round(COLUMN_IN * DPI)}
+    assert {width_px(path) for path in drawn.glob("*.png")} == {round(COLUMN_IN * DPI)}
 
 
 def test_every_figure_has_a_caption_and_is_released():

@@ -5,7 +5,7 @@ import io
 
 import pandas as pd
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.report.tables.columns import numbers, three, words
@@ -66,7 +66,6 @@ def test_latex_is_booktabs_with_headings_of_sections():
 cells = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=12)
 
 
-@settings(max_examples=80, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(cells, cells), min_size=1, max_size=5))
 def test_no_cell_breaks_out_of_its_table(rows):
     table = Table("c", (words("a"), words("b")), pd.DataFrame(rows, columns=["a", "b"], dtype=object))

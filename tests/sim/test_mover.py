@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.models.change import MoverStart, Roam
@@ -33,7 +33,6 @@ def connected(found: set[tuple[int, int]]) -> set[tuple[int, int]]:
 cells = st.sets(st.tuples(st.integers(-4, 4), st.integers(-4, 4)), max_size=60).map(connected)
 roams = st.builds(lambda x, z, found: Roam.over(x, z, 0.1, found), st.floats(-5, 5), st.floats(-5, 5), cells)
 seeds = st.integers(0, 1000)
-cheap = settings(derandomize=True, max_examples=50, deadline=None)
 
 
 def walked(roam: Roam, seed: int, steps: int, params: MoverParams = PARAMS) -> list[Mover]:
@@ -42,7 +41,6 @@ def walked(roam: Roam, seed: int, steps: int, params: MoverParams = PARAMS) -> l
     return [begun, *walk(begun, params, rng, steps)]
 
 
-@cheap
 @given(roams, seeds)
 def test_a_mover_begins_where_it_stands_never_leaves_its_floor_and_takes_one_step_an_action(roam, seed):
     movers = walked(roam, seed, 60)
@@ -55,7 +53,6 @@ def test_a_mover_begins_where_it_stands_never_leaves_its_floor_and_takes_one_ste
     assert len(roam.cells) == 1 or len({mover.cell for mover in movers}) > 1
 
 
-@cheap
 @given(roams, seeds, st.integers(0, 40))
 def test_a_walk_goes_on_from_its_recorded_state_as_if_it_had_not_been_interrupted(roam, seed, pause_at):
     """The state is all that the walk depends on, beside what is drawn; records round it and lose nothing."""
@@ -70,7 +67,6 @@ def test_a_walk_goes_on_from_its_recorded_state_as_if_it_had_not_been_interrupte
     assert np.allclose(positions, [mover.position for mover in whole[pause_at + 1 :]], atol=1.1e-4) or pause_at == 60
 
 
-@cheap
 @given(roams, seeds, st.data())
 def test_a_mover_never_comes_closer_to_an_agent_that_is_in_its_way(roam, seed, data):
     agent = roam.at(data.draw(st.sampled_from(sorted(roam.cells))))
@@ -112,7 +108,6 @@ def test_where_every_way_is_barred_it_stays():
     assert {mover.cell for mover in walked(alone, 0, 20, STEADY)} == {(0, 0)}
 
 
-@cheap
 @given(roams)
 def test_a_floor_is_its_cells_in_rows(roam):
     assert Roam.over(roam.x, roam.z, roam.step_m, roam.cells) == roam

@@ -57,7 +57,7 @@ def test_death_between_two_actions_is_noticed_and_nothing_is_left(session):
     assert session.started and session.step("Pass")
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGABRT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
 def test_death_during_an_action(session, number):
     """The engine is stopped first, so that it dies with an answer outstanding."""
     process = engine(session)

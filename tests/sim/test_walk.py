@@ -10,7 +10,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.placement import FreeFloor
@@ -43,7 +43,6 @@ def apart_deg(a: float, b: float) -> float:
 cells = st.sets(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=2, max_size=49)
 
 
-@settings(deadline=None)
 @given(cells, st.data())
 def test_a_way_leads_over_neighbouring_cells_and_looks_where_it_goes(found, data):
     grid = Grid(STEP_M, (0.1, -0.05), frozenset(found))
@@ -61,7 +60,6 @@ def test_a_way_leads_over_neighbouring_cells_and_looks_where_it_goes(found, data
         assert apart_deg(pose.yaw_deg, math.degrees(math.atan2(pose.x - before.x, pose.z - before.z))) < 0.1
 
 
-@settings(deadline=None)
 @given(st.floats(0, 359), st.floats(0, 359), st.sampled_from([10.0, 30.0, 45.0, 77.0]))
 def test_a_spin_goes_right_by_equal_turns_and_leaves_out_both_ends(here_deg, there_deg, turn_deg):
     poses = walk.spin(AgentPose(1.0, 2.0, here_deg), there_deg, turn_deg)

@@ -9,12 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.task import Instance, Query, Relation, WorldState, category_pick, crowding
-from tests.task.test_relations import POINTS, PROPERTY, RELATIONS, mapped, worlds
+from tests.task.test_relations import POINTS, RELATIONS, mapped, worlds
 
 RADII = st.integers(0, 16).map(lambda quarter: quarter * 0.25)
 
 
-@PROPERTY
 @given(worlds(), RELATIONS, POINTS, RADII, st.sampled_from(["chair_1", "chair_2"]))
 def test_what_crowds_is_found_by_hand_and_grows_with_the_radius(states, relation, at, radius_m, referent):
     query = Query("Chair", relation)
@@ -30,7 +29,6 @@ def test_what_crowds_is_found_by_hand_and_grows_with_the_radius(states, relation
     assert set(found) <= set(crowding(*states, query, referent, at, radius_m + 0.25))
 
 
-@PROPERTY
 @given(worlds(), RELATIONS, POINTS, RADII)
 def test_crowding_turns_with_the_room_and_does_not_see_other_categories(states, relation, at, radius_m):
     query, turned = Query("Chair", relation), [mapped(world, lambda x, z: (-z, x)) for world in states]
@@ -40,7 +38,6 @@ def test_crowding_turns_with_the_room_and_does_not_see_other_categories(states, 
     assert crowding(*alone, query, "chair_1", at, radius_m) == found
 
 
-@PROPERTY
 @given(worlds(moving=False), RELATIONS, RADII)
 def test_where_nothing_crowds_a_pick_is_at_chance_in_the_answers_visit_and_no_better_in_the_second(states, relation, radius_m):
     world = states[0] if relation.past else states[1]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.models.change import Alteration, MoverStart, Roam
@@ -29,7 +29,6 @@ from tests.episodes import DATA
 ROOT = Path(__file__).parents[2]
 EPISODES = DATA / "episodes"
 CONFIG = load(ROOT / "config.yaml")
-PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
 CONSTANTS = Settings.owned({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
 SUCCESS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
 PROTOCOL = {name: getattr(CONFIG, name).model_dump(mode="json") for name in ("camera", "primitives", "mover", "success")}
@@ -142,7 +141,6 @@ SCALARS = st.one_of(st.none(), st.booleans(), st.integers(-(2**40), 2**40), st.f
 VALUES = st.recursive(SCALARS, lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(KEYS, inner, max_size=3)))
 
 
-@PROPERTY
 @given(VALUES)
 def test_rounding_twice_is_rounding_once_and_survives_the_file(value):
     once = rounded(value)
@@ -152,7 +150,6 @@ def test_rounding_twice_is_rounding_once_and_survives_the_file(value):
     assert line(json.loads(text)) == text
 
 
-@PROPERTY
 @given(st.floats(-1e4, 1e4), KEYS)
 def test_rounding_moves_a_number_by_at_most_half_its_unit(value, key):
     unit = {"yaw_deg": 1e-2, "spl": 1e-6, "probability": 1e-6}.get(key, 1e-4)
@@ -161,7 +158,6 @@ def test_rounding_moves_a_number_by_at_most_half_its_unit(value, key):
     assert result == pytest.approx(round(result / unit) * unit)
 
 
-@PROPERTY
 @given(st.floats(-100.0, 100.0), st.sampled_from(["x", "yaw_deg"]))
 def test_the_last_bit_of_the_processor_does_not_reach_the_file(value, key):
     unit = 10_000 if key == "x" else 100

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ovman.models.change import MoverRecord
@@ -38,7 +38,6 @@ CONSTANTS = thresholds()
 CATEGORIES = {"chair_1": "Chair", "chair_2": "Chair", "chair_3": "Chair", "vase_1": "Vase", "vase_2": "Vase"}
 CHAIR = {relation: Query("Chair", relation) for relation in Relation}
 RELATIONS = st.sampled_from(Relation)
-PROPERTY = settings(max_examples=70, derandomize=True, deadline=None)
 
 # Multiples of 0.25 m: their sums and right-angle turns are exact, and distances fall on the thresholds themselves.
 COORDINATES = st.integers(-12, 12).map(lambda quarter: quarter * 0.25)
@@ -89,13 +88,11 @@ def test_there_are_six_relations_and_two_of_them_are_past():
 # --- Eq. 1 ----------------------------------------------------------------------------------------
 
 
-@PROPERTY
 @given(worlds())
 def test_moved_and_former_share_a_predicate(pair):
     assert referents(*pair, CHAIR[Relation.MOVED], CONSTANTS) == referents(*pair, CHAIR[Relation.FORMER], CONSTANTS)
 
 
-@PROPERTY
 @given(worlds(), RELATIONS)
 def test_no_relation_holds_for_an_absent_instance(pair, relation):
     assert not holds(relation, "nobody", *pair, CONSTANTS)
@@ -107,7 +104,6 @@ def test_no_relation_holds_for_an_absent_instance(pair, relation):
                 assert name in pair[0] and name in pair[1]
 
 
-@PROPERTY
 @given(worlds())
 def test_stable_moved_appeared_and_removed_exclude_each_other(pair):
     for name in CATEGORIES:
@@ -115,7 +111,6 @@ def test_stable_moved_appeared_and_removed_exclude_each_other(pair):
         assert sum(holds(relation, name, *pair, CONSTANTS) for relation in exclusive) <= 1
 
 
-@PROPERTY
 @given(worlds())
 def test_every_instance_present_in_one_visit_only_has_appeared_or_was_removed(pair):
     world_1, world_2 = pair
@@ -126,7 +121,6 @@ def test_every_instance_present_in_one_visit_only_has_appeared_or_was_removed(pa
     assert both_categories == [world_2.ids - world_1.ids, world_1.ids - world_2.ids]
 
 
-@PROPERTY
 @given(worlds())
 def test_appeared_and_removed_swap_when_the_visits_swap(pair):
     forwards, backwards = all_referents(*pair), all_referents(*reversed(pair))
@@ -140,7 +134,6 @@ def test_appeared_and_removed_swap_when_the_visits_swap(pair):
             assert forwards[Query(category, there)] == backwards[Query(category, back)]
 
 
-@PROPERTY
 @given(worlds(), POINTS, st.integers(0, 3))
 def test_relations_do_not_depend_on_the_frame_of_the_floor_plane(pair, shift, quarters):
     def place(x, z):
@@ -151,7 +144,6 @@ def test_relations_do_not_depend_on_the_frame_of_the_floor_plane(pair, shift, qu
     assert all_referents(*(mapped(world, place) for world in pair)) == all_referents(*pair)
 
 
-@PROPERTY
 @given(worlds(), st.floats(0.0, 2.0 * math.pi))
 def test_relations_are_invariant_under_any_rotation(pair, angle):
     def place(x, z):
@@ -169,7 +161,6 @@ def test_relations_are_invariant_under_any_rotation(pair, angle):
     assert all_referents(*(mapped(world, place) for world in pair)) == all_referents(*pair)
 
 
-@PROPERTY
 @given(worlds(), st.permutations(sorted(CATEGORIES)))
 def test_relations_are_equivariant_under_relabelling(pair, names):
     relabelled = dict(zip(sorted(CATEGORIES), names, strict=True))
@@ -177,14 +168,12 @@ def test_relations_are_equivariant_under_relabelling(pair, names):
     assert renamed == {q: tuple(sorted(relabelled[k] for k in ids)) for q, ids in all_referents(*pair).items()}
 
 
-@PROPERTY
 @given(worlds(), RELATIONS)
 def test_other_categories_have_no_say(pair, relation):
     chairs = [WorldState(world.category("Chair")) for world in pair]
     assert referents(*pair, CHAIR[relation], CONSTANTS) == referents(*chairs, CHAIR[relation], CONSTANTS)
 
 
-@PROPERTY
 @given(worlds(), st.floats(0.0, 5.0), st.floats(0.0, 5.0))
 def test_a_larger_minimum_displacement_selects_fewer_and_a_larger_tau_more(pair, a, b):
     small, large = sorted((a, b))
@@ -198,7 +187,6 @@ def test_a_larger_minimum_displacement_selects_fewer_and_a_larger_tau_more(pair,
         assert selected[0] <= selected[1]
 
 
-@PROPERTY
 @given(worlds(moving=False))
 def test_nothing_is_moving_without_a_track_and_nothing_else_reads_one(pair):
     assert referents(*pair, CHAIR[Relation.MOVING], CONSTANTS) == ()
@@ -206,7 +194,6 @@ def test_nothing_is_moving_without_a_track_and_nothing_else_reads_one(pair):
     assert all_referents(pair[0], still) == all_referents(*pair)
 
 
-@PROPERTY
 @given(worlds(), st.randoms(use_true_random=False))
 def test_motion_does_not_depend_on_the_order_of_the_track(pair, random):
     def shuffled(instance):
@@ -266,7 +253,6 @@ def test_a_mover_counts_as_moving_though_it_comes_back_and_even_if_it_is_new():
 # --- Eq. 2 ----------------------------------------------------------------------------------------
 
 
-@PROPERTY
 @given(worlds(), RELATIONS, st.sets(st.sampled_from(sorted(CATEGORIES))))
 def test_an_admissible_query_has_exactly_one_referent_and_an_answer(pair, relation, changed):
     query = CHAIR[relation]
@@ -286,14 +272,12 @@ def test_an_admissible_query_has_exactly_one_referent_and_an_answer(pair, relati
         assert all(displacement_m(*pair, k) > CONSTANTS.admissibility.tau_m for k in verdict.instances)
 
 
-@PROPERTY
 @given(worlds(), RELATIONS, st.sets(st.sampled_from(sorted(CATEGORIES))), st.sampled_from(sorted(CATEGORIES)))
 def test_excusing_one_more_instance_never_makes_a_query_inadmissible(pair, relation, changed, another):
     if admissible(*pair, CHAIR[relation], changed, CONSTANTS) is None:
         assert admissible(*pair, CHAIR[relation], changed | {another}, CONSTANTS) is None
 
 
-@PROPERTY
 @given(worlds(), RELATIONS, st.sampled_from(sorted(CATEGORIES)))
 def test_naming_a_target_admits_the_query_for_the_referent_alone(pair, relation, target):
     query, changed = CHAIR[relation], {"chair_1", "chair_2"}
@@ -342,7 +326,6 @@ def test_moved_and_former_answer_with_the_two_ends_of_one_displacement():
     assert answer(before, after, CHAIR[Relation.FORMER], "chair_1") == (0, 0)
 
 
-@PROPERTY
 @given(worlds(), POINTS, RELATIONS)
 def test_only_moving_follows_the_mover(pair, mover_at, relation):
     for referent in referents(*pair, CHAIR[relation], CONSTANTS):
@@ -369,7 +352,6 @@ def test_an_instance_is_where_its_track_ends():
     assert Instance.tracked("chair_1", "Chair", ((0.0, 0.0), (1.0, 0.0))).position == (1.0, 0.0)
 
 
-@PROPERTY
 @given(worlds())
 def test_displacement_is_a_distance_between_visits(pair):
     for name in CATEGORIES:

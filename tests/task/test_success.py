@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.models.run import Terms
@@ -13,7 +13,6 @@ from ovman.models.settings.benchmark import Success
 from ovman.task import Measurement, Relation, spl, success, visible
 
 CONSTANTS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
-PROPERTY = settings(max_examples=100, derandomize=True, deadline=None)
 RELATIONS = st.sampled_from(Relation)
 # Near the success radius, and on it.
 DISTANCES = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 3.0))
@@ -24,35 +23,30 @@ MEASUREMENTS = st.builds(
 LENGTHS = st.one_of(st.just(0.0), st.floats(0.0, 50.0))
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS, DISTANCES, DISTANCES)
 def test_success_is_monotone_in_the_radius(measurement, relation, a, b):
     near, far = (CONSTANTS.model_copy(update={"radius_m": radius}) for radius in sorted((a, b)))
     assert success(measurement, relation, near) <= success(measurement, relation, far)
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS, PIXELS, PIXELS)
 def test_success_is_monotone_in_the_visibility_threshold(measurement, relation, a, b):
     few, many = (CONSTANTS.model_copy(update={"visible_px": px}) for px in sorted((a, b)))
     assert success(measurement, relation, many) <= success(measurement, relation, few)
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS, st.sets(st.sampled_from(CONSTANTS.sweep_deg)))
 def test_a_shorter_sweep_never_sees_more(measurement, relation, pitches):
     short = CONSTANTS.model_copy(update={"sweep_deg": tuple(sorted(pitches))})
     assert success(measurement, relation, short) <= success(measurement, relation, CONSTANTS)
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS, st.sampled_from(["box_distance_m", "answer_distance_m", "navigable_distance_m"]), DISTANCES)
 def test_coming_closer_never_loses(measurement, relation, field, distance):
     nearer = replace(measurement, **{field: min(distance, getattr(measurement, field))})
     assert success(measurement, relation, CONSTANTS) <= success(nearer, relation, CONSTANTS)
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS, DISTANCES, PIXELS)
 def test_each_side_reads_its_own_terms_only(measurement, relation, distance, px):
     if relation.past:
@@ -62,14 +56,12 @@ def test_each_side_reads_its_own_terms_only(measurement, relation, distance, px)
     assert success(other, relation, CONSTANTS) == success(measurement, relation, CONSTANTS)
 
 
-@PROPERTY
 @given(MEASUREMENTS, RELATIONS)
 def test_success_depends_on_the_relation_through_past_and_current_alone(measurement, relation):
     representative = Relation.FORMER if relation.past else Relation.MOVED
     assert success(measurement, relation, CONSTANTS) == success(measurement, representative, CONSTANTS)
 
 
-@PROPERTY
 @given(MEASUREMENTS)
 def test_the_navigable_cell_within_the_radius_is_enough_for_the_place(measurement):
     there = replace(measurement, navigable_distance_m=CONSTANTS.radius_m)
@@ -118,26 +110,22 @@ def test_a_measurement_is_read_from_the_record_of_a_stop():
         _ = Terms.from_json(dict.fromkeys(record)).measurement
 
 
-@PROPERTY
 @given(st.booleans(), LENGTHS, LENGTHS)
 def test_spl_lies_between_zero_and_success(succeeded, shortest, travelled):
     assert 0.0 <= spl(succeeded, shortest, travelled) <= succeeded
 
 
-@PROPERTY
 @given(LENGTHS, LENGTHS, LENGTHS)
 def test_spl_never_rises_with_the_distance_travelled(shortest, a, b):
     short, long = sorted((a, b))
     assert spl(True, shortest, long) <= spl(True, shortest, short)
 
 
-@PROPERTY
 @given(LENGTHS, LENGTHS)
 def test_a_path_no_longer_than_the_shortest_scores_one(shortest, saved):
     assert spl(True, shortest, max(0.0, shortest - saved)) == 1.0
 
 
-@PROPERTY
 @given(st.floats(0.01, 50.0), st.floats(0.01, 50.0), st.sampled_from([0.5, 2.0, 4.0]))
 def test_spl_has_no_unit(shortest, travelled, scale):
     assert spl(True, scale * shortest, scale * travelled) == spl(True, shortest, travelled)

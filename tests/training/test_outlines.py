@@ -1,6 +1,6 @@
 import cv2
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.training.outlines import MIN_MASK_PX, labels, outline
@@ -17,7 +17,6 @@ def filled(polygon):
 boxes = st.lists(st.tuples(*[st.integers(2, 40)] * 2, *[st.integers(8, 16)] * 2), min_size=1, max_size=3)
 
 
-@settings(max_examples=60, deadline=None)
 @given(boxes)
 def test_an_outline_covers_its_mask_whatever_its_pieces(parts):
     mask = np.zeros((SIDE, SIDE), bool)

@@ -22,7 +22,12 @@ BATCHED = sum(1 + OF_SPLITS.count(arm.name) for arm in DRIVING if arm.name not i
 
 
 def planned(world: World, size: int) -> dict[str, int]:
-    found = world.planned({"benchmark": {"scenes": SCENES}, "evaluation": {"scenes_per_job": size}})
+    """Count the jobs of each rule for all runs. The runs are named, because the tables wait for the episodes."""
+    splits = {name: {*split.arms} for name, split in CONFIG.splits.items() if split.main_job}
+    of = ["", *(f"{name}/" for name in splits)]
+    arms = {"": {arm.name for arm in DRIVING}} | {f"{name}/": {arm.name for arm in DRIVING} & splits[name] for name in splits}
+    runs = [f"results/rollouts/{one}{arm}/seed0/{scene}.jsonl" for one in of for arm in sorted(arms[one]) for scene in SCENES]
+    found = world.planned({"benchmark": {"scenes": SCENES}, "evaluation": {"scenes_per_job": size}}, runs)
     return {rule: jobs for rule, jobs in found.items() if rule.startswith("rollouts")}
 
 

@@ -103,15 +103,22 @@ def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
     return kept(world, stage)
 
 
-def test_killed_in_each_stage_that_keeps_units_it_finishes_with_the_same_bytes(world, tmp_path):
+@pytest.mark.parametrize(
+    ("stage", "target", "job"),
+    [
+        pytest.param("trials", TRIALS, False, marks=pytest.mark.soak),
+        ("rollouts", RUNS, True),
+        ("walks", WALKS, False),
+    ],
+)
+def test_killed_in_a_stage_that_keeps_units_it_finishes_with_the_same_bytes(world, tmp_path, stage, target, job):
     again = World(shutil.copytree(world.directory, tmp_path / "again"))
-    for stage, target, job in (("trials", TRIALS, False), ("rollouts", RUNS, True), ("walks", WALKS, False)):
-        lose(again, stage)
-        before = kept(again, stage)
-        found = killed_amid(again, stage, target, job=job)
-        said = again.snakemake(target=target)
-        assert said.returncode == 0, said.stdout
-        assert before < found < kept(again, stage), stage
+    lose(again, stage)
+    before = kept(again, stage)
+    found = killed_amid(again, stage, target, job=job)
+    said = again.snakemake(target=target)
+    assert said.returncode == 0, said.stdout
+    assert before < found < kept(again, stage)
     assert again.results() == world.results()
     # Nothing that was finished was done again, and nothing follows from what was made again.
     units, all_units = again.units(), world.units()

@@ -17,6 +17,7 @@ from ovman.models.settings import Kind, Need, arms_of, of_kind
 from ovman.workflow.config import load_files
 from tests.workflow.conftest import ROOT, TINY, World
 
+pytestmark = pytest.mark.soak
 EPISODES = "results/episodes/main.jsonl"
 CODE = ("Snakefile", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
 UNCHANGED = ("scenes", "candidates", "trials", "admissible", "certified", "episodes")
@@ -92,7 +93,6 @@ def test_what_reads_pictures_is_made_again_and_nothing_else(repainted):
     assert answers == {arm.name for arm in of_kind(arms, Kind.STATIC) if SEEING & set(arm.needs)}
 
 
-@pytest.mark.soak
 def test_the_tables_are_those_of_a_world_that_was_made_with_the_changed_engine(repainted, tmp_path):
     fresh = World(tmp_path, repainted.checkout)
     for one in (repainted, fresh):

@@ -36,7 +36,10 @@ def refused(capsys, arguments: Sequence[str], directory: Path) -> str:
     return said.err
 
 
-@pytest.mark.parametrize("perceived", [False, True], ids=["measurements", "with what networks saw"])
+@pytest.mark.parametrize(
+    "perceived",
+    [pytest.param(False, id="measurements", marks=pytest.mark.soak), pytest.param(True, id="with what networks saw")],
+)
 def test_what_is_restored_is_done_and_whole(world, released, tmp_path, perceived):
     again = restored(released, tmp_path / "again", perceived)
     assert again.planned() == {}
@@ -68,7 +71,7 @@ def of_whole(world):
     return world.planned(GATED)
 
 
-@pytest.mark.parametrize("perceived", [False, True])
+@pytest.mark.parametrize("perceived", [False, pytest.param(True, marks=pytest.mark.soak)])
 def test_what_is_not_there_is_planned_where_a_change_needs_it(of_whole, released, tmp_path, perceived):
     planned = restored(released, tmp_path / "again", perceived).planned(GATED)
     assert of_whole.keys() <= planned.keys() and "trials" in planned and "trials" not in of_whole

@@ -6,6 +6,8 @@ import csv
 import shutil
 from pathlib import Path
 
+import pytest
+
 from ovman.models.episode import Episode
 from ovman.models.settings import Kind, arms_of
 from ovman.models.sighting import Sightings
@@ -56,6 +58,7 @@ def test_its_episodes_are_shown_with_what_arms_answered(world):
     assert results.map(results.episodes[chosen], "second") is not None
 
 
+@pytest.mark.soak
 def test_what_its_settings_cost_is_a_table_of_its_own(world, tmp_path):
     again = World(shutil.copytree(world.directory, tmp_path / "world"))
     said = again.snakemake(target="results/ablation/everyday/table")

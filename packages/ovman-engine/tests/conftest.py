@@ -21,7 +21,7 @@ from ovman_engine import executable
 from ovman_engine.client.wire import Field
 from ovman_engine.engine import Engine
 
-settings.register_profile("same", derandomize=True)
+settings.register_profile("same", derandomize=True, deadline=None, max_examples=30)
 settings.load_profile("same")
 
 BARS = {"snapToGrid": False, "rotateStepDegrees": 30, "renderDepthImage": True, "renderInstanceSegmentation": True}

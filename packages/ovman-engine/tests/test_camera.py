@@ -433,6 +433,7 @@ def corner_normals(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return vertices[triangles], *corners.of_parts(vertices, triangles, one, np.asarray(part.rotation, float)[None])
 
 
+@pytest.mark.soak
 def test_corner_normals_keep_edges_and_smooth_curves():
     _, normals, axis = corner_normals(Part("box", (0, 0, 0), (1, 2, 3)))
     np.testing.assert_allclose(np.abs(normals).max(axis=2), 1, atol=1e-9)

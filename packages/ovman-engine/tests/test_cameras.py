@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine.picture.camera import View
@@ -105,7 +105,6 @@ def test_rolling_a_camera_turns_its_picture(scene):
     scene.step("ChangeResolution", x=120, y=90, raise_for_failure=True)
 
 
-@settings(max_examples=100, deadline=None, derandomize=True)
 @given(st.tuples(*[st.floats(-720, 720)] * 3))
 def test_angles_are_reported_in_one_way(euler):
     normal = np.array(normal_angles(np.array(euler)))

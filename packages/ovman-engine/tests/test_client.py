@@ -104,6 +104,7 @@ def test_two_engines_beside_each_other_do_not_touch(start, small):
     assert np.array_equal(small.step("Pass").frame, alone.frame)
 
 
+@pytest.mark.soak
 def test_resets_let_go_of_worlds_and_keep_a_bounded_number_of_plans():
     """This holds for few plans that repeat as well: what is rebuilt each time must not accumulate."""
     served, worlds, plans = engine.Engine(32, 32), [], []

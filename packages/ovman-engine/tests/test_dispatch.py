@@ -175,7 +175,6 @@ json_values = st.recursive(
 )
 
 
-@settings(max_examples=200, derandomize=True, deadline=None)
 @given(
     value=json_values,
     kind=st.sampled_from(
@@ -231,7 +230,7 @@ def calls(draw):
     return {"action": way.name, **{p.name: draw(json_values if wild == 9 else by_kind(p)) for p, wild in given.items()}}
 
 
-@settings(max_examples=200, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(requests=st.lists(calls(), min_size=1, max_size=5))
 def test_any_request_is_answered_and_leaves_a_world_with_a_next_state(fuzzed, requests):
     fuzzed.do("Reset", sceneName="FloorPlan401_physics")

@@ -71,7 +71,6 @@ def test_a_free_look_is_not_checked(engine):
     assert pose(e.do("RotateLook", horizon=10))[3:5] == (0, 10)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(start=st.floats(-30, 60), tenths=st.integers(1, 900), down=st.booleans())
 def test_a_look_goes_exactly_as_far_as_asked_or_not_at_all(engine, start, tenths, down):
     e = shared_engine(engine)

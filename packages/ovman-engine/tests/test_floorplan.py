@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine.plan import floorplan
@@ -54,7 +54,6 @@ def test_the_box_of_a_movable_object_has_the_recorded_corners():
                 assert np.allclose((low + high) / 2, [centre[k] for k in "xyz"], atol=1e-4)
 
 
-@settings(derandomize=True, max_examples=200, deadline=None)
 @given(angles, angles, angles)
 def test_euler_angles_and_matrices_are_inverse(x, y, z):
     rotation = floorplan.rotation_matrix(np.array([x, y, z]))

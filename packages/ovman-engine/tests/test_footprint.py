@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine.bodies.footprint import Boxes
@@ -29,7 +29,6 @@ def sampled(box: Box, point: np.ndarray) -> float:
     return float(np.linalg.norm(outside, axis=1).min())
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.booleans().flatmap(lambda upright: boxes(upright)), coordinate, coordinate)
 def test_distance_of_a_point_is_that_of_the_nearest_point_of_the_axis(box: Box, x: float, z: float) -> None:
     point = np.array([x, z])
@@ -37,7 +36,6 @@ def test_distance_of_a_point_is_that_of_the_nearest_point_of_the_axis(box: Box, 
     assert abs(found - sampled(box, point)) < 1e-3
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.booleans().flatmap(lambda upright: boxes(upright)), coordinate, coordinate, coordinate, coordinate)
 def test_a_sweep_comes_as_close_as_its_closest_point(box: Box, x: float, z: float, dx: float, dz: float) -> None:
     start, end = np.array([x, z]), np.array([x, z]) + 0.25 * np.array([dx, dz])

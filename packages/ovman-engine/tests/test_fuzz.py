@@ -193,8 +193,8 @@ bounded = {
 }
 
 
-@settings(max_examples=40, **bounded)
-@given(sequences(10, 30))
+@settings(max_examples=15, **bounded)
+@given(sequences(10, 20))
 def test_random_actions(client, sequence):
     run(client, *sequence)
 
@@ -210,7 +210,7 @@ def test_random_actions_for_long(client, sequence):
 shapes = st.from_regex(rb'\{"action": ?[\[\]{}"0-9a-z,:.\\ud]{0,40}\}?', fullmatch=True)
 
 
-@settings(max_examples=300, **bounded)
+@settings(**bounded)
 @given(st.binary(max_size=200) | st.text(max_size=80).map(str.encode) | shapes)
 def test_random_bytes(client, body):
     """Any bytes are answered with a metadata frame."""

@@ -79,6 +79,7 @@ def sunny() -> list[World]:
     return found
 
 
+@pytest.mark.soak
 def test_the_sun_only_adds_light_and_only_where_it_falls_through_a_window():
     patches, inside = 0, []
     for world in sunny()[:6]:

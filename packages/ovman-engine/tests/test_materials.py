@@ -147,6 +147,7 @@ def nearest_in_colour(rows: list[tuple[str, str, str, np.ndarray]]) -> tuple[flo
     return float((labels[nearest] == labels).mean()), float(chance)
 
 
+@pytest.mark.soak
 def test_colour_names_few_things(looks):
     """Colour alone names fewer than one in five things: food and washbasins have their colours, most others share them."""
     common = {t for t, n in Counter(t for _, t, _, _ in looks).items() if n >= 30}

@@ -53,7 +53,7 @@ def test_untouched_objects_are_reported_as_recorded(engine, scene):
     assert (low <= xyz(agent["agent"]["position"])).all() and (xyz(agent["agent"]["position"]) <= high).all()
 
 
-@settings(max_examples=30, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(data=st.data())
 def test_an_object_that_was_put_somewhere_is_the_same_body_there(teleporting, data):
     """Boxes move rigidly with the pose, the aligned one holds the oriented one, and nothing else is touched."""

@@ -262,6 +262,7 @@ def test_objections():
     assert objection(MAX_SIDE_PX + 1, 1) and objection(4097, 2048) and objection(4096, 2048, 5) and objection(0, 1)
 
 
+@pytest.mark.soak
 def test_memory_of_hostile_sessions_is_bounded(connect):
     """Memory does not grow with hundreds of scenes, unknown objects and images."""
     client = connect()

@@ -7,7 +7,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine import shapes
@@ -79,6 +79,7 @@ def reach(piece: Piece) -> np.ndarray:
     return piece[1] + np.stack([-half, half])
 
 
+@pytest.mark.soak
 def test_every_recorded_type_has_a_form_of_its_own(forms):
     assert {o.type for _, o, _ in forms} - set(shapes.FORMS) == {"CounterTop"}
 
@@ -236,7 +237,6 @@ def test_hollow_things_have_room_inside(forms, category):
 sides = st.floats(0.004, 3.0)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(
     st.sampled_from(["box", "cylinder", "frustum", "ellipsoid", "cushion", "capsule", "torus", "leaf"]),
     st.tuples(sides, sides, sides),
@@ -253,7 +253,6 @@ def test_a_primitive_is_closed_and_within_its_size(kind, size, ratio, bevel):
         assert np.abs(local).max(axis=0) == pytest.approx(part.size / 2, rel=1e-6)
 
 
-@settings(max_examples=30, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(st.floats(-1, 1), st.floats(-1, 1), st.floats(-1, 1)), min_size=3, max_size=3))
 def test_an_axis_is_taken_where_it_is_told(rows):
     direction = np.array(rows[0]) + [0.0, 1.5, 0.0]
@@ -324,7 +323,6 @@ def test_a_counter_is_cut_out_where_a_sink_is():
             assert not (covers and high[1] > middle[1] + 0.05)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.lists(st.tuples(*[st.floats(-2, 2)] * 4), max_size=3))
 def test_a_rectangle_less_others_keeps_exactly_what_is_left(corners):
     rect = counters.Rect(-1.0, -1.0, 1.0, 1.0)

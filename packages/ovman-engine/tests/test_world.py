@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine.bodies.arrangement import object_id
@@ -83,7 +83,6 @@ def test_reachable_set_does_not_hang_on_where_in_it_the_agent_is(name: str) -> N
         assert np.allclose(sorted(world.reachable()), found)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.sampled_from(SCENES), st.integers(0, 10_000), st.floats(0, 360), st.floats(0.05, 1.0))
 def test_what_blocks_a_way_blocks_it_from_both_ends(name: str, index: int, heading: float, length: float) -> None:
     world = World(PLANS[name])

@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.cow.frontiers import frontier_targets
@@ -46,7 +46,6 @@ SCANS = st.lists(
 )
 
 
-@settings(max_examples=30, deadline=None)
 @given(SCANS)
 def test_frontiers_are_free_and_border_on_what_is_unknown(scans):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
@@ -63,7 +62,6 @@ def test_frontiers_are_free_and_border_on_what_is_unknown(scans):
     assert len(set(targets)) == len(targets)
 
 
-@settings(max_examples=30, deadline=None)
 @given(SCANS)
 def test_obstacles_and_their_four_neighbours_are_occupied_whatever_else_was_seen(scans):
     floor, obstacles = scans[-1]
@@ -104,7 +102,6 @@ def test_a_visited_frontier_takes_its_neighbourhood_with_it():
     assert known.visited((4, 4)) and known.visited((6, 4)) and not known.visited((3, 6))
 
 
-@settings(max_examples=30, deadline=None)
 @given(SCANS, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
 def test_ways_go_over_free_cells_from_one_to_the_next(scans, goal):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
@@ -133,7 +130,6 @@ def test_no_way_leads_through_a_wall_or_into_the_unknown():
 POSES = st.builds(Pose, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.integers(0, 11).map(lambda k: 30.0 * k))
 
 
-@settings(max_examples=30, deadline=None)
 @given(SCANS, POSES, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
 def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.dbscan import largest_cluster
@@ -28,7 +28,6 @@ def by_all_pairs(points: np.ndarray, radius_m: float, least: int) -> np.ndarray:
     return labels
 
 
-@settings(deadline=None)
 @given(
     st.integers(0, 2**32 - 1), st.integers(1, 90), st.integers(1, 12), st.tuples(*3 * [st.sampled_from([0.0, 0.05, 0.4, 1.2])])
 )

@@ -132,7 +132,6 @@ def test_the_most_similar_object_is_matched_and_one_elsewhere_never_is():
     assert matches([seen(points, feature(0))], [], LOCAL) == [None]
 
 
-@settings(max_examples=30, derandomize=True, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_looking_at_the_likeliest_first_finds_what_comparing_with_all_does(seed: int):
     rng = np.random.default_rng(seed)
@@ -168,7 +167,6 @@ def test_boxes_that_touch_share_nothing_and_equal_ones_everything():
     assert not iou[3].any(), "a box without volume overlaps nothing, itself included"
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 300))
 def test_a_thinned_cloud_has_a_point_a_voxel_stays_in_its_box_and_is_near_all_it_was(seed: int, count: int):
     points = np.random.default_rng(seed).uniform(-1, 1, (count, 3)) * [0.1, 0.2, 0.3]
@@ -180,7 +178,6 @@ def test_a_thinned_cloud_has_a_point_a_voxel_stays_in_its_box_and_is_near_all_it
     assert pytest.approx(points[:1]) == thinned(np.ascontiguousarray(points[:1].T), 0.05).T
 
 
-@settings(max_examples=40, derandomize=True, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 200), st.floats(0.005, 0.3))
 def test_what_is_near_a_cloud_is_what_is_near_one_of_its_points(seed: int, count: int, radius_m: float):
     rng = np.random.default_rng(seed)

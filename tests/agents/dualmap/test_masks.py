@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.masks import cells, filtered, histogram
@@ -31,7 +31,6 @@ def painted(*parts) -> np.ndarray:
 boxes = st.lists(st.tuples(*4 * [st.integers(0, 40)]), max_size=9)
 
 
-@settings(deadline=None)
 @given(boxes, st.integers(1, 60), st.integers(0, 5))
 def test_what_is_left_is_disjoint_large_enough_and_part_of_what_was_found(corners, min_mask_px, seed):
     masks = np.array([box(min(a, c), min(b, d), max(a, c), max(b, d)) for a, b, c, d in corners]).reshape(-1, 40, 40)

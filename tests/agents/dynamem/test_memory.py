@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dynamem.looks import Look, look
@@ -87,7 +87,6 @@ def test_a_thing_that_moved_is_remembered_where_it_is_alone():
     assert np.array_equal(alone.cell, after.cell) and np.allclose(alone.feature, after.feature) and (after.seen == 1).all()
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.permutations(range(3)))
 def test_the_order_of_detections_is_of_no_consequence(order):
     overlapping = (slice(50, 80), slice(50, 80))

@@ -102,12 +102,13 @@ def test_without_a_noun_the_change_alone_answers(home):
     assert math.dist(place(found), home.old) <= RADIUS_M
 
 
-@pytest.mark.parametrize("relation", Relation)
 @pytest.mark.parametrize("blind", ["first", "second"])
-def test_a_tour_that_showed_nothing_raises_nothing(home, relation, blind):
-    found, _ = predict(Query("Chair", relation), Told(home, blind=blind))
-    asked = "first" if relation.past else "second"
-    assert isinstance(found, Abstention) == (blind == asked)
+def test_a_tour_that_showed_nothing_raises_nothing(home, blind):
+    told = Told(home, blind=blind)
+    for relation in Relation:
+        found, _ = predict(Query("Chair", relation), told)
+        asked = "first" if relation.past else "second"
+        assert isinstance(found, Abstention) == (blind == asked), relation
 
 
 def test_it_drives_there_without_images_and_looks_for_movers_alone(home):

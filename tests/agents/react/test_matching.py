@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.react.clusters import clusters
@@ -39,14 +39,12 @@ def reordered(visit: Instances, order) -> Instances:
     return Instances(visit.place[of], visit.feature[of], visit.kind[of], visit.views[of])
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(homes)
 def test_a_home_that_is_as_it_was_is_all_matched_where_it_stands(home):
     found = matched(home, home, APPEARANCE)
     assert found.pairs == tuple((i, i) for i in range(len(home))) and not found.unmatched_1 and not found.unmatched_2
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(homes, homes)
 def test_every_instance_is_matched_once_or_absent_or_new(first, second):
     found = matched(first, second, APPEARANCE)
@@ -58,7 +56,6 @@ def test_every_instance_is_matched_once_or_absent_or_new(first, second):
         assert len(same) == min(old, new) and all(second.feature[j, look] for _, j in same)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(homes, homes, st.randoms(use_true_random=False))
 def test_the_order_of_instances_is_of_no_consequence(first, second, random):
     orders = [random.sample(range(len(visit)), len(visit)) for visit in (first, second)]
@@ -66,7 +63,6 @@ def test_the_order_of_instances_is_of_no_consequence(first, second, random):
     assert sorted((orders[0][i], orders[1][j]) for i, j in again.pairs) == list(matched(first, second, APPEARANCE).pairs)
 
 
-@settings(max_examples=60, derandomize=True, deadline=None)
 @given(st.lists(places, min_size=1, max_size=4, unique=True), st.lists(places, min_size=1, max_size=4, unique=True))
 def test_alike_instances_travel_least_in_all(old, new):
     first, second = (seen(*((*place, 0) for place in found)) for found in (old, new))

@@ -4,7 +4,7 @@ import math
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.report.paper_comparison.metrics import Metrics, Missing, Reading, Take
@@ -22,14 +22,12 @@ def read_back(text: str) -> float:
     return float(text) if not exponent or "⁻" not in text else float(mantissa.strip(" ×") or 1) * 10 ** -int(exponent)
 
 
-@settings(derandomize=True, deadline=None, max_examples=200)
 @given(st.floats(1e-290, 1.0))
 def test_a_p_value_can_be_read_back(p):
     text = p_value(p)
     assert read_back(text) == pytest.approx(p, rel=0.06) if p < 0.001 else float(text) == pytest.approx(p, abs=0.000501)
 
 
-@settings(derandomize=True, deadline=None, max_examples=200)
 @given(st.floats(-1, 1), st.sampled_from([Form.RATE, Form.DIFFERENCE]))
 def test_a_rate_can_be_read_back_and_zero_has_no_sign(value, form):
     text = written(abs(value) if form is Form.RATE else value, form)

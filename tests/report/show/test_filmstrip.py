@@ -5,14 +5,13 @@ import re
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.models.visit_files import TourError
 from ovman.report.show.filmstrip import outline, picture
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(st.integers(0, 60), st.integers(0, 40), st.integers(3, 60), st.integers(3, 40))
 def test_an_outline_fills_to_its_mask(left, top, width, height):
     mask = np.zeros((120, 140), np.uint8)

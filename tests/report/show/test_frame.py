@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.report.show.frame import PlanFrame
@@ -10,7 +10,6 @@ coordinates = st.floats(-30, 30)
 points = st.lists(st.tuples(coordinates, coordinates), min_size=1, max_size=20)
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(points, st.floats(50, 2000), st.floats(50, 2000), st.floats(0.1, 3.0))
 def test_what_is_drawn_is_where_it_is(points, width, highest, margin):
     frame = PlanFrame.around(points, width, highest, margin)
@@ -19,7 +18,6 @@ def test_what_is_drawn_is_where_it_is(points, width, highest, margin):
         assert frame.shows(x, z)
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(points, st.floats(50, 2000), st.floats(50, 2000), st.floats(0.1, 3.0))
 def test_a_frame_keeps_its_margin_and_its_size(points, width, highest, margin):
     frame = PlanFrame.around(points, width, highest, margin)

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.report.show.labels import Box, Labels
@@ -8,7 +8,6 @@ from ovman.report.show.labels import Box, Labels
 places = st.tuples(st.floats(60, 540), st.floats(60, 540))
 
 
-@settings(derandomize=True, max_examples=60, deadline=None)
 @given(places, st.floats(3, 12))
 def test_a_label_is_beside_what_it_names_and_in_the_drawing(at, radius):
     box = Labels(600, 600).place(at, radius, "12–34", 12)

@@ -9,6 +9,8 @@ import torch
 
 from ovman.training.precision import reduced
 
+pytestmark = pytest.mark.networks
+
 
 def product(**abilities):
     with reduced("cpu", abilities):

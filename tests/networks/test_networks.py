@@ -16,10 +16,10 @@ from ovman.perception import detector, encoder, networks, towers, yolo
 from ovman.perception.weights import WeightsError
 from ovman.shipped import HOME
 from ovman.workflow.config import load
-from tests.perception import ultralytics_own
+from tests.networks import ultralytics_own
 from tests.workflow.test_reruns import merged
 
-pytestmark = pytest.mark.usefixtures("one_tokenizer")
+pytestmark = [pytest.mark.networks, pytest.mark.usefixtures("one_tokenizer")]
 TOWERS = {
     "embed_dim": 8,
     "vision_cfg": {"image_size": 32, "layers": [1, 1, 1, 1], "width": 8, "patch_size": None},

@@ -11,6 +11,7 @@ from ultralytics.utils import ops
 from ovman.perception.letterbox import Letterbox
 from ovman.perception.prototypes import masks
 
+pytestmark = pytest.mark.networks
 SHAPES = [
     (300, 300, 320),
     (224, 224, 224),
