@@ -157,6 +157,7 @@ KNOWING = {
     "models/episode.py",  # what may stand in a released episode
     "doctor/checks.py",  # looks at both
     "doctor/recording.py",  # records on the one or the other, as told
+    "playback/command.py",  # records the tours of the engine's episodes alone
     "report/paper_comparison/page.py",  # says which figures these are
 }
 """Whose text may name a backend."""
