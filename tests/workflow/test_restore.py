@@ -5,7 +5,9 @@ from __future__ import annotations
 import hashlib
 import json
 import lzma
+import re
 import shutil
+import subprocess
 import tarfile
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -23,7 +25,7 @@ from ovman.workflow import made, provenance
 from ovman.workflow.config import load_files
 from ovman.workflow.differences import differences
 from tests.arms import ARMS
-from tests.workflow.conftest import ROOT, TINY, World
+from tests.workflow.conftest import ROOT, SNAKEMAKE, TINY, World
 from tests.workflow.releases import CONFIG, FROM_MAPS, Released, command, restored
 
 
@@ -252,3 +254,18 @@ def test_an_archive_that_unpacks_to_far_more_than_it_has_is_refused(tmp_path, ki
     with pytest.raises(ValueError, match=r"bomb\.tar\.xz: [^\n]*$"):
         archive.unpack(place, lambda name, content: written.append(len(content.read())))
     assert not written
+
+
+def test_the_release_of_this_checkout_is_restored_and_a_threshold_plans_few_jobs(tmp_path):
+    """In the user's words: `make restore`, another drift tolerance, `snakemake -n results/tables`."""
+    assert main(["restore", "--directory", str(tmp_path), "--config", str(ROOT / "config.yaml")]) == 0
+    changed = tmp_path / "changed.yaml"
+    changed.write_text("admissibility:\n  drift_tolerance_m: 0.15\n")
+    command = [*SNAKEMAKE, "--snakefile", str(ROOT / "Snakefile"), "--directory", str(tmp_path), "-n"]
+    same, other = (
+        subprocess.run([*command, *files, "--", "results/tables"], capture_output=True, text=True, check=True)
+        for files in ([], ["--configfile", str(changed)])
+    )
+    assert "Nothing to be done" in same.stdout + same.stderr
+    planned = re.search(r"^total +(\d+)$", other.stdout + other.stderr, re.MULTILINE)
+    assert planned and int(planned[1]) <= 60
