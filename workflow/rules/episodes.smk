@@ -1,6 +1,6 @@
 # One job releases one split, so that the episodes of a split depend on no other split.
 #
-# Checkpoints: if the episodes come out equal, nothing that follows them runs (`with_episodes` in common.smk).
+# Checkpoints: if the episodes are equal to the earlier ones, nothing that follows them runs (`with_episodes` in common.smk).
 
 
 checkpoint episodes:
