@@ -36,7 +36,7 @@ help:
 	@echo "make models  the networks of the default, trained anew in some hours, in results/models"
 	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture, and into dataset/ as Parquet"
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
-	@echo "make test    the tests, in $(CORES) processes;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
+	@echo "make test    the tests;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
 	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
@@ -85,9 +85,9 @@ release: all $(DEV)
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
-# A process has one thread, as a job of the workflow has: several in each of $(CORES) processes wait for each other's cores.
+# One thread per process, as in a job of the workflow. One process more than cores: tests also wait, for servers and time limits.
 test: $(DEV)
-	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $$(($(CORES) + 1)) --dist loadfile --no-loadscope-reorder
 
 test-networks: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks and not soak"
