@@ -85,9 +85,9 @@ release: all $(DEV)
 leaderboard: $(READY)
 	@.venv/bin/ovman leaderboard --workers $(CORES)
 
-# One thread per process, as in a job of the workflow. One process more than cores: tests also wait, for servers and time limits.
+# One thread per process, as in a job of the workflow: more would wait for each other's cores.
 test: $(DEV)
-	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $$(($(CORES) + 1)) --dist loadfile --no-loadscope-reorder
+	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
 
 test-networks: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks and not soak"

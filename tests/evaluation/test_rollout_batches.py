@@ -81,6 +81,7 @@ def test_a_job_of_several_scenes_writes_what_a_job_of_each_writes(tmp_path, star
     assert together.made() == apart.made() and len(apart.made()) == 1 + len(SCENES) * (1 + len(SEEDS))
 
 
+@pytest.mark.soak
 def test_a_job_that_was_killed_goes_on_and_another_size_of_batches_loses_nothing(tmp_path, monkeypatch):
     drive, whole = Drive(tmp_path / "killed", "oracle_check"), Drive(tmp_path / "whole", "oracle_check")
     whole.job(SCENES)

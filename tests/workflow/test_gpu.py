@@ -113,6 +113,7 @@ def test_a_machine_without_vulkan_is_told_once_in_a_line(tmp_path, monkeypatch):
     assert not (tmp_path / "results" / "scenes").exists() and not (tmp_path / "results" / "simulator.txt").exists()
 
 
+@pytest.mark.soak
 def test_a_scene_is_surveyed_on_the_unity_build(tmp_path, monkeypatch):
     """The engine plays it; what it is asked goes all the way through Snakemake, the check and the client."""
     unity_build.machine(monkeypatch, tmp_path / "machine")

@@ -108,7 +108,7 @@ def killed_amid(world: World, stage: str, *target: str, job: bool) -> int:
     [
         pytest.param("trials", TRIALS, False, marks=pytest.mark.soak),
         ("rollouts", RUNS, True),
-        ("walks", WALKS, False),
+        pytest.param("walks", WALKS, False, marks=pytest.mark.soak),
     ],
 )
 def test_killed_in_a_stage_that_keeps_units_it_finishes_with_the_same_bytes(world, tmp_path, stage, target, job):

@@ -55,6 +55,7 @@ def test_a_changed_threshold_gives_the_tables_of_a_run_from_scratch(released, tm
     assert tables(again.results()) == tables(scratch.results())
 
 
+@pytest.mark.soak
 def test_an_agents_threshold_gives_the_static_tables_from_maps_alone(world, released, tmp_path):
     overlay = FROM_MAPS | {"association": {"gate_m": 0.6}}
     target = "results/static_tables"
