@@ -12,7 +12,7 @@ from snakemake.utils import min_version
 # This checkout's code, whichever ovman the environment has installed.
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.workflow.settings_files import check_file
+from ovman.settings.settings_files import check_file
 
 min_version("9.19")
 check_file(os.path.join(workflow.basedir, "config.yaml"))

@@ -20,17 +20,17 @@ import numpy as np
 
 from measure.bars import Bar, show
 from measure.clock import processor, processor_s
+from ovman import seeds
 from ovman.agents.cow.agent import CowAgent
 from ovman.agents.cow.relevance import localiser
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.perception import networks
 from ovman.perception.weights import WeightsError
+from ovman.settings.config import load
 from ovman.shipped import HOME as ROOT
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.task import Query, Relation
-from ovman.workflow import seeds
-from ovman.workflow.config import load
 
 SCENES = ("FloorPlan209", "FloorPlan18", "FloorPlan326")
 RUNS = 219 * 3

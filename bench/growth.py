@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, drawing, lettered
 from ovman_engine.plan import floorplan
 

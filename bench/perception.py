@@ -25,8 +25,7 @@ import numpy as np
 
 from measure.bars import Bar, show
 from measure.clock import processor, taken
-from ovman.models.episode import Episode
-from ovman.models.scene import Scene
+from ovman import seeds
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.backprojection import median_points
 from ovman.perception.crop import crop
@@ -34,12 +33,13 @@ from ovman.perception.encoder import TOGETHER
 from ovman.perception.maps import mapped
 from ovman.perception.records import write_detections, write_maps
 from ovman.perception.weights import WeightsError
+from ovman.records.episode import Episode
+from ovman.records.scene import Scene
+from ovman.settings.config import load
 from ovman.shipped import HOME as ROOT
 from ovman.sim import visit
 from ovman.sim.change import World
 from ovman.sim.session import Session
-from ovman.workflow import seeds
-from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
@@ -53,7 +53,7 @@ import sys
 from pathlib import Path
 import numpy as np
 from ovman.perception.networks import detector_of, encoder_of
-from ovman.workflow.config import load
+from ovman.settings.config import load
 perception = load(Path(sys.argv[1])).perception
 detector, encoder = detector_of(perception), encoder_of(perception)
 detector.detect([np.zeros((300, 300, 3), np.uint8)])

@@ -22,7 +22,7 @@ import ovman.gym  # registers the environment
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.gym.playing import play
 from ovman.gym.spaces import ACTIONS
-from ovman.models.run import Score
+from ovman.records.run import Score
 
 WALK = 40
 """Moves of the random agent before it stops."""

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import yaml
 
-from ovman.models.settings import Arm, Need, arms_of
-from ovman.workflow.config import load
+from ovman.settings import Arm, Need, arms_of
+from ovman.settings.config import load
 
 ROOT = Path(__file__).parents[1]
 CONFIG = load(ROOT / "config.yaml")

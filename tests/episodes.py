@@ -11,9 +11,9 @@ import numpy as np
 
 from ovman.evaluation.privileged_grounding import recorded_positions
 from ovman.language import noun
-from ovman.models.episode import Episode
-from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster
+from ovman.records.episode import Episode
+from ovman.records.sighting import Sighting, Sightings
 
 ROOT = Path(__file__).parents[1]
 DATA = ROOT / "data" / "ovman-embedded-v2"

@@ -12,8 +12,8 @@ import pytest
 import yaml
 
 from ovman.analysis import metrics
-from ovman.models.settings import arms_of
-from ovman.workflow.config import ConfigError, load
+from ovman.settings import arms_of
+from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
 from tests.episodes import DATA

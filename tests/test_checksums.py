@@ -10,10 +10,10 @@ import pytest
 
 from ovman.cli import main
 from ovman.doctor.results import PER_SCENE, Results, check
-from ovman.models.settings import job_scenes
-from ovman.models.visit_files import VisitManifest, seal
+from ovman.records.visit_files import VisitManifest, seal
+from ovman.settings import job_scenes
+from ovman.settings.config import load
 from ovman.workflow import checksums
-from ovman.workflow.config import load
 from ovman.workflow.job import job
 from ovman.workflow.journal import Journal
 from tests.test_job import Named, rule

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.workflow.config import load
+from ovman.settings.config import load
 from ovman.workflow.job import UNWRITABLE, WORKFLOW_PID, job
 from ovman.workflow.parameter import canonical
 from ovman.workflow.snakefile import WRITTEN, check_writable

@@ -15,15 +15,15 @@ FILES = {
     "ovman/a/one.py": ONE,
     "ovman/a/two.py": "def late():\n    import ovman.c.four\n\n    return ovman.c.four\n",
     "ovman/b/__init__.py": "from ovman.b.three import g\n",
-    "ovman/b/three.py": "from ovman.workflow.config import load\n\ng = 1\n",
+    "ovman/b/three.py": "from ovman.settings.config import load\n\ng = 1\n",
     "ovman/c/__init__.py": "",
     "ovman/c/__main__.py": "from ovman.c import five\n",
     "ovman/c/four.py": "x = 1  # why\n",
     "ovman/c/five.py": "y = 1\n",
-    "ovman/workflow/config.py": "from ovman import unused\n",
+    "ovman/settings/config.py": "from ovman import unused\n",
     "ovman/unused.py": "z = 1\n",
 }
-RUN = sorted(set(FILES) - {"workflow/scripts/stage.py", "ovman/workflow/config.py", "ovman/unused.py"})
+RUN = sorted(set(FILES) - {"workflow/scripts/stage.py", "ovman/settings/config.py", "ovman/unused.py"})
 
 
 @pytest.fixture
@@ -50,7 +50,7 @@ def test_code_counts_wherever_it_is(root, name):
     assert digest(root) != before
 
 
-@pytest.mark.parametrize("name", ["ovman/workflow/config.py", "ovman/unused.py"])
+@pytest.mark.parametrize("name", ["ovman/settings/config.py", "ovman/unused.py"])
 def test_code_that_a_stage_does_not_run_does_not_count(root, name):
     before = digest(root)
     (root / name).write_text(FILES[name] + "\nmore = 1\n")

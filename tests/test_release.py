@@ -11,16 +11,16 @@ import pytest
 from ovman.evaluation import predictions, rollouts, scores
 from ovman.evaluation.scoring import judged
 from ovman.generation import candidates, certification, release, scenes, trials, verdict
-from ovman.models.certification import Certification
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings import MAIN, Arm, Kind, Source, of_kind
-from ovman.models.settings.splits import in_main_job
-from ovman.models.trial import Trial, Verdict
+from ovman.records.certification import Certification
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.records.trial import Trial, Verdict
+from ovman.settings import MAIN, Arm, Kind, Source, of_kind
+from ovman.settings.config import load
+from ovman.settings.splits import in_main_job
 from ovman.task import referents, spl
-from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
 from tests.episodes import DATA, EPISODES, SIGHTINGS

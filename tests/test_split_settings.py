@@ -8,10 +8,10 @@ import pytest
 import yaml
 
 from ovman.analysis.registry import in_split_tables, in_tables, of_split
-from ovman.models.settings import MAIN, all_scenes, arms_of, in_main_job, job_scenes, scenes_of
 from ovman.report.tables.splits import differs
+from ovman.settings import MAIN, all_scenes, arms_of, in_main_job, job_scenes, scenes_of
+from ovman.settings.config import ConfigError, load
 from ovman.training.floorplans import floor_plans
-from ovman.workflow.config import ConfigError, load
 
 ROOT = Path(__file__).parents[1]
 TREE = yaml.safe_load((ROOT / "config.yaml").read_text())

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ovman.agents.interface.observation import Action, Observation
-from ovman.models.relation import Relation
-from ovman.models.settings.benchmark import Primitives
 from ovman.navigation import Cell, Grid, Navigator
+from ovman.records.relation import Relation
+from ovman.settings.benchmark import Primitives
 
 QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.outcomes import outcomes_of
 from ovman.analysis.rates import Rate, static_rates
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)
 class AblationRate(Rate):
-    """The success of an arm on a variant of a split's episodes. variant: a name of `ovman.models.variant.VARIANTS`."""
+    """The success of an arm on a variant of a split's episodes. variant: a name of `ovman.records.variant.VARIANTS`."""
 
     variant: str = ""
 

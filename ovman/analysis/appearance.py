@@ -17,10 +17,10 @@ from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
-from ovman.models.episode import Episode
-from ovman.models.prediction import Evidence, Prediction
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
+from ovman.records.episode import Episode
+from ovman.records.prediction import Evidence, Prediction
+from ovman.records.relation import Relation
+from ovman.settings import Settings
 
 APART = "apart"
 """Pairs whose places are farther apart than tau: where an instance stood still its place tells, and no cue is asked."""

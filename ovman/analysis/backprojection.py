@@ -8,8 +8,8 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.instances import TrueScene
 from ovman.analysis.localisation import Localised, localised
-from ovman.models.settings import Settings
 from ovman.perception.records import read_detections
+from ovman.settings import Settings
 
 UNTOUCHED = "untouched"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ovman.models.settings import Pair
+from ovman.settings import Pair
 
 
 def among(arms: Iterable[str], candidates: Iterable[Pair]) -> tuple[list[Pair], list[str]]:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, Rate, chances
-from ovman.models.settings import MAIN, Kind, Settings
+from ovman.settings import MAIN, Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)

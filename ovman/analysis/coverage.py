@@ -12,7 +12,7 @@ from ovman.analysis.controls import Judged, judged_splits
 from ovman.analysis.outcomes import StaticOutcome
 from ovman.analysis.rates import by_arm
 from ovman.analysis.statistics import wilson_interval
-from ovman.models.settings import Kind, Settings
+from ovman.settings import Kind, Settings
 
 STEPS = 20
 """Coverages are the multiples of one over this."""

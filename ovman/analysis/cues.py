@@ -11,15 +11,15 @@ import numpy as np
 
 from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.segmentation import segmented
-from ovman.models.settings import Settings
-from ovman.models.settings.benchmark import Appearance
-from ovman.models.visit import Visit
-from ovman.models.visit_files import VisitFiles
 from ovman.perception.backprojection import extents
 from ovman.perception.cues import Cues, colours, write_cues
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections
 from ovman.perception.tour_files import cameras, view
+from ovman.records.visit import Visit
+from ovman.records.visit_files import VisitFiles
+from ovman.settings import Settings
+from ovman.settings.benchmark import Appearance
 
 
 @dataclass(frozen=True, slots=True, eq=False)

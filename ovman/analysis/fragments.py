@@ -21,14 +21,14 @@ from ovman.analysis.instances import TrueScene, true_ids
 from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.segmentation import segmented
-from ovman.models.episode import Episode
-from ovman.models.prediction import Evidence, Prediction
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
-from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_maps
+from ovman.records.episode import Episode
+from ovman.records.prediction import Evidence, Prediction
+from ovman.records.relation import Relation
+from ovman.records.visit import Visit
+from ovman.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)

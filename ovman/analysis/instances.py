@@ -12,10 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.models.scene import Scene
-from ovman.models.visit import Visit
-from ovman.models.visit_files import MILLIMETRES
 from ovman.perception.tour_files import picture
+from ovman.records.scene import Scene
+from ovman.records.visit import Visit
+from ovman.records.visit_files import MILLIMETRES
 
 SHELL = frozenset({"Floor"})
 

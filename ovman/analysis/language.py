@@ -16,11 +16,11 @@ from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
 from ovman.evaluation.perceived import Perceived, read_perceived
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.record import line, lines
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.record import line, lines
+from ovman.records.relation import Relation
+from ovman.settings import Settings
 
 SENTENCES, METRICS = "sentences.jsonl", "language.csv"
 RELATION_INFERRED, NOUN_INFERRED, INFERRED = "relation_inferred", "noun_inferred", "inferred"

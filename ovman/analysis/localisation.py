@@ -11,8 +11,8 @@ import numpy as np
 
 from ovman.analysis.instances import TrueObject, TrueScene, depth_m, true_ids
 from ovman.analysis.segmentation import DETECTED, TRUE, segmented
-from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera, median_point, single_ray_point
+from ovman.records.visit import Visit
 
 if TYPE_CHECKING:
     from ovman.perception.detected import Detected

@@ -22,10 +22,10 @@ from ovman.analysis.shortcuts import Shortcut, shortcuts
 from ovman.analysis.significance import Comparison, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.taxonomy import TaxonomyCount, taxonomy
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
-from ovman.models.settings import Arm, Kind, Settings, arms_of
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
+from ovman.settings import Arm, Kind, Settings, arms_of
 
 STATIC_OUTCOMES, EMBODIED_OUTCOMES = "static_outcomes.csv", "embodied_outcomes.csv"
 

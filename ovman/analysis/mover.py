@@ -10,11 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
 
-from ovman.models.change import Roam
-from ovman.models.episode import Episode
+from ovman import seeds
+from ovman.records.change import Roam
+from ovman.records.episode import Episode
 from ovman.sim.mover import Mover, walk
 from ovman.task import displacement_m
-from ovman.workflow import seeds
 
 BETWEEN_VISITS = "between the visits"
 WHILE_ACTING = "while an agent acts"

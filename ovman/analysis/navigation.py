@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation
 from ovman.analysis.statistics import mcnemar_exact
-from ovman.models.settings import Arm
+from ovman.settings import Arm
 
 
 @dataclass(frozen=True, slots=True)

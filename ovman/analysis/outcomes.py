@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.evaluation.scoring import success_probability
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, Answer, Prediction
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings import Settings
-from ovman.workflow.seeds import generator
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, Answer, Prediction
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.seeds import generator
+from ovman.settings import Settings
 
 OWN_SUCCESS = "own_success"
 """Key of a run record: the verdict on the agent's own task, of arms that have one."""

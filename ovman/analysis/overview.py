@@ -9,7 +9,7 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.controls import Judged, judged_splits
 from ovman.analysis.rates import ALL, Rate
-from ovman.models.settings import Kind, Settings
+from ovman.settings import Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)

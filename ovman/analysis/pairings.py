@@ -13,7 +13,7 @@ from ovman.analysis.comparisons import among
 from ovman.analysis.outcomes import StaticOutcome
 from ovman.analysis.rates import by_arm, by_seed
 from ovman.analysis.significance import Method, family
-from ovman.models.settings import Pair
+from ovman.settings import Pair
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,12 +13,12 @@ from ovman.analysis.localisation import box_distance_m
 from ovman.analysis.scores import Score, Seen, scores
 from ovman.analysis.segmentation import Segmented, joined, segmented
 from ovman.language.vocabulary import nouns
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings
-from ovman.models.visit import Visit
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_nouns
 from ovman.perception.retrieval import ranks
+from ovman.records.episode import Episode
+from ovman.records.visit import Visit
+from ovman.settings import Settings
 
 STILL_M = 0.001
 """An object is where the scene's record has it if its box's centre is this close."""

@@ -16,10 +16,10 @@ from ovman.analysis import frames
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import VISITS, predict, store_of
-from ovman.models.episode import Episode
-from ovman.models.prediction import Answer, Predicted
-from ovman.models.relation import Relation
-from ovman.models.settings import Arm
+from ovman.records.episode import Episode
+from ovman.records.prediction import Answer, Predicted
+from ovman.records.relation import Relation
+from ovman.settings import Arm
 from ovman.workflow.parameter import StageSettings
 
 GATE_SWEEP, READ_AS = "gate_sweep.csv", "read_as.csv"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ovman.analysis.outcomes import StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation, by_seed, static_rate
 from ovman.analysis.statistics import mcnemar_exact
-from ovman.models.settings import Arm, Source
+from ovman.settings import Arm, Source
 
 OWN, POSITIONS = "own", "positions"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from ovman.models.settings import Arm, Kind, Need, Split
+from ovman.settings import Arm, Kind, Need, Split
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 from ovman.analysis.outcomes import StaticOutcome, is_expectation
 from ovman.analysis.rates import ALL, by_arm
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings import Arm
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.settings import Arm
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ovman.analysis.difficulty import natural
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Interval, Outcome, Rate, by_arm, embodied_rate, static_rate
-from ovman.models.settings import Kind
+from ovman.settings import Kind
 
 
 @dataclass(frozen=True, slots=True)

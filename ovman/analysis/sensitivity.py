@@ -16,11 +16,11 @@ import numpy as np
 
 from ovman.analysis import frames
 from ovman.analysis.outcomes import Case, judged
-from ovman.models.admission import Admission
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.settings import Settings
-from ovman.models.settings.sensitivity import THRESHOLDS
+from ovman.records.admission import Admission
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.settings import Settings
+from ovman.settings.sensitivity import THRESHOLDS
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import by_arm, by_relation
-from ovman.models.settings import Kind
+from ovman.settings import Kind
 
 
 @dataclass(frozen=True, slots=True)

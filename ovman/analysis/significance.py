@@ -11,7 +11,7 @@ from ovman.analysis.comparisons import among
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, is_expectation
 from ovman.analysis.rates import by_arm, by_relation, by_seed
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
-from ovman.models.settings import Pair
+from ovman.settings import Pair
 
 Outcome = StaticOutcome | EmbodiedOutcome
 

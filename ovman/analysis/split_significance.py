@@ -11,7 +11,7 @@ from ovman.analysis.controls import Judged, judged_splits
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import ALL
 from ovman.analysis.significance import Method, significance
-from ovman.models.settings import Kind, Settings
+from ovman.settings import Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)

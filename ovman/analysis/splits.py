@@ -8,8 +8,8 @@ from pathlib import Path
 from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome, embodied_outcomes, outcomes_of, read_cases
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.models.run import Score
-from ovman.models.settings import Settings
+from ovman.records.run import Score
+from ovman.settings import Settings
 
 
 def run(episodes_file: Path, prediction_files: Sequence[Path], constants: Settings, outcomes_out: Path, rates_out: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import by_arm, by_relation, by_seed
-from ovman.models.settings import Kind
+from ovman.settings import Kind
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ def add(commands: Any) -> None:
 
 
 def _say(line: str) -> None:
-    from ovman.models.record import printable
+    from ovman.records.record import printable
 
     print(printable(line), flush=True)
 
@@ -45,8 +45,8 @@ def _score(options: argparse.Namespace) -> int:
         from ovman.entry import score, score_page
         from ovman.entry.defaults import CONFIG, DATA
         from ovman.entry.release import Release
-        from ovman.models.settings import MAIN
-        from ovman.workflow.config import load
+        from ovman.settings import MAIN
+        from ovman.settings.config import load
 
         settings = load(Path(options.config or CONFIG))
         released = Release(Path(options.release or DATA), settings)
@@ -176,9 +176,9 @@ def _enter(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.entry.defaults import CONFIG
         from ovman.leaderboard import command
-        from ovman.models.settings import MAIN
-        from ovman.models.settings.splits import in_main_job
-        from ovman.workflow.config import load
+        from ovman.settings import MAIN
+        from ovman.settings.config import load
+        from ovman.settings.splits import in_main_job
 
         directory = command.enter(options)
         print(directory, flush=True)

@@ -123,7 +123,7 @@ def _export(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from ovman.doctor.results import Results, check, folders_not_made
-    from ovman.workflow.config import ConfigError, load_files
+    from ovman.settings.config import ConfigError, load_files
 
     try:
         settings = load_files([options.config, *options.configfile])
@@ -147,8 +147,8 @@ def _check(options: argparse.Namespace) -> int:
 def _restore(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.report.restore import restore
+        from ovman.settings.config import load_files
         from ovman.shipped import EMBEDDED, HOME
-        from ovman.workflow.config import load_files
 
         settings = load_files([options.config, *options.configfile])
         release = Path(options.release) if options.release else HOME / EMBEDDED

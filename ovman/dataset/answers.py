@@ -8,8 +8,8 @@ from typing import Any, TypeVar
 
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.text import json_text
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
 
 PREDICTIONS = Table(
     "predictions",

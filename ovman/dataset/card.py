@@ -15,8 +15,8 @@ from ovman.dataset.columns import Table
 from ovman.dataset.episodes import tour_id
 from ovman.dataset.files import DataFile
 from ovman.entry.tour_cache import VISITS
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
 from ovman.report.tables.table import pipe_table
 
 CARD = "README.md"

@@ -14,11 +14,11 @@ from ovman.entry.defaults import CONFIG, DATA
 from ovman.entry.errors import EntryError
 from ovman.entry.release import Release
 from ovman.entry.tour_cache import TourCache
-from ovman.models.episode import Episode
-from ovman.models.settings import MAIN, splits_of
-from ovman.models.settings.splits import in_main_job
 from ovman.perception.libraries import cache as user_cache
-from ovman.workflow.config import load
+from ovman.records.episode import Episode
+from ovman.settings import MAIN, splits_of
+from ovman.settings.config import load
+from ovman.settings.splits import in_main_job
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> list[str]:

@@ -8,7 +8,7 @@ from typing import Any
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.text import json_text
 from ovman.entry.tour_cache import VISITS
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 from ovman.workflow.journal import digest
 
 TOLD = ("camera", "primitives")

@@ -17,8 +17,8 @@ from ovman.dataset.croissant import croissant
 from ovman.dataset.files import DataFile, data_file, sha256
 from ovman.dataset.zenodo import zenodo
 from ovman.entry.errors import EntryError
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
 
 CROISSANT, ZENODO, SUMS = "croissant.json", ".zenodo.json", "SHA256SUMS"
 TABLES = (episodes.TABLE, tours.TABLE, answers.RUNS, answers.PREDICTIONS)

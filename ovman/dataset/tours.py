@@ -15,10 +15,10 @@ from typing import Any
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.episodes import tour_id
 from ovman.entry.tour_cache import VISITS, TourCache
-from ovman.models.episode import Episode
-from ovman.models.settings.benchmark import Camera
-from ovman.models.visit_files import VisitFiles, VisitManifest, read_verified
 from ovman.perception.tour_files import PICTURES, cameras
+from ovman.records.episode import Episode
+from ovman.records.visit_files import VisitFiles, VisitManifest, read_verified
+from ovman.settings.benchmark import Camera
 from ovman.sim.session import Session
 
 TABLE = Table(

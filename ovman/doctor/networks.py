@@ -31,7 +31,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     (file,) = sys.argv[1:] if arguments is None else arguments
     from ovman.perception.networks import detector_of, encoder_of
     from ovman.perception.weights import WeightsError
-    from ovman.workflow.config import load
+    from ovman.settings.config import load
 
     settings = load(Path(file))
     began = time.perf_counter()

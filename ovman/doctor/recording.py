@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 from ovman.doctor import rehearsal
-from ovman.models.settings.benchmark import floor_plan
+from ovman.settings.benchmark import floor_plan
+from ovman.settings.config import load
 from ovman.sim.recording.file import read
-from ovman.workflow.config import load
 from ovman.workflow.parameter import stage_settings
 
 EMBEDDED, THOR = "embedded", "thor"

@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ovman import __version__
+from ovman import __version__, seeds
 from ovman.generation.candidates import candidates
 from ovman.generation.certification import oracle_run
 from ovman.generation.protocol import main_drawing
@@ -30,7 +30,6 @@ from ovman.sim.recording.playback import Playback
 from ovman.sim.recording.recorder import Recorder, plain
 from ovman.sim.session import Session
 from ovman.task import Relation
-from ovman.workflow import seeds
 from ovman.workflow.parameter import StageSettings
 
 STAGES = ("scenes", "candidates", "trials", "certified")

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.settings import Settings, job_scenes, splits_of
-from ovman.models.visit_files import check_visits
+from ovman.records.visit_files import check_visits
+from ovman.settings import Settings, job_scenes, splits_of
 from ovman.workflow import checksums, journal
 
 Check = Callable[["Results", Path], Iterator[str]]

@@ -10,7 +10,7 @@ from ovman.analysis.outcomes import is_expectation
 from ovman.analysis.rates import Rate, by_arm, by_seed, chances
 from ovman.analysis.significance import Comparison, Outcome, family
 from ovman.entry.release import Release
-from ovman.models.settings import Kind, Pair
+from ovman.settings import Kind, Pair
 
 
 @dataclass(frozen=True, slots=True)

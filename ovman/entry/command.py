@@ -19,11 +19,11 @@ from ovman.entry.source_cache import remembered
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
 from ovman.evaluation.supervision import AgentError, function
-from ovman.models.settings import Settings
-from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
 from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
-from ovman.workflow.config import load
+from ovman.settings import Settings
+from ovman.settings.arms import ArmJob
+from ovman.settings.config import load
 from ovman.workflow.parameter import stage_settings
 from ovman.workflow.provenance import lacking
 from ovman_client.server import lacking as methods_lacking

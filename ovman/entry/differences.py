@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from ovman.models.run import Score
+from ovman.records.run import Score
 
 METRES = 0.001
 """Ten steps of what a record holds; a thousandth of the success radius."""

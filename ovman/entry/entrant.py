@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from ovman.entry.errors import EntryError
-from ovman.models.settings import Arm, Kind, Need, Settings
+from ovman.settings import Arm, Kind, Need, Settings
 
 MADE_APART = frozenset({Need.TOURS, Need.MAPS, Need.DETECTIONS, Need.SEGMENTS, Need.NETWORKS})
 """What an agent in a process of its own can be given: frames come over the line, and the rest is made of them there."""

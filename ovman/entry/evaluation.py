@@ -32,12 +32,12 @@ from ovman.evaluation.attempt import Attempt, run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.scores import score
 from ovman.evaluation.supervision import AgentError, function
-from ovman.models.episode import Episode
-from ovman.models.run import Rollout, Score
-from ovman.models.settings import Need
+from ovman.records.episode import Episode
+from ovman.records.run import Rollout, Score
 from ovman.remote.agent import Remotes
 from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.remote.line import LineLost
+from ovman.settings import Need
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.locks import held

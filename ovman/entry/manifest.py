@@ -17,10 +17,10 @@ from pydantic import Field
 from ovman import __version__
 from ovman.atomic import replace_bytes
 from ovman.entry.errors import EntryError
-from ovman.models.episode import SCHEMA as EPISODE
-from ovman.models.record import Count, Name, Record, RecordError, Text
-from ovman.models.settings import Source
-from ovman.models.settings.arms import ArmJob
+from ovman.records.episode import SCHEMA as EPISODE
+from ovman.records.record import Count, Name, Record, RecordError, Text
+from ovman.settings import Source
+from ovman.settings.arms import ArmJob
 from ovman.workflow.provenance import module_digest
 
 FILE = "manifest.json"

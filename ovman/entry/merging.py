@@ -17,7 +17,7 @@ from ovman.entry.recorded import At, Recorded, read_recorded
 from ovman.entry.release import Release
 from ovman.entry.results import write_results
 from ovman.entry.summary import Summary
-from ovman.models.run import Rollout, Score
+from ovman.records.run import Rollout, Score
 from ovman.workflow.journal import contents
 
 OWN = frozenset({"asked", "seeds", "machines", "repeated"})

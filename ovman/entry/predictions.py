@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ovman.entry.errors import EntryError
-from ovman.models.prediction import Prediction
-from ovman.models.record import records
+from ovman.records.prediction import Prediction
+from ovman.records.record import records
 
 FORMS = ("x", "z", "abstain", "candidates", "box")
 """Keys of which a record has one, or "x" and "z"."""

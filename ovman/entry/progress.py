@@ -5,8 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from ovman.models.run import Score
 from ovman.progress import clock
+from ovman.records.run import Score
 
 
 class Progress:

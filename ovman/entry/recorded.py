@@ -19,8 +19,8 @@ from ovman.entry.results import SUMMARY
 from ovman.entry.run_files import read_runs, runs_path
 from ovman.entry.score_page import LEADERBOARD
 from ovman.entry.summary import as_json, summary_of
-from ovman.models.episode import SCHEMA, Episode
-from ovman.models.run import Score
+from ovman.records.episode import SCHEMA, Episode
+from ovman.records.run import Score
 
 At = tuple[str, int]
 """Episode and seed of a run."""

@@ -16,9 +16,9 @@ from ovman.entry.defaults import LEADERBOARD
 from ovman.entry.errors import EntryError
 from ovman.entry.manifest import FILE, Manifest, read_manifest
 from ovman.entry.run_files import read_runs, runs_path
-from ovman.models.episode import Episode
-from ovman.models.run import Score
-from ovman.models.settings import MAIN, Kind, Settings, splits_of
+from ovman.records.episode import Episode
+from ovman.records.run import Score
+from ovman.settings import MAIN, Kind, Settings, splits_of
 
 
 @dataclass(frozen=True, slots=True)

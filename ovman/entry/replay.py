@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from ovman.agents.interface import LETTERS, Action, Observation, Query, Visit
 from ovman.entry.manifest import Manifest
-from ovman.models.settings import Arm, Kind, Settings
+from ovman.settings import Arm, Kind, Settings
 from ovman.workflow.parameter import StageSettings, stage_settings
 
 ACTIONS: Mapping[str, Action] = {letter: action for action, letter in LETTERS.items()}

@@ -10,9 +10,9 @@ from ovman.entry.manifest import Manifest
 from ovman.entry.release import Release
 from ovman.entry.run_files import RUNS
 from ovman.entry.summary import Summary, as_json, as_text, summary_of
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.run import Score
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.run import Score
 
 SUMMARY, PAGE = "summary.json", "summary.md"
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import BinaryIO, cast
 
 from ovman.entry.errors import EntryError
-from ovman.models.run import Score
+from ovman.records.run import Score
 
 RUNS = "runs.jsonl"
 COMPRESSED = f"{RUNS}.gz"

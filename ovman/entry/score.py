@@ -15,9 +15,9 @@ from ovman.entry.beside import Beside, set_beside
 from ovman.entry.errors import EntryError
 from ovman.entry.predictions import Run, Submitted, read_submitted
 from ovman.entry.release import Release
-from ovman.models.episode import Episode, root_seed
-from ovman.models.prediction import Prediction
-from ovman.models.settings import Kind, Settings
+from ovman.records.episode import Episode, root_seed
+from ovman.records.prediction import Prediction
+from ovman.settings import Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,7 +14,7 @@ from ovman.entry.errors import EntryError
 from ovman.entry.source_cache import remembered
 from ovman.evaluation.supervision import AgentError
 from ovman.remote.host import hosted
-from ovman.workflow.config import load
+from ovman.settings.config import load
 from ovman.workflow.parameter import stage_settings
 from ovman_client import Server
 

@@ -16,8 +16,8 @@ from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.scores import score
-from ovman.models.episode import Episode
-from ovman.models.run import Rollout, Score
+from ovman.records.episode import Episode
+from ovman.records.run import Rollout, Score
 from ovman.workflow.journal import Journal, contents
 from ovman.workflow.parameter import StageSettings
 

@@ -13,9 +13,9 @@ from ovman.entry.beside import Beside, set_beside
 from ovman.entry.manifest import Manifest
 from ovman.entry.release import Release
 from ovman.entry.score_page import as_values
-from ovman.models.episode import Episode
-from ovman.models.run import Score
-from ovman.models.settings import Kind
+from ovman.records.episode import Episode
+from ovman.records.run import Score
+from ovman.settings import Kind
 
 SCHEMA = "ovman-embodied-score/1"
 

@@ -7,8 +7,8 @@ from functools import cache, partial
 from pathlib import Path
 
 from ovman.evaluation.tours import record_tour, tour_key
-from ovman.models.episode import Episode
-from ovman.models.visit_files import kept
+from ovman.records.episode import Episode
+from ovman.records.visit_files import kept
 from ovman.sim.session import Session
 from ovman.workflow.journal import digest
 from ovman.workflow.locks import held

@@ -22,9 +22,9 @@ from ovman.entry.replay import Replay, replay_settings
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
 from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.scores import score
-from ovman.models.episode import Episode
-from ovman.models.record import printable
-from ovman.models.run import Rollout, Score
+from ovman.records.episode import Episode
+from ovman.records.record import printable
+from ovman.records.run import Rollout, Score
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings

@@ -17,7 +17,7 @@ from multiprocessing.connection import Connection, wait
 from typing import Any, TypeVar
 
 from ovman.entry.errors import EntryError
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 
 Piece = TypeVar("Piece")
 Send = Callable[[Any], None]

@@ -13,8 +13,8 @@ from functools import partial
 from pathlib import Path
 
 from ovman.evaluation.tours import record_tour, tour_key
-from ovman.models.episode import Episode
-from ovman.models.visit_files import VisitFiles, VisitManifest, kept
+from ovman.records.episode import Episode
+from ovman.records.visit_files import VisitFiles, VisitManifest, kept
 from ovman.sim.session import AgentPose, Session
 from ovman.workflow.parameter import StageSettings
 

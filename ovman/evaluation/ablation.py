@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
-from ovman.models.variant import VARIANTS, Setting
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.sighting import VisitPair
+from ovman.records.tour import Tour
+from ovman.records.variant import VARIANTS, Setting
 from ovman.sim.visit import mover_seed, visit_name
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ovman import seeds
 from ovman.agents.interface import CameraPose, Observation, PrivilegedAnswer, SeenInstance, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import RolloutContext, agent_settings, run_settings
@@ -20,16 +21,15 @@ from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import VISITS
 from ovman.evaluation.rollout import Start, alias, play, start
 from ovman.evaluation.supervision import Supervised, failures, function
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, Answer
-from ovman.models.relation import Relation
-from ovman.models.run import Rollout
-from ovman.models.settings import Source
-from ovman.models.settings.arms import ArmJob
-from ovman.models.sighting import Sighting, Sightings
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, Answer
+from ovman.records.relation import Relation
+from ovman.records.run import Rollout
+from ovman.records.sighting import Sighting, Sightings
+from ovman.settings import Source
+from ovman.settings.arms import ArmJob
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
-from ovman.workflow import seeds
 from ovman.workflow.parameter import StageSettings
 
 DRAWS = ("picks", "paths")

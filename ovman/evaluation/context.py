@@ -13,14 +13,14 @@ from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.privileged_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, Answer
-from ovman.models.settings import Arm, Need, Settings, Source
-from ovman.models.sighting import Sighting, Sightings, VisitPair
-from ovman.models.world_state import WorldState
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.labels import Labels
 from ovman.perception.object_map import ObjectMap
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, Answer
+from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.world_state import WorldState
+from ovman.settings import Arm, Need, Settings, Source
 from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, constants_of
 

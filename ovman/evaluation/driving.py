@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.agents.interface import Action, CameraPose, Observation, SeenInstance
-from ovman.models.run import Outcome
-from ovman.models.settings import Settings
+from ovman.records.run import Outcome
+from ovman.settings import Settings
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.sensing import Sensing

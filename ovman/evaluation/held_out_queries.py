@@ -10,10 +10,10 @@ from ovman.agents.reference.reasoning import two_visits_asked
 from ovman.evaluation.perceived import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings
-from ovman.models.sighting import VisitPair
-from ovman.workflow.seeds import generator
+from ovman.records.episode import Episode
+from ovman.records.sighting import VisitPair
+from ovman.seeds import generator
+from ovman.settings import Settings
 
 SCHEMA = "ovman-sentence/1"
 

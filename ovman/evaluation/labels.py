@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.models.scene import Scene
-from ovman.models.visit import Visit
 from ovman.perception.detected import Detected
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
 from ovman.perception.records import read_detections
 from ovman.perception.tour_files import picture
+from ovman.records.scene import Scene
+from ovman.records.visit import Visit
 
 
 def labels(seen: Detected, directory: Path, categories: dict[str, str], names: tuple[str, ...]) -> Labels:

@@ -15,10 +15,10 @@ import numpy as np
 
 from ovman.agents.interface import Visit
 from ovman.evaluation.perceived import Perceived
-from ovman.models.settings import Arm, Need, Settings
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, read_maps, read_nouns
+from ovman.settings import Arm, Need, Settings
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

@@ -10,17 +10,17 @@ import time
 from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
+from ovman import seeds
 from ovman.evaluation.context import EpisodeContext, agent_settings
 from ovman.evaluation.observation_store import ObservationStore, of_scene
 from ovman.evaluation.supervision import AgentError, failures, function
 from ovman.evaluation.withheld import asked, categories_in
-from ovman.models.episode import Episode
-from ovman.models.prediction import Evidence, Predicted, Prediction
-from ovman.models.record import lines
-from ovman.models.settings import Arm, Withheld
-from ovman.models.sighting import Sightings
 from ovman.perception.labels import Labels, read_labels
-from ovman.workflow import seeds
+from ovman.records.episode import Episode
+from ovman.records.prediction import Evidence, Predicted, Prediction
+from ovman.records.record import lines
+from ovman.records.sighting import Sightings
+from ovman.settings import Arm, Withheld
 from ovman.workflow.parameter import StageSettings
 
 VISITS = Path("results", "visits")

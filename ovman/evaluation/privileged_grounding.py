@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ovman.agents.reference.association import distances, positions
-from ovman.models.settings import Reading
-from ovman.models.sighting import Sighting
 from ovman.perception.labels import Labels
+from ovman.records.sighting import Sighting
+from ovman.settings import Reading
 
 
 def grounding_by_labels(
@@ -70,6 +70,6 @@ def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tu
 def recorded_positions(sightings: Sequence[Sighting], min_mask_px: int) -> np.ndarray:
     """(T, 2) floor-plane positions in metres at which a tour recorded the instances, with masks of at least min_mask_px.
 
-    sightings: those of one category in one visit (`ovman.models.visit.Visit.sightings`).
+    sightings: those of one category in one visit (`ovman.records.visit.Visit.sightings`).
     """
     return positions([(seen.x, seen.z) for seen in sightings if seen.px >= min_mask_px], "recorded")

@@ -10,9 +10,9 @@ from typing import overload
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Visit
-from ovman.models.visit_files import VisitFiles
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour_files import cameras, depth, digest, rgb
+from ovman.records.visit_files import VisitFiles
 
 
 class RecordedFrame(Observation):

@@ -11,12 +11,12 @@ import numpy as np
 
 from ovman.agents.interface import Action, Agent, Observation, Visit
 from ovman.evaluation.driving import NO_LIMITS, Limits, cells, drive, observation
-from ovman.models.change import Alteration, MoverStart
-from ovman.models.geometry import Point, Spawn
-from ovman.models.query import Query
-from ovman.models.run import NOWHERE, InstanceTerms, Measured, Terms
-from ovman.models.sensors import Light, Sensors
-from ovman.models.settings import Settings
+from ovman.records.change import Alteration, MoverStart
+from ovman.records.geometry import Point, Spawn
+from ovman.records.query import Query
+from ovman.records.run import NOWHERE, InstanceTerms, Measured, Terms
+from ovman.records.sensors import Light, Sensors
+from ovman.settings import Settings
 from ovman.sim import measurement
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment

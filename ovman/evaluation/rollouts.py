@@ -16,13 +16,13 @@ from ovman.evaluation.attempt import run_episode, session_for
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import VISITS as RECORDED
 from ovman.evaluation.predictions import predict, sightings_of, store_of
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, Answer, Predicted, Prediction
-from ovman.models.record import lines
-from ovman.models.run import Rollout
-from ovman.models.settings.arms import ArmJob
-from ovman.models.sighting import Sightings
 from ovman.progress import Units
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, Answer, Predicted, Prediction
+from ovman.records.record import lines
+from ovman.records.run import Rollout
+from ovman.records.sighting import Sightings
+from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ovman.evaluation.scoring import any_instance, judged
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.run import NOWHERE, Rollout, Score, Travelled
-from ovman.models.settings import Arm
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.run import NOWHERE, Rollout, Score, Travelled
+from ovman.settings import Arm
 from ovman.task import spl
 
 

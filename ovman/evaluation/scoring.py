@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.models.prediction import UniformBox, UniformPick
-from ovman.models.relation import Relation
-from ovman.models.run import Measured
-from ovman.models.settings.benchmark import Success
+from ovman.records.prediction import UniformBox, UniformPick
+from ovman.records.relation import Relation
+from ovman.records.run import Measured
+from ovman.settings.benchmark import Success
 from ovman.task import success
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from ovman.agents.joint.recorded import Tours, write
 from ovman.agents.joint.segments import Segments, evidence
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings
 from ovman.perception.records import read_detections
+from ovman.records.episode import Episode
+from ovman.settings import Settings
 
 
 def run(detections: Path, episodes_files: Sequence[Path], visits: Path, constants: Settings, output: Path) -> None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import LETTERS, Action, Agent, Observation, Query, Visit
-from ovman.models.settings import Arm
+from ovman.settings import Arm
 from ovman.workflow import at_work
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.visit import Visit
+from ovman import seeds
+from ovman.records.episode import Episode
+from ovman.records.visit import Visit
 from ovman.sim import visit
 from ovman.sim.change import World, dynamic
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 
 

@@ -1,4 +1,4 @@
-"""What an arm from which something is withheld is asked instead of an episode's query (`ovman.models.settings.arms.Withheld`).
+"""What an arm from which something is withheld is asked instead of an episode's query (`ovman.settings.arms.Withheld`).
 
 Draws are of the episode and the run, not of the arm: agents from which the same is withheld are asked the same.
 """
@@ -8,15 +8,15 @@ from __future__ import annotations
 from collections.abc import Collection
 from pathlib import Path
 
+from ovman import seeds
 from ovman.language.noun import noun
 from ovman.language.vocabulary import SYNONYMS, nouns
-from ovman.models.episode import Episode
-from ovman.models.query import Query
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.settings import Withheld
 from ovman.perception.labels import categories_of
-from ovman.workflow import seeds
+from ovman.records.episode import Episode
+from ovman.records.query import Query
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.settings import Withheld
 
 NO_NOUN = ""
 

@@ -12,8 +12,8 @@ from ovman.entry.release import Release
 from ovman.explore.encoding import encoded
 from ovman.explore.page import page
 from ovman.explore.records import read
-from ovman.models.settings import MAIN
-from ovman.workflow.config import load
+from ovman.settings import MAIN
+from ovman.settings.config import load
 
 
 def explore(options: argparse.Namespace, say: Callable[[str], None]) -> Path:

@@ -18,10 +18,10 @@ from ovman.explore.records import Records
 from ovman.explore.setting import in_force, positions, under
 from ovman.generation.release import rejection
 from ovman.generation.verdict import against_drift, against_geometry, against_observations
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.settings import Kind, Settings
-from ovman.models.trial import Trial, Verdict
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.trial import Trial, Verdict
+from ovman.settings import Kind, Settings
 
 GEOMETRY, OBSERVATION = ("delta_min_m", "validity_radius_m"), ("tau_m", "delta_min_m", "min_mask_px")
 DRIFT, CERTIFICATION = ("drift_tolerance_m",), ("radius_m",)

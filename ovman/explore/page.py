@@ -8,8 +8,8 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from ovman.models.settings import Settings
-from ovman.models.settings.explore import MOVED
+from ovman.settings import Settings
+from ovman.settings.explore import MOVED
 
 LABELS = {
     "drift_tolerance_m": "drift tolerance",

@@ -13,9 +13,9 @@ from ovman.explore.records import Records
 from ovman.explore.setting import Setting, under
 from ovman.generation.release import rejection
 from ovman.generation.verdict import verdict
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
-from ovman.models.trial import Trial
+from ovman.records.relation import Relation
+from ovman.records.trial import Trial
+from ovman.settings import Settings
 
 UNCERTIFIED = "not_certified"
 """Stands for a reason where a trial is admissible and the oracle has not run it, since the setting in force rejects it."""

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.entry.errors import EntryError
-from ovman.models.certification import Certification, OracleRun
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
-from ovman.models.settings import MAIN, Kind, Settings, arms_of, of_kind
-from ovman.models.trial import Trial
+from ovman.records.certification import Certification, OracleRun
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
+from ovman.records.trial import Trial
+from ovman.settings import MAIN, Kind, Settings, arms_of, of_kind
 
 
 @dataclass(frozen=True, slots=True)

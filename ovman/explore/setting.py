@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ovman.models.settings import Settings
-from ovman.models.settings.explore import MOVED
+from ovman.settings import Settings
+from ovman.settings.explore import MOVED
 
 Setting = Mapping[str, float]
 """Values by the names of `MOVED`."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ovman.export.graphs import write_detector, write_encoder
 from ovman.perception.weights import GRAPH, SAFE, beside, detector_file, encoder_file, is_graph, sha256
-from ovman.workflow.config import load_files
+from ovman.settings.config import load_files
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping
 
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
 
 COLUMNS = ("relation", "stage", "reason", "count")
 DRAWN, CERTIFIED, RELEASED = "drawn", "certified", "released"

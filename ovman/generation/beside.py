@@ -8,20 +8,20 @@ from itertools import islice
 
 import numpy as np
 
+from ovman import seeds
 from ovman.generation import placement
 from ovman.generation.placement import ABOVE_SURFACE_M, CLEARANCE_M, FreeFloor
 from ovman.generation.protocol import keeps_free
 from ovman.generation.roaming import carries, roam
 from ovman.generation.script import SHOWN_IN, Kind
 from ovman.generation.sight import Sight
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Others, Settings
-from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
-from ovman.workflow import seeds
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene, SceneObject
+from ovman.records.sighting import VisitPair
+from ovman.records.tour import Tour
+from ovman.settings import Others, Settings
 
 SURE_SR = 0.022
 """Steradians from which on an instance is foreseen to be recorded: 500 pixels of the default camera's picture. Of 153 instances

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman import seeds
 from ovman.generation import others, placement
 from ovman.generation.beside import Beside
 from ovman.generation.others import NOBODY
@@ -17,15 +18,14 @@ from ovman.generation.protocol import Drawing, drawings, keeps_free
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
 from ovman.generation.spawning import spawn
-from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration
-from ovman.models.query import Query
-from ovman.models.record import lines
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Settings
-from ovman.workflow import seeds
+from ovman.records.candidate import Candidate
+from ovman.records.change import Alteration
+from ovman.records.query import Query
+from ovman.records.record import lines
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene, SceneObject
+from ovman.settings import Settings
 
 GONE_OR_THERE = frozenset((Relation.APPEARED, Relation.REMOVED))
 """Relations of an instance that is in one of the visits, always in the same place."""

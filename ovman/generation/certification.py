@@ -9,21 +9,21 @@ from typing import Any
 
 import numpy as np
 
+from ovman import seeds
 from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.rollout import alias, roll_out
-from ovman.models.certification import Certification, OracleRun
-from ovman.models.change import Alteration, MoverStart
-from ovman.models.geometry import Point, Spawn
-from ovman.models.query import Query
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.run import Measured
-from ovman.models.trial import Trial, Verdict
 from ovman.progress import Units
+from ovman.records.certification import Certification, OracleRun
+from ovman.records.change import Alteration, MoverStart
+from ovman.records.geometry import Point, Spawn
+from ovman.records.query import Query
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.run import Measured
+from ovman.records.trial import Trial, Verdict
 from ovman.sim.session import Session
-from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 

@@ -7,8 +7,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-from ovman.models.relation import Relation
-from ovman.models.trial import Trial
+from ovman.records.relation import Relation
+from ovman.records.trial import Trial
 
 TourPair = tuple[str, frozenset[str]]
 """A scene and the names of the recorded tours of its two visits, whichever comes first."""

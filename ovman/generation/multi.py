@@ -13,21 +13,21 @@ from itertools import combinations
 
 import numpy as np
 
+from ovman import seeds
 from ovman.generation.candidates import displacement, eligible, motion
 from ovman.generation.placement import FreeFloor, put
 from ovman.generation.protocol import Drawing, keeps_free
 from ovman.generation.roaming import roam
 from ovman.generation.script import Script
 from ovman.generation.spawning import spawn
-from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point
-from ovman.models.query import Query
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Settings
-from ovman.workflow import seeds
+from ovman.records.candidate import Candidate
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point
+from ovman.records.query import Query
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene, SceneObject
+from ovman.settings import Settings
 
 Roles = Mapping[str, Relation]
 """Under which relation each instance that is changed changes, by its id: one of KINDS."""

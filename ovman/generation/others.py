@@ -17,12 +17,12 @@ from ovman.generation.beside import Beside, meets
 from ovman.generation.placement import CLEARANCE_M
 from ovman.generation.roaming import goes_m, roam, side
 from ovman.generation.script import KIND_OF, Kind, Script
-from ovman.models.change import Alteration
-from ovman.models.query import Query
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Settings
+from ovman.records.change import Alteration
+from ovman.records.query import Query
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene, SceneObject
+from ovman.settings import Settings
 from ovman.sim.mover import streams
 
 KINDS: tuple[Kind, ...] = ("displace", "enable", "disable")

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.models.geometry import Point, Position
-from ovman.models.scene import Scene, SceneObject
+from ovman.records.geometry import Point, Position
+from ovman.records.scene import Scene, SceneObject
 from ovman.sim.change import AGENT_RADIUS_M
 
 SURFACES = frozenset(

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ovman.models.geometry import Point
-from ovman.models.scene import Scene
-from ovman.models.sensors import Light, Sensors
-from ovman.models.settings import MAIN, Lighting, Others, SecondTour, Settings
-from ovman.models.settings.benchmark import PerRelation
-from ovman.models.settings.sensors import Errors
-from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
-from ovman.workflow import seeds
+from ovman import seeds
+from ovman.records.geometry import Point
+from ovman.records.scene import Scene
+from ovman.records.sensors import Light, Sensors
+from ovman.records.sighting import VisitPair
+from ovman.records.tour import Tour
+from ovman.settings import MAIN, Lighting, Others, SecondTour, Settings
+from ovman.settings.benchmark import PerRelation
+from ovman.settings.sensors import Errors
 
 LIGHT_DECIMALS = 3
 

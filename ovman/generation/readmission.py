@@ -11,13 +11,13 @@ from pathlib import Path
 
 from ovman.generation.release import episode
 from ovman.generation.verdict import against_drift, against_geometry, against_observations
-from ovman.models.admission import Admission
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.rejection import Rejection
-from ovman.models.settings import MAIN, Settings
-from ovman.models.settings.sensitivity import THRESHOLDS
-from ovman.models.trial import Trial
+from ovman.records.admission import Admission
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.rejection import Rejection
+from ovman.records.trial import Trial
+from ovman.settings import MAIN, Settings
+from ovman.settings.sensitivity import THRESHOLDS
 from ovman.workflow.parameter import StageSettings
 
 OBSERVED = ("tau_m", "delta_min_m", "min_mask_px", "motion_m")

@@ -11,22 +11,22 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
+from ovman import seeds
 from ovman.evaluation.scoring import judged
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.selection import select, size
 from ovman.language import noun, sentence
-from ovman.models.certification import Certification, CertificationRun, OracleRun
-from ovman.models.change import Alteration, Change
-from ovman.models.episode import Episode, Protocol, Provenance
-from ovman.models.record import Record, lines
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.settings import MAIN, Settings, scenes_of
-from ovman.models.settings.benchmark import Success
-from ovman.models.sighting import Sightings
-from ovman.models.trial import Trial, Verdict
-from ovman.workflow import seeds
+from ovman.records.certification import Certification, CertificationRun, OracleRun
+from ovman.records.change import Alteration, Change
+from ovman.records.episode import Episode, Protocol, Provenance
+from ovman.records.record import Record, lines
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.sighting import Sightings
+from ovman.records.trial import Trial, Verdict
+from ovman.settings import MAIN, Settings, scenes_of
+from ovman.settings.benchmark import Success
 
 T = TypeVar("T")
 

@@ -12,10 +12,10 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
-from ovman.models.change import Cell, Roam
-from ovman.models.geometry import Point
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings.benchmark import Mover
+from ovman.records.change import Cell, Roam
+from ovman.records.geometry import Point
+from ovman.records.scene import Scene, SceneObject
+from ovman.settings.benchmark import Mover
 from ovman.sim import mover as walking
 from ovman.sim.change import AGENT_RADIUS_M
 from ovman.sim.mover import WAYS

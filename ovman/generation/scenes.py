@@ -10,10 +10,10 @@ import numpy as np
 
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point, Position
-from ovman.models.scene import Scene, SceneObject
 from ovman.navigation import Cell, Grid, farthest_points
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point, Position
+from ovman.records.scene import Scene, SceneObject
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.session import Session, SimulatorError
 from ovman.workflow.journal import Journal, digest

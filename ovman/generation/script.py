@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point
-from ovman.models.query import Query
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.world_state import Instance, WorldState
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point
+from ovman.records.query import Query
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.world_state import Instance, WorldState
 from ovman.task import answer, crowding
 
 Kind = Literal["displace", "enable", "disable", "motion"]

@@ -10,7 +10,7 @@ from itertools import chain
 import numpy as np
 
 from ovman.generation.script import KIND_OF, SHOWN_IN
-from ovman.models.trial import Trial
+from ovman.records.trial import Trial
 
 
 @dataclass(frozen=True)

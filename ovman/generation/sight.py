@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.models.geometry import Point
-from ovman.models.scene import Scene, SceneObject
+from ovman.records.geometry import Point
+from ovman.records.scene import Scene, SceneObject
 
 EYE_M = 1.576
 """Height of the camera of AI2-THOR's default agent above the floor."""

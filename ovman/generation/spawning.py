@@ -8,12 +8,12 @@ import numpy as np
 
 from ovman.generation.placement import FreeFloor
 from ovman.generation.script import Script
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point, Spawn
-from ovman.models.record import DEGREE_DECIMALS
-from ovman.models.relation import Relation
-from ovman.models.scene import SceneObject
-from ovman.models.settings import Settings
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point, Spawn
+from ovman.records.record import DEGREE_DECIMALS
+from ovman.records.relation import Relation
+from ovman.records.scene import SceneObject
+from ovman.settings import Settings
 from ovman.sim.change import AGENT_RADIUS_M
 
 Box = tuple[Point, Point, float]

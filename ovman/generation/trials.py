@@ -14,25 +14,25 @@ from typing import Any, TypeVar
 
 from pydantic import ConfigDict
 
-from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration
-from ovman.models.geometry import Point, Position
-from ovman.models.record import lines
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.sighting import VisitPair
-from ovman.models.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
-from ovman.models.visit import Visit
-from ovman.models.visit_files import VisitFiles, VisitManifest, kept
-from ovman.models.world_state import Instance, WorldState
+from ovman import seeds
 from ovman.navigation import geodesic_m
 from ovman.progress import Units
+from ovman.records.candidate import Candidate
+from ovman.records.change import Alteration
+from ovman.records.geometry import Point, Position
+from ovman.records.record import lines
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.sighting import VisitPair
+from ovman.records.trial import Bound, Displaced, ReachableBox, Trial, TrialMeasurement
+from ovman.records.visit import Visit
+from ovman.records.visit_files import VisitFiles, VisitManifest, kept
+from ovman.records.world_state import Instance, WorldState
 from ovman.sim import measurement, visit
 from ovman.sim.change import World, dynamic
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose, Session, SimulatorError
-from ovman.workflow import seeds
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 

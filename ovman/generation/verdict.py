@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.models.candidate import Candidate
-from ovman.models.geometry import Point
-from ovman.models.query import Query
-from ovman.models.record import lines
-from ovman.models.rejection import Rejection
-from ovman.models.settings import Settings
-from ovman.models.trial import Trial, TrialMeasurement, Verdict
-from ovman.models.world_state import WorldState
+from ovman.records.candidate import Candidate
+from ovman.records.geometry import Point
+from ovman.records.query import Query
+from ovman.records.record import lines
+from ovman.records.rejection import Rejection
+from ovman.records.trial import Trial, TrialMeasurement, Verdict
+from ovman.records.world_state import WorldState
+from ovman.settings import Settings
 from ovman.task import admissible, category_pick, crowding
 from ovman.task.world import recorded_world, true_world
 

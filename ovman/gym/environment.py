@@ -28,13 +28,13 @@ from ovman.evaluation.scores import score
 from ovman.gym.encoding import encoded, encoded_tour
 from ovman.gym.questions import Order, questions, terms, views_of
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
-from ovman.models.episode import Episode
-from ovman.models.run import Measured, Rollout, Score
-from ovman.models.settings import MAIN, Kind, Need
-from ovman.models.settings.arms import ArmJob
 from ovman.perception.libraries import cache as user_cache
+from ovman.records.episode import Episode
+from ovman.records.run import Measured, Rollout, Score
 from ovman.remote.host import HostedContext
 from ovman.remote.looking import Looking
+from ovman.settings import MAIN, Kind, Need
+from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
 
 TOURS = ("observation", "reset")

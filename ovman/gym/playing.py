@@ -14,7 +14,7 @@ from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
 from ovman.gym.environment import Environment
 from ovman.gym.questions import AGENT
 from ovman.gym.spaces import ACTIONS
-from ovman.models.run import Score
+from ovman.records.run import Score
 
 
 def play(

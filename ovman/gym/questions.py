@@ -14,9 +14,9 @@ from ovman.entry.errors import EntryError
 from ovman.entry.evaluation import asked
 from ovman.entry.release import Release
 from ovman.gym.spaces import CATEGORIES
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings, Source
-from ovman.workflow.config import load
+from ovman.records.episode import Episode
+from ovman.settings import Settings, Source
+from ovman.settings.config import load
 from ovman.workflow.parameter import StageSettings, stage_settings
 
 AGENT = "ovman.gym.environment:Environment"

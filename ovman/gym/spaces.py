@@ -13,7 +13,7 @@ from gymnasium import spaces
 
 from ovman.agents.interface import VISITS, Action, Relation
 from ovman.language.vocabulary import SYNONYMS
-from ovman.models.settings.benchmark import Camera
+from ovman.settings.benchmark import Camera
 from ovman.sim.sensing import FARTHEST_M
 
 ACTIONS = tuple(Action)

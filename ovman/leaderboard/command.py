@@ -19,9 +19,9 @@ from ovman.entry.run_files import COMPRESSED, compressed, runs_path
 from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submission, read_entry, write_entry
 from ovman.leaderboard.page import TITLE, as_html, as_markdown
 from ovman.leaderboard.standing import Refusal, barred, standings
-from ovman.models.record import printable
-from ovman.models.settings import splits_of
-from ovman.workflow.config import load
+from ovman.records.record import printable
+from ovman.settings import splits_of
+from ovman.settings.config import load
 from ovman.workflow.journal import Journal
 
 PAGES = ("README.md", "index.html")

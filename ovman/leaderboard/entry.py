@@ -15,8 +15,8 @@ import yaml
 from pydantic import ConfigDict, Field
 
 from ovman.entry.errors import EntryError
-from ovman.models.record import Record, Text
-from ovman.workflow import settings_files
+from ovman.records.record import Record, Text
+from ovman.settings import settings_files
 
 FILE = "entry.yaml"
 PREDICTIONS = "predictions.jsonl"

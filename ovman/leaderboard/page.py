@@ -11,7 +11,7 @@ from jinja2 import ChoiceLoader, PackageLoader
 from ovman.entry import tables
 from ovman.leaderboard.entry import Role
 from ovman.leaderboard.standing import SHOWN, Refusal, Standing
-from ovman.models.record import printable
+from ovman.records.record import printable
 from ovman.report.show.page import environment
 
 TITLES = {True: "driving", False: "static gate"}

@@ -18,8 +18,8 @@ from ovman.entry.score_page import complaint
 from ovman.entry.summary import summary_of
 from ovman.entry.verification import verify
 from ovman.leaderboard.entry import FILE, PREDICTIONS, Entry, Role, Submission, submissions
-from ovman.models.run import Score
-from ovman.models.settings import Source
+from ovman.records.run import Score
+from ovman.settings import Source
 from ovman.workflow.journal import Journal, digest
 
 SHOWN = 3

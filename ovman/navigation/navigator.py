@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ovman.models.settings.benchmark import Primitives
 from ovman.navigation.grid import Cell, Grid
 from ovman.navigation.plan import shortest_path
+from ovman.settings.benchmark import Primitives
 
 MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
 PATIENCE_CELLS = 4

@@ -9,12 +9,12 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ovman.models.settings import Settings
 from ovman.perception import networks, tour, tour_files
 from ovman.perception.detected import Detected
 from ovman.perception.records import write_detections
 from ovman.perception.store import Store
 from ovman.progress import Units
+from ovman.settings import Settings
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

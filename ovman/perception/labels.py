@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.models.scene import Scene
 from ovman.perception.array_file import read_arrays, write_arrays
 from ovman.perception.overlap import LEAST_IOU
+from ovman.records.scene import Scene
 
 LABELS = "ovman-labels/1"
 NOTHING = -1

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings
 from ovman.perception.maps import mapped
 from ovman.perception.records import read_detections, write_maps
+from ovman.records.episode import Episode
+from ovman.settings import Settings
 
 
 def together(first: str, second: str) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.models.settings import Settings
 from ovman.perception.clusters import Cluster, Detection, clusters
 from ovman.perception.detected import Detected
 from ovman.perception.records import read_detections, write_maps
+from ovman.settings import Settings
 
 
 def mapped(tours: Sequence[Detected], radius_m: float) -> tuple[Cluster, ...]:

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.settings.networks import Perception
 from ovman.perception import detector, encoder, exporting, graph, halved, towers, weights, yolo
 from ovman.perception.array_file import ArrayFileError
 from ovman.perception.detector import Detector, DetectorFacts
@@ -35,6 +34,7 @@ from ovman.perception.weights import (
     need_networks,
     sha256,
 )
+from ovman.settings.networks import Perception
 
 LIBRARIES = ("onnxruntime", "numpy", "opencv-python", "opencv-python-headless")
 """Distributions on whose versions the output of a graph may depend."""

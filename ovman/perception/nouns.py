@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.models.settings import Settings
 from ovman.perception.networks import encoder_of
 from ovman.perception.records import write_nouns
+from ovman.settings import Settings
 
 
 def run(phrases: Sequence[str], constants: Settings, output: Path) -> None:

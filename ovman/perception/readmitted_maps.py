@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ovman.models.settings import Settings
 from ovman.perception.detections import looked_at, networks_of
 from ovman.perception.maps import mapped
 from ovman.perception.records import write_maps
+from ovman.settings import Settings
 
 
 def run(visits: Sequence[Mapping[str, Path]], constants: Settings, code: Sequence[str], kept: Path, maps: Sequence[Path]) -> None:

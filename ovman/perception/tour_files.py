@@ -11,12 +11,12 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.models.geometry import Position
-from ovman.models.record import Record, RecordError
-from ovman.models.visit import SensedPose, ViewPose
-from ovman.models.visit_files import TourError, VisitFiles, read_verified, remedy
 from ovman.perception.backprojection import Camera
 from ovman.perception.tour import View
+from ovman.records.geometry import Position
+from ovman.records.record import Record, RecordError
+from ovman.records.visit import SensedPose, ViewPose
+from ovman.records.visit_files import TourError, VisitFiles, read_verified, remedy
 
 MILLIMETRES = np.float32(1000)
 """Millimetres in a metre."""

@@ -14,21 +14,20 @@ from ovman.agents.interface import VISITS
 from ovman.atomic import replace_bytes, replacing
 from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
-from ovman.models.episode import Episode
-from ovman.models.settings import Kind, Settings, arms_of, of_kind
-from ovman.models.settings.splits import in_main_job
 from ovman.perception import detections
 from ovman.perception.libraries import cache as user_cache
 from ovman.playback.paths import runs_of_arms, runs_of_evaluation, traced
 from ovman.playback.recording import write
+from ovman.records.episode import Episode
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.reasoning import reasonings
 from ovman.report.show.results import Results, ShowError
 from ovman.report.show.verdicts import Drive, static_rows
+from ovman.settings import Kind, Settings, arms_of, config, of_kind
+from ovman.settings.splits import in_main_job
 from ovman.shipped import EMBEDDED, HOME
 from ovman.sim.session import Session
-from ovman.workflow import config
 from ovman.workflow.provenance import module_digest
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ from ovman.entry.replay import ACTIONS, replay_settings
 from ovman.entry.run_files import read_runs, runs_path
 from ovman.evaluation.attempt import Attempt, session_for
 from ovman.evaluation.observation_store import ObservationStore
-from ovman.models.episode import Episode
-from ovman.models.run import Score
-from ovman.models.settings import Settings
+from ovman.records.episode import Episode
+from ovman.records.run import Score
 from ovman.report.show.verdicts import Drive, Pose
+from ovman.settings import Settings
 from ovman.workflow.parameter import StageSettings, stage_settings
 
 

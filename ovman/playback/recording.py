@@ -15,13 +15,13 @@ import numpy as np
 
 from ovman.agents.interface import VISITS, Observation
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.episode import Episode
-from ovman.models.prediction import Answer
-from ovman.models.scene import Scene
-from ovman.models.settings import Settings
 from ovman.perception.backprojection import Camera, world_points
+from ovman.records.episode import Episode
+from ovman.records.prediction import Answer
+from ovman.records.scene import Scene
 from ovman.report.show.reasoning import Reasoning
 from ovman.report.show.verdicts import Drive, StaticRow
+from ovman.settings import Settings
 
 STRIDE = 4
 """Of the pixels of a frame, each this many in a row and a column become points."""

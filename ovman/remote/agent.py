@@ -9,10 +9,10 @@ from typing import Any
 
 from ovman.agents.interface import Action, Observation, Query, Visit
 from ovman.evaluation.attempt import Attempt
-from ovman.models.settings.remote import Remote
 from ovman.remote import wire
 from ovman.remote.line import Line, LineLost
 from ovman.remote.process import AgentProcess
+from ovman.settings.remote import Remote
 
 VISITS_KEPT = 2
 """Visits that are kept as messages, of some 15 MB each: all seeds of an episode have them in common."""

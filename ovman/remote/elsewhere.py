@@ -7,9 +7,9 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.settings.remote import Remote
 from ovman.remote.agent import Remotes
 from ovman.remote.process import AgentProcess
+from ovman.settings.remote import Remote
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,11 @@ from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAn
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import with_sections
 from ovman.evaluation.supervision import AgentError, function
-from ovman.models.prediction import Abstention, Answer
-from ovman.models.settings import Need, Settings
-from ovman.models.settings.benchmark import Camera, Primitives
 from ovman.perception.detected import Detected
+from ovman.records.prediction import Abstention, Answer
 from ovman.remote.looking import Looking
+from ovman.settings import Need, Settings
+from ovman.settings.benchmark import Camera, Primitives
 from ovman.workflow.parameter import StageSettings
 from ovman_client import messages
 from ovman_client.server import METHODS, lacking

@@ -18,13 +18,13 @@ from ovman.agents.interface import Visit
 from ovman.agents.joint import recorded
 from ovman.agents.joint.segments import evidence
 from ovman.language.vocabulary import all_nouns
-from ovman.models.settings import Settings
 from ovman.perception import maps, nouns, tour
 from ovman.perception.backprojection import Camera
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.perception.records import read_detections, read_maps, read_nouns, write_detections, write_maps
+from ovman.settings import Settings
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

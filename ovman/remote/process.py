@@ -17,10 +17,10 @@ from contextlib import suppress
 from pathlib import Path
 
 from ovman.evaluation.supervision import AgentError
-from ovman.models.settings.remote import Remote
 from ovman.perception.libraries import cache
 from ovman.remote import supervisor
 from ovman.remote.line import LineLost
+from ovman.settings.remote import Remote
 from ovman_client.server import TOKEN
 
 PASSED = ("PATH", "PYTHONPATH", "PYTHONNOUSERSITE", "LANG", "VIRTUAL_ENV", "LD_LIBRARY_PATH")

@@ -11,12 +11,11 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.models.settings import Settings, splits_of
+from ovman.settings import Settings, splits_of
+from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 from ovman.workflow import made
 from ovman.workflow.checksums import MADE
-from ovman.workflow.config import load_files
-from ovman.workflow.parameter import flat
 
 TABLES = ("tables", "all")
 
@@ -33,7 +32,7 @@ def compare(results: Path, release: Path, settings: Settings) -> Iterator[str]:
     Files that `results` does not have yet are left out. FileNotFoundError where the release does not say how it was made.
     """
     then = _constants(release)
-    changed = [f"{name} {then[name]} -> {now}" for name, now in _short(flat(settings)) if then.get(name, now) != now]
+    changed = [f"{name} {then[name]} -> {now}" for name, now in _short(settings.constants()) if then.get(name, now) != now]
     yield f"constants: {', '.join(changed) or 'as released'}"
     if episodes := [_episodes(name, results, release) for name in splits_of(settings.splits) if _both(name, results, release)]:
         yield f"episodes: {', '.join(episodes)}"

@@ -12,9 +12,9 @@ from pathlib import Path
 
 from ovman.analysis.frames import read_rows
 from ovman.atomic import check_own
-from ovman.models.episode import Episode
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
+from ovman.records.episode import Episode
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
 from ovman.report import archive, layout
 from ovman.report.tables.rejections import RejectionCount
 from ovman.report.tables.table import pipe_table

@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import IO
 
 from ovman.atomic import below, replacing
-from ovman.models.settings import Settings
 from ovman.report import archive, layout
+from ovman.settings import Settings
 from ovman.shipped import HOME
 from ovman.workflow import checksums, made
 from ovman.workflow.checksums import MADE, Checksums

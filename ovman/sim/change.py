@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.change import Alteration, MoverStart
-from ovman.models.geometry import Point, Position
-from ovman.models.settings.benchmark import Mover as MoverParams
+from ovman.records.change import Alteration, MoverStart
+from ovman.records.geometry import Point, Position
+from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.mover import Mover, streams
 from ovman.sim.session import Session, SimulatorError
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 
 UNSEEN_M = 0.01
 """Visibility distance given to the simulator, which refuses 0; visibility is judged by masks instead."""

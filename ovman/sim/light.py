@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ovman.models.sensors import Light
+from ovman.records.sensors import Light
 from ovman.sim.session import Session
 
 

@@ -7,9 +7,9 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ovman.models.geometry import Point, Spawn
-from ovman.models.run import InstanceTerms, Terms
 from ovman.navigation import Cell, Grid
+from ovman.records.geometry import Point, Spawn
+from ovman.records.run import InstanceTerms, Terms
 from ovman.sim.session import AgentPose, Session, bearing_deg
 
 

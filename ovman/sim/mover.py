@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ovman.models.change import Cell, HeadingDeg, MoverStart, Roam
-from ovman.models.geometry import Point
-from ovman.models.settings.benchmark import Mover as MoverParams
+from ovman.records.change import Cell, HeadingDeg, MoverStart, Roam
+from ovman.records.geometry import Point
+from ovman.settings.benchmark import Mover as MoverParams
 
 WAYS: Mapping[HeadingDeg, Cell] = {0: (0, 1), 90: (1, 0), 180: (0, -1), 270: (-1, 0)}
 """The steps of a lattice, (along x, along z), by their headings."""

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ovman.models.record import DEGREE_DECIMALS
-from ovman.models.sensors import Sensors
+from ovman.records.record import DEGREE_DECIMALS
+from ovman.records.sensors import Sensors
 from ovman.sim.session import AgentPose
 
 FARTHEST_M = 65.535

@@ -13,20 +13,21 @@ from typing import Any
 
 import numpy as np
 
+from ovman import seeds
 from ovman.atomic import check_own, clear_partials, partial_path, put, remove
-from ovman.models.change import Alteration, MoverRecord
-from ovman.models.geometry import Point, Position
-from ovman.models.sensors import Light, Sensors
-from ovman.models.tour import Tour
-from ovman.models.visit import Present, SensedPose, View, ViewPose, Visit
-from ovman.models.visit_files import FILES, MILLIMETRES, seal
+from ovman.records.change import Alteration, MoverRecord
+from ovman.records.geometry import Point, Position
+from ovman.records.sensors import Light, Sensors
+from ovman.records.tour import Tour
+from ovman.records.visit import Present, SensedPose, View, ViewPose, Visit
+from ovman.records.visit_files import FILES, MILLIMETRES, seal
 from ovman.sim.change import World, dynamic, position
 from ovman.sim.light import illuminate
 from ovman.sim.masks import indexed
 from ovman.sim.png import write_png
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow import journal, seeds
+from ovman.workflow import journal
 
 
 def mover_seed(root: int, of: str, alterations: Sequence[Alteration]) -> int | None:

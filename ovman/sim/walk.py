@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from ovman.models.visit import Visit
 from ovman.navigation import Grid, shortest_path
 from ovman.perception.backprojection import Camera
+from ovman.records.visit import Visit
 from ovman.sim import visit
 from ovman.sim.change import World, position
 from ovman.sim.masks import coloured

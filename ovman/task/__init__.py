@@ -1,10 +1,10 @@
 """The task: relations (Eq. 1), admissibility (Eq. 2), answer (Eq. 3), success (Eq. 4), SPL (Eq. 5). Pure functions of records."""
 
-from ovman.models.measurement import Measurement
-from ovman.models.query import Query
-from ovman.models.rejection import Rejection, RejectionStage
-from ovman.models.relation import Relation
-from ovman.models.world_state import Instance, WorldState, displacement_m
+from ovman.records.measurement import Measurement
+from ovman.records.query import Query
+from ovman.records.rejection import Rejection, RejectionStage
+from ovman.records.relation import Relation
+from ovman.records.world_state import Instance, WorldState, displacement_m
 from ovman.task.admissibility import Inadmissible, admissible
 from ovman.task.answer import answer
 from ovman.task.crowding import category_pick, crowding

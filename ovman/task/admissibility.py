@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Set
 from dataclasses import dataclass
 
-from ovman.models.query import Query
-from ovman.models.rejection import Rejection
-from ovman.models.settings import Settings
-from ovman.models.world_state import WorldState, displacement_m
+from ovman.records.query import Query
+from ovman.records.rejection import Rejection
+from ovman.records.world_state import WorldState, displacement_m
+from ovman.settings import Settings
 from ovman.task.referents import referents
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ovman.models.geometry import Point
-from ovman.models.query import Query
-from ovman.models.relation import Relation
-from ovman.models.world_state import WorldState
+from ovman.records.geometry import Point
+from ovman.records.query import Query
+from ovman.records.relation import Relation
+from ovman.records.world_state import WorldState
 
 
 def answer(world_1: WorldState, world_2: WorldState, query: Query, referent: str, mover_at: Point | None = None) -> Point:

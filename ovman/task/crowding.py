@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ovman.models.geometry import Point
-from ovman.models.query import Query
-from ovman.models.world_state import WorldState
+from ovman.records.geometry import Point
+from ovman.records.query import Query
+from ovman.records.world_state import WorldState
 
 
 def crowding(

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ovman.models.query import Query
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
-from ovman.models.world_state import WorldState, displacement_m
+from ovman.records.query import Query
+from ovman.records.relation import Relation
+from ovman.records.world_state import WorldState, displacement_m
+from ovman.settings import Settings
 
 
 def holds(relation: Relation, instance_id: str, world_1: WorldState, world_2: WorldState, constants: Settings) -> bool:

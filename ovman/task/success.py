@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ovman.models.measurement import Measurement
-from ovman.models.relation import Relation
-from ovman.models.settings.benchmark import Success
+from ovman.records.measurement import Measurement
+from ovman.records.relation import Relation
+from ovman.settings.benchmark import Success
 
 
 def visible(measurement: Measurement, constants: Success) -> bool:

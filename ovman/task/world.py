@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ovman.models.change import MoverRecord
-from ovman.models.geometry import Point
-from ovman.models.sighting import Sighting
-from ovman.models.world_state import Instance, WorldState
+from ovman.records.change import MoverRecord
+from ovman.records.geometry import Point
+from ovman.records.sighting import Sighting
+from ovman.records.world_state import Instance, WorldState
 
 
 def recorded_world(sightings: Sequence[Sighting], category: str, min_mask_px: int) -> WorldState:

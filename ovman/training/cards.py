@@ -17,14 +17,14 @@ from typing import Any
 
 from ovman.analysis.frames import read_rows
 from ovman.analysis.scores import ALL, CATEGORIES, SIZE, Score
-from ovman.models.settings import Settings
 from ovman.perception.graph import Graph
 from ovman.perception.overlap import LEAST_IOU
 from ovman.perception.phrases import Phrases
 from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
 from ovman.report.tables.table import EMPTY, pipe_table
+from ovman.settings import Settings
+from ovman.settings.config import load
 from ovman.training import captions, crops, detector, outlines, pictures
-from ovman.workflow.config import load
 
 TEMPLATES = Path(__file__).parent / "templates"
 CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}

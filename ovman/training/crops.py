@@ -9,11 +9,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.models.settings import Settings
 from ovman.perception import networks, yolo
 from ovman.perception.crop import crop
 from ovman.perception.overlap import LEAST_IOU
 from ovman.perception.protocols import Segmenter
+from ovman.settings import Settings
 from ovman.training.picture_files import read, recorded
 from ovman.training.pictures import Picture
 from ovman.training.seen import seen

@@ -9,10 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ovman.models.settings import Settings
 from ovman.perception import networks
 from ovman.perception.detector import Detector
 from ovman.perception.overlap import Found, found
+from ovman.settings import Settings
 from ovman.training.picture_files import recorded
 from ovman.training.seen import seen
 

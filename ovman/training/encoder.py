@@ -20,8 +20,8 @@ import torch.nn.functional as F
 from open_clip.constants import OPENAI_DATASET_MEAN, OPENAI_DATASET_STD
 
 from ovman.language.vocabulary import SYNONYMS, nouns
-from ovman.models.settings import Settings
 from ovman.perception.towers import Architecture, empty_network
+from ovman.settings import Settings
 from ovman.training.augmentation import augmented
 from ovman.training.captions import TEMPLATES, WORDS, attributes, vocabulary
 from ovman.training.crops import Crops

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
-from ovman.models.settings.benchmark import FLOOR_PLANS
+from ovman.settings.benchmark import FLOOR_PLANS
 
 HELD_OUT_EVERY = 9
 """Every so many-th floor plan is held out, of all kinds of rooms alike."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from ovman.export.graphs import write_detector, write_encoder
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 from ovman.training.encoder import MODEL
 
 

@@ -15,16 +15,16 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman import seeds
 from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, prompt
 from ovman.perception.networks import detector_of, encoder_of
+from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.change import dynamic
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.training.floorplans import floor_plans
 from ovman.training.pictures import Picture, picture_of
-from ovman.workflow import seeds
-from ovman.workflow.config import load
 
 STEP = 0.0025
 """Difference of two thresholds."""

@@ -13,14 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.models.settings import Settings
+from ovman.seeds import generator
+from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.png import write_png
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import Picture, pictures
-from ovman.workflow.seeds import generator
 
 
 def run(scene: str, constants: Settings, output: Path) -> None:

@@ -17,17 +17,17 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman import seeds
 from ovman.language import noun
 from ovman.perception.crop import crop
 from ovman.perception.networks import detector_of, encoder_of
+from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.training.floorplans import floor_plans
 from ovman.training.localisation import Looked, scores, views
 from ovman.training.pictures import Picture
-from ovman.workflow import seeds
-from ovman.workflow.config import load
 
 COSINES, DISTANCES = np.arange(0.3, 0.8, 0.0025), np.arange(0.05, 1.2, 0.0125)
 """The thresholds that are tried."""

@@ -10,10 +10,10 @@ import json
 from collections.abc import Iterable, Iterator
 from typing import Any
 
-from ovman.models.settings import Settings
+from ovman.settings import Settings
+from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 from ovman.workflow import made
-from ovman.workflow.config import load_files
 from ovman.workflow.parameter import canonical
 from ovman.workflow.provenance import EQUAL_CODE
 

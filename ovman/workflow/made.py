@@ -15,7 +15,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import AfterValidator, TypeAdapter, ValidationError
 
 from ovman.atomic import inner
-from ovman.models.record import RecordError, complaint
+from ovman.records.record import RecordError, complaint
 from ovman.shipped import HOME
 from ovman.workflow import checksums
 from ovman.workflow.snakemake_records import Done, Records

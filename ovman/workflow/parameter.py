@@ -7,35 +7,16 @@ text with names in it does not have that defect.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-from pydantic import BaseModel, PrivateAttr
+from pydantic import PrivateAttr
 
-from ovman.models.settings import Arm, Settings
-from ovman.models.settings.arms import WORDS, ArmJob
-from ovman.models.settings.values import listed
-from ovman.workflow.plugins import stage_of_plugin, with_sections
-from ovman.workflow.stages import ENTRIES, STAGES, matching
-
-
-def flat(settings: Settings) -> dict[str, Any]:
-    """Every constant by its dotted name, in the order of config.yaml. Sequences are tuples.
-
-    A mapping, such as section `arms`, is one value, a list of its entries: their order is that of the tables.
-    """
-
-    def walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
-        for name in type(section).model_fields:
-            value, where = getattr(section, name), f"{path}{name}"
-            if where == "plugins":  # says which sections there are
-                continue
-            if isinstance(value, BaseModel):
-                yield from walk(f"{where}.", value)
-            else:
-                yield where, listed(value)
-
-    return dict(walk("", settings))
+from ovman.settings import Arm, Settings
+from ovman.settings.arms import WORDS, ArmJob
+from ovman.settings.plugins import stage_of_plugin, with_sections
+from ovman.settings.settings import matching
+from ovman.workflow.stages import ENTRIES, STAGES
 
 
 def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
@@ -46,7 +27,7 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
     """
     from ovman.workflow.provenance import module_digest  # a job only parses, and starts without the parser of sources
 
-    values = flat(settings)
+    values = settings.constants()
     patterns, code = _stage(settings, stage)
     record: dict[str, Any] = {"stage": stage, "code": code}
     of_stage = patterns

@@ -23,10 +23,10 @@ EQUAL_CODE = Path("workflow", "equal_code.json")
 """Digests of this checkout's code to those of the release's code with the same results."""
 BOUNDARY = frozenset(
     {
-        "ovman.workflow.config",
-        "ovman.workflow.plugins",
+        "ovman.settings.config",
+        "ovman.settings.plugins",
         "ovman.workflow.provenance",
-        "ovman.models.settings",
+        "ovman.settings",
         "ovman.workflow.stages",
     }
 )

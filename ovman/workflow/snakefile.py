@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ovman import kernels
-from ovman.models.settings import Settings
+from ovman.settings import Settings
+from ovman.settings.config import ConfigError, file_with
 from ovman.workflow import at_work, provenance, runs
-from ovman.workflow.config import ConfigError, file_with
 from ovman.workflow.job import AGENTS, WORKFLOW_PID
 from ovman.workflow.locks import NoLocksError
 from ovman.workflow.snakemake_internals import alone, limit_gpu, overlays

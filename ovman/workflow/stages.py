@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
+from ovman.settings.settings import matching
+
 # "a.b" is one constant, "a.*" is all of a section. A change reruns the stages that own the constant and all that follow them.
 # benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
 # evaluation.scenes_per_job decides which job makes a file; no stage owns it.
@@ -248,10 +250,3 @@ ENTRIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "episodes": {"splits": (*_DRAWN, "episodes", "instances_in_turn", "sizes_in_turn")},
 }
 """Of the entries of these sections a stage owns these fields only: who answers a split changes no episode of it."""
-
-
-def matching(patterns: Iterable[str], names: Iterable[str]) -> tuple[str, ...]:
-    """Those of `names` (dotted) that are among the patterns, "a.b" or "a.*"; sorted."""
-    patterns = tuple(patterns)
-    beginnings = tuple(pattern.removesuffix("*") for pattern in patterns if pattern.endswith(".*"))
-    return tuple(sorted(name for name in names if name in patterns or name.startswith(beginnings)))

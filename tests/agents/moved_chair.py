@@ -11,13 +11,13 @@ import pytest
 
 from ovman.agents.interface import Visit
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.change import Alteration
-from ovman.models.settings.benchmark import Mover
-from ovman.models.visit import Visit as Record
 from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.tour_files import tour
+from ovman.records.change import Alteration
+from ovman.records.visit import Visit as Record
+from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session

@@ -11,9 +11,9 @@ import pytest
 import yaml
 
 from ovman.evaluation.supervision import function
-from ovman.models.settings import Kind, Source, arms_of, named, of_kind
-from ovman.models.settings.arms import ArmJob, other_readings
-from ovman.workflow.config import ConfigError, load
+from ovman.settings import Kind, Source, arms_of, named, of_kind
+from ovman.settings.arms import ArmJob, other_readings
+from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import canonical
 from tests.arms import ARMS, CONFIG, ROOT
 
@@ -142,6 +142,6 @@ def test_a_job_of_an_arm_is_given_the_constants_that_its_entry_names_and_an_arm_
 
 def test_the_table_is_read_without_anything_heavy():
     heavy = "numpy", "scipy", "pandas", "torch"
-    script = f"import sys, ovman.models.settings; print([name for name in {heavy} if name in sys.modules])"
+    script = f"import sys, ovman.settings; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

@@ -14,8 +14,8 @@ from ovman.agents.controls.samples import sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.change import Alteration
-from ovman.models.settings.benchmark import Mover
+from ovman.records.change import Alteration
+from ovman.settings.benchmark import Mover
 from ovman.sim import visit
 from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session

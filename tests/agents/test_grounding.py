@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from ovman.agents.reference.grounding import grounded, similarities
 from ovman.evaluation.privileged_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
-from ovman.models.settings import Reading
-from ovman.models.sighting import Sighting
 from ovman.perception.labels import NOTHING, Labels
+from ovman.records.sighting import Sighting
+from ovman.settings import Reading
 
 BAND = 0.03
 vectors = st.lists(st.floats(-1, 1), min_size=4, max_size=4).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)

@@ -7,11 +7,11 @@ import pytest
 
 from ovman.agents.interface import Abstention, AbstentionReason, Query, Relation, UniformPick
 from ovman.agents.reference.maintained import predict
-from ovman.models.settings import Need
-from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
 from ovman.perception.maintained import together
 from ovman.perception.records import read_maps
+from ovman.records.sighting import VisitPair
+from ovman.settings import Need
 from tests.arms import CONFIG
 
 CHAIR, LAMP = np.eye(2)

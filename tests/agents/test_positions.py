@@ -24,9 +24,9 @@ from ovman.agents.reference import positions_single_visit
 from ovman.agents.reference.association import Association
 from ovman.agents.reference.decision import decide
 from ovman.agents.reference.positions_two_visits import PositionsTwoVisits, answer, predict, remembered
-from ovman.models.episode import Episode
-from ovman.models.sighting import Sightings
-from ovman.models.world_state import Instance, WorldState
+from ovman.records.episode import Episode
+from ovman.records.sighting import Sightings
+from ovman.records.world_state import Instance, WorldState
 from ovman.task.world import recorded_world
 from tests.arms import CONFIG
 from tests.episodes import DATA

@@ -15,9 +15,9 @@ from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of, one_visit, single_visit_pick, two_visits
 from ovman.agents.reference.single_visit import picked
 from ovman.evaluation.scoring import success_probability
-from ovman.models.settings import Settings
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
+from ovman.settings import Settings
 from ovman.task import Instance, Query, Relation, WorldState
 
 

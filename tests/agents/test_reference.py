@@ -17,10 +17,10 @@ from ovman.evaluation.observation_store import MapsByContent, ObservationStore
 from ovman.evaluation.perceived import Perceived
 from ovman.evaluation.rollout import roll_out
 from ovman.evaluation.scoring import judged
-from ovman.models.episode import Episode
-from ovman.models.run import Rollout
-from ovman.models.settings.arms import ArmJob
 from ovman.perception.records import write_maps, write_nouns
+from ovman.records.episode import Episode
+from ovman.records.run import Rollout
+from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
 from ovman.workflow.parameter import StageSettings, canonical, stage_settings
 from tests.arms import CONFIG

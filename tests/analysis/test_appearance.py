@@ -20,13 +20,13 @@ from ovman.agents.reference.reasoning import two_visits
 from ovman.analysis.appearance import ALL, APART, READINGS, VARIANTS, Appearance, Asked, appearances, asked, pairs_of
 from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, grid, separation
 from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, AbstentionReason, Evidence
 from ovman.perception.clusters import Detection, clusters
 from ovman.perception.cues import Cues
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, AbstentionReason, Evidence
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.table import latex, markdown
-from ovman.workflow.config import ConfigError, load
+from ovman.settings.config import ConfigError, load
 from tests.arms import CONFIG
 from tests.episodes import episode_record
 from tests.report.reading import data, rows

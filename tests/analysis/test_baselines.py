@@ -18,7 +18,7 @@ from ovman.analysis.significance import Method, significance
 from ovman.analysis.spread import Pass, passes
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import Verdict, taxonomy
-from ovman.models.settings import Kind, Pair
+from ovman.settings import Kind, Pair
 from tests.analysis.fabricated import ROUND, embodied, static
 from tests.arms import CONFIG
 

@@ -30,10 +30,10 @@ from ovman.analysis.rates import (
 from ovman.analysis.significance import Method, family, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial, poisson_binomial_tail, wilson_interval
 from ovman.analysis.taxonomy import LOST, TaxonomyCount, Verdict, taxonomy, verdict
-from ovman.models.prediction import Answer, Prediction
-from ovman.models.relation import Relation
-from ovman.models.settings import Kind, Pair
-from ovman.models.settings.arms import ArmJob
+from ovman.records.prediction import Answer, Prediction
+from ovman.records.relation import Relation
+from ovman.settings import Kind, Pair
+from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import ROUND, embodied, static
 from tests.analysis.recordings import write_scene, write_visit
 from tests.arms import CONFIG

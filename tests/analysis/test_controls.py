@@ -10,12 +10,12 @@ from ovman.analysis import controls, frames
 from ovman.analysis.controls import Controlled, Judged
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
-from ovman.models.relation import Relation
-from ovman.models.settings import Kind
+from ovman.records.relation import Relation
 from ovman.report.figures import controls as figure
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.tables.controls import CHANCE, controls_table
 from ovman.report.tables.table import SECTION, markdown
+from ovman.settings import Kind
 from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG

@@ -13,11 +13,11 @@ from ovman.analysis.controls import Judged
 from ovman.analysis.coverage import STEPS, Coverage, covered, of_split
 from ovman.analysis.outcomes import StaticOutcome
 from ovman.analysis.statistics import wilson_interval
-from ovman.models.settings import Kind
 from ovman.report.figures import coverage as figure
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.tables.coverage import SHOWN, coverage_table
 from ovman.report.tables.table import markdown
+from ovman.settings import Kind
 from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import static
 from tests.arms import ARMS, CONFIG

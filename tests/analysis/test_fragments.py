@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.fragments import Target, fragments, members, target
-from ovman.models.prediction import Evidence
-from ovman.models.relation import Relation
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.maps import mapped
+from ovman.records.prediction import Evidence
+from ovman.records.relation import Relation
 from tests.analysis.fabricated import static
 from tests.episodes import released
 

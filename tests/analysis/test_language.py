@@ -19,12 +19,12 @@ from ovman.language import noun
 from ovman.language.parser import Parsed, ParseFailure
 from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, AbstentionReason, Prediction
-from ovman.models.record import lines
-from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
 from ovman.perception.records import write_maps, write_nouns
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, AbstentionReason, Prediction
+from ovman.records.record import lines
+from ovman.records.sighting import VisitPair
 from ovman.report.tables.language import language_table
 from ovman.report.tables.table import markdown
 from ovman.task import Relation

@@ -9,7 +9,7 @@ import pytest
 
 from ovman.analysis.mover import AFTER, BETWEEN_VISITS, WALKS, WHILE_ACTING, MoverDistance, mover
 from ovman.analysis.rows import read_rows
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 from ovman.report.tables.mover import mover_table
 from tests.arms import CONFIG
 from tests.episodes import DATA, released

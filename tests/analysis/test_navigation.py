@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.navigation import navigation
-from ovman.models.settings import Kind
-from ovman.models.settings.arms import ArmJob
+from ovman.settings import Kind
+from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
 
 ARMS = [

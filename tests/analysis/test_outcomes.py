@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
 from ovman.evaluation.scoring import success_probability
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.workflow.seeds import generator
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.seeds import generator
 from tests.episodes import episode_record
 
 CASE = Case("FloorPlan1/moved/0000", "FloorPlan1", Relation.MOVED, "Chair", 3, (1.0, 2.0))

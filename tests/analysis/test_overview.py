@@ -14,9 +14,9 @@ from ovman.analysis.controls import Judged
 from ovman.analysis.overview import Overview
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.statistics import wilson_interval
-from ovman.models.settings import MAIN, Kind
 from ovman.report.tables.overview import overview_table
 from ovman.report.tables.table import CONTROLS, SECTION
+from ovman.settings import MAIN, Kind
 from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG

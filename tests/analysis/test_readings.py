@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from ovman.analysis.readings import OWN, POSITIONS, HandedOver, readings
 from ovman.analysis.statistics import wilson_interval
-from ovman.models.settings import Reading
-from ovman.models.settings.arms import other_readings
 from ovman.report.tables.readings import readings_table
+from ovman.settings import Reading
+from ovman.settings.arms import other_readings
 from tests.analysis.fabricated import static
 from tests.arms import ARMS, CONFIG
 

@@ -15,7 +15,7 @@ from ovman.analysis.registry import (
     of_split,
     table_of,
 )
-from ovman.models.settings import Need
+from ovman.settings import Need
 from tests.arms import ARMS, CONFIG
 
 OF_SPLIT = [

@@ -10,17 +10,17 @@ from hypothesis import strategies as st
 from ovman.analysis.sensitivity import margins
 from ovman.generation.readmission import admitting, settings_of
 from ovman.generation.verdict import reasons
-from ovman.models.admission import Admission
-from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration
-from ovman.models.geometry import Spawn
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.sighting import Sighting, VisitPair
-from ovman.models.tour import Tour
-from ovman.models.trial import Trial, TrialMeasurement
-from ovman.models.world_state import Instance, WorldState
-from ovman.workflow.config import ConfigError, load
+from ovman.records.admission import Admission
+from ovman.records.candidate import Candidate
+from ovman.records.change import Alteration
+from ovman.records.geometry import Spawn
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.sighting import Sighting, VisitPair
+from ovman.records.tour import Tour
+from ovman.records.trial import Trial, TrialMeasurement
+from ovman.records.world_state import Instance, WorldState
+from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.test_arm_names import overlay

@@ -11,13 +11,13 @@ from ovman.agents import category_only
 from ovman.analysis import frames
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.shortcuts import Shortcut, shortcuts
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.relation import Relation
-from ovman.models.settings import Kind
-from ovman.models.world_state import WorldState
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.relation import Relation
+from ovman.records.world_state import WorldState
 from ovman.report.tables.shortcuts import OTHERS, shortcuts_table
 from ovman.report.tables.table import SECTION, markdown
+from ovman.settings import Kind
 from ovman.task import category_pick
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ovman.analysis.comparisons import among
 from ovman.analysis.significance import Method, significance
 from ovman.analysis.statistics import holm, mcnemar_exact, poisson_binomial_tail
-from ovman.models.settings import Pair
+from ovman.settings import Pair
 from tests.analysis.fabricated import embodied, static
 from tests.arms import ARMS, CONFIG
 

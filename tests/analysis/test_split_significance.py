@@ -10,9 +10,9 @@ from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.significance import Method
 from ovman.analysis.split_significance import SplitComparison
 from ovman.analysis.statistics import mcnemar_exact
-from ovman.models.settings import Kind
 from ovman.report.tables.split_significance import split_significance_table
 from ovman.report.tables.table import markdown
+from ovman.settings import Kind
 from ovman.workflow.parameter import stage_settings
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from ovman.analysis.navigation import navigation
 from ovman.analysis.outcomes import Case, static_outcomes
 from ovman.analysis.taxonomy import LOST, Verdict, taxonomy, verdict
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, AbstentionReason, Answer, Prediction
-from ovman.models.settings import Kind
-from ovman.models.settings.arms import ArmJob
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction
+from ovman.settings import Kind
+from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
 from tests.episodes import TARGET, episode_record
 

@@ -34,15 +34,15 @@ from ovman.dataset.tours import intrinsics
 from ovman.entry.tour_cache import VISITS, TourCache
 from ovman.evaluation.context import agent_settings
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.episode import Episode, episode_lines
-from ovman.models.prediction import Prediction
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings.benchmark import Camera as Lens
-from ovman.models.visit_files import VisitFiles, VisitManifest
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.processes import HOST
+from ovman.records.episode import Episode, episode_lines
+from ovman.records.prediction import Prediction
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.records.visit_files import VisitFiles, VisitManifest
+from ovman.settings.benchmark import Camera as Lens
 from ovman.sim.change import World, dynamic
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views

@@ -9,10 +9,10 @@ from pyarrow import parquet
 
 from ovman.dataset import answers, episodes, tours
 from ovman.dataset.making import CROISSANT, SUMS, ZENODO, read_sums
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
-from ovman.models.settings import splits_of
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
+from ovman.settings import splits_of
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.models.settings import MAIN
+from ovman.settings import MAIN
 from tests.entry.evaluations import DEPTH, SCENE, command
 from tests.shared import made_once
 

@@ -20,10 +20,10 @@ from ovman.agents.interface import Action
 from ovman.cli import main
 from ovman.entry.manifest import Manifest, Where
 from ovman.leaderboard.standing import first_attempts
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings import MAIN
+from ovman.records.relation import Relation
+from ovman.records.run import Score
 from ovman.remote.line import Line
+from ovman.settings import MAIN
 from ovman_client import Action as ClientAction
 from ovman_client import Server
 from tests.arms import CONFIG

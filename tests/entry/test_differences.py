@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.entry.differences import METRES, MISSING, PIXELS, SPL, compared, flat, unit_of
-from ovman.models.run import Score
+from ovman.records.run import Score
 
 STOPPED = Score.from_json(
     {

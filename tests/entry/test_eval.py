@@ -25,10 +25,10 @@ from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summary_of
 from ovman.entry.tour_cache import recording_key
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.run import Score
-from ovman.models.settings import MAIN, Kind
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.run import Score
+from ovman.settings import MAIN, Kind
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, ROOT, of_scene, released

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings import MAIN
+from ovman.settings import MAIN
 from tests.entry.evaluations import SCENE, WANDERER
 from tests.episodes import ROOT
 

@@ -13,7 +13,7 @@ import yaml
 from ovman.entry.manifest import read_manifest
 from ovman.entry.replay import replay_settings
 from ovman.entry.verification import measurement_key
-from ovman.models.run import Score
+from ovman.records.run import Score
 from ovman.workflow.journal import Journal, contents
 from tests.arms import CONFIG
 from tests.entry.evaluations import DEPTH, ORACLE, SCENE, command

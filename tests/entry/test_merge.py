@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings import MAIN
+from ovman.settings import MAIN
 from tests.entry.evaluations import DEPTH, SCENE, SECOND_SCENE, command, lines
 from tests.episodes import ROOT
 

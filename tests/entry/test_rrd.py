@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from ovman.models.run import Score
 from ovman.playback import command as playback
+from ovman.records.run import Score
 from tests.entry.evaluations import SCENE, command
 from tests.episodes import DATA, of_scene
 

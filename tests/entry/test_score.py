@@ -19,8 +19,8 @@ from ovman.cli import main
 from ovman.entry.release import Release
 from ovman.entry.score import score_file
 from ovman.entry.score_page import as_json, as_text
-from ovman.models.episode import Episode
-from ovman.models.settings import MAIN
+from ovman.records.episode import Episode
+from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, released
 

@@ -6,9 +6,9 @@ import shutil
 
 import pytest
 
-from ovman.models.episode import episode_lines
-from ovman.models.run import Score
 from ovman.playback.command import show
+from ovman.records.episode import episode_lines
+from ovman.records.run import Score
 from tests.entry.evaluations import SCENE, lines
 from tests.episodes import DATA, ROOT, of_scene
 from tests.report.show.html_reader import Page

@@ -11,8 +11,8 @@ import pytest
 
 from ovman.entry import command as entry
 from ovman.entry.verification import verify
-from ovman.models.run import Score
-from ovman.models.settings import MAIN
+from ovman.records.run import Score
+from ovman.settings import MAIN
 from ovman.workflow.journal import Journal
 from tests.entry.evaluations import ORACLE, SCENE, WANDERER, command, lines, moving
 

@@ -11,17 +11,17 @@ from ovman.evaluation.ablated_tours import nearest_free
 from ovman.evaluation.ablated_tours import run as record_all
 from ovman.evaluation.ablation import run, variant
 from ovman.evaluation.tours import record_tour
-from ovman.models.change import Change
-from ovman.models.episode import Episode
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.sensors import Light, Sensors
-from ovman.models.sighting import VisitPair
-from ovman.models.tour import Tour
-from ovman.models.variant import VARIANTS, Setting
-from ovman.models.visit import Visit
-from ovman.models.visit_files import VisitManifest
+from ovman.records.change import Change
+from ovman.records.episode import Episode
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.sensors import Light, Sensors
+from ovman.records.sighting import VisitPair
+from ovman.records.tour import Tour
+from ovman.records.variant import VARIANTS, Setting
+from ovman.records.visit import Visit
+from ovman.records.visit_files import VisitManifest
 from ovman.sim.session import Session, SimulatorError
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG

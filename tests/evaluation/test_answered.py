@@ -32,13 +32,13 @@ from ovman.evaluation import rollouts
 from ovman.evaluation.context import RolloutContext
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.recorded_tour import recorded
-from ovman.models.prediction import Prediction, as_recorded
-from ovman.models.query import Query
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.run import Rollout
-from ovman.models.settings.arms import arms_of
-from ovman.models.visit_files import TourError
+from ovman.records.prediction import Prediction, as_recorded
+from ovman.records.query import Query
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.run import Rollout
+from ovman.records.visit_files import TourError
+from ovman.settings.arms import arms_of
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG
 from tests.episodes import EPISODES, of_scene

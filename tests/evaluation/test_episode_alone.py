@@ -13,11 +13,11 @@ from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.scores import score
 from ovman.evaluation.tours import record_tour
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.relation import Relation
-from ovman.models.run import Rollout, Score
-from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.relation import Relation
+from ovman.records.run import Rollout, Score
+from ovman.records.sighting import Sighting, Sightings, VisitPair
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS

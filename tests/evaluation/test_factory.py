@@ -11,8 +11,8 @@ from ovman.agents.interface import Action, Agent, Answer, Visit
 from ovman.evaluation.observation_store import ObservationStore
 from ovman.evaluation.predictions import predict
 from ovman.evaluation.supervision import AgentError, Supervised, failures, function
-from ovman.models.settings import Arm, Kind
-from ovman.models.settings.arms import ArmJob
+from ovman.settings import Arm, Kind
+from ovman.settings.arms import ArmJob
 from ovman.task import Query, Relation
 from ovman.workflow.parameter import stage_settings
 from tests.arms import BY_NAME, CONFIG

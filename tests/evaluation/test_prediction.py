@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.models.prediction import Abstention, AbstentionReason, Answer, Evidence, Prediction, UniformBox, UniformPick
-from ovman.models.record import RecordError, lines
-from ovman.models.settings import Kind, of_kind
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Evidence, Prediction, UniformBox, UniformPick
+from ovman.records.record import RecordError, lines
+from ovman.settings import Kind, of_kind
 from tests.arms import ARMS
 from tests.episodes import DATA
 

@@ -13,10 +13,10 @@ import pytest
 
 from ovman.evaluation import predictions
 from ovman.evaluation.supervision import AgentError
-from ovman.models.prediction import Prediction
 from ovman.perception.clusters import Cluster
 from ovman.perception.labels import Labels, write_labels
 from ovman.perception.records import write_maps, write_nouns
+from ovman.records.prediction import Prediction
 from ovman.task.world import recorded_world
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG

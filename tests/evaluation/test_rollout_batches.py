@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation import rollouts
-from ovman.models.record import lines
-from ovman.models.settings import MAIN, scenes_of, splits_of
+from ovman.records.record import lines
+from ovman.settings import MAIN, scenes_of, splits_of
 from ovman.sim import controller
 from ovman.workflow.batches import batches
 from ovman.workflow.parameter import stage_settings

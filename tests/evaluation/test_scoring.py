@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation.scoring import success_probability
-from ovman.models.prediction import UniformBox, UniformPick
+from ovman.records.prediction import UniformBox, UniformPick
 
 RADIUS = 1.0
 coordinate = st.floats(-4, 4).map(lambda value: round(value, 3))

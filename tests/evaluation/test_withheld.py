@@ -16,10 +16,10 @@ from ovman.evaluation.supervision import AgentError
 from ovman.evaluation.withheld import asked, categories_in
 from ovman.language import noun
 from ovman.language.vocabulary import nouns
-from ovman.models.settings import Need, Withheld
-from ovman.models.settings.arms import ArmJob
-from ovman.models.sighting import VisitPair
 from ovman.perception.clusters import Cluster
+from ovman.records.sighting import VisitPair
+from ovman.settings import Need, Withheld
+from ovman.settings.arms import ArmJob
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, released

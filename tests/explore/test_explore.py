@@ -18,9 +18,9 @@ from ovman.explore.page import page
 from ovman.explore.reading import NONE, reading
 from ovman.explore.records import Records, read
 from ovman.explore.setting import in_force, positions
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.settings import MAIN
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.episodes import DATA
 

@@ -11,23 +11,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ovman import seeds
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.release import ShortSplitError, episode, known, rejection, run, sightings, trial_digest
 from ovman.generation.selection import Size, select, size
 from ovman.generation.verdict import reasons, verdict
-from ovman.models.certification import Certification, OracleRun
-from ovman.models.change import Alteration, Roam
-from ovman.models.episode import Episode
-from ovman.models.geometry import Position
-from ovman.models.record import lines
-from ovman.models.rejection import Rejection, RejectionStage
-from ovman.models.relation import Relation
-from ovman.models.settings import MAIN
-from ovman.models.sighting import Sighting, Sightings, VisitPair
-from ovman.models.trial import Bound, Displaced, Trial
-from ovman.models.world_state import Instance, WorldState
-from ovman.workflow import seeds
+from ovman.records.certification import Certification, OracleRun
+from ovman.records.change import Alteration, Roam
+from ovman.records.episode import Episode
+from ovman.records.geometry import Position
+from ovman.records.record import lines
+from ovman.records.rejection import Rejection, RejectionStage
+from ovman.records.relation import Relation
+from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.trial import Bound, Displaced, Trial
+from ovman.records.world_state import Instance, WorldState
+from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.episodes import DATA
 

@@ -13,9 +13,9 @@ from ovman.generation.candidates import candidates, eligible, targets
 from ovman.generation.placement import FreeFloor
 from ovman.generation.protocol import main_drawing
 from ovman.generation.spawning import spawn_away
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
 from tests.arms import CONFIG
 from tests.generation.test_placement import thing
 

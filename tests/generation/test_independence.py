@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.generation.independence import independent, left_out, tour_pair
-from ovman.models.relation import Relation
-from ovman.models.sighting import VisitPair
+from ovman.records.relation import Relation
+from ovman.records.sighting import VisitPair
 from tests.generation.test_boundaries import TRIALS, admitted, measured
 
 CAME, WENT, ELSE = Relation.APPEARED, Relation.REMOVED, Relation.MOVED

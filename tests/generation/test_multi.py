@@ -14,13 +14,13 @@ from ovman.generation import multi, release
 from ovman.generation.protocol import Drawing, tours
 from ovman.generation.release import ShortSplitError
 from ovman.generation.verdict import _recorded
-from ovman.models.candidate import Candidate
-from ovman.models.query import Query
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.settings.benchmark import PerRelation
-from ovman.models.world_state import Instance, WorldState
+from ovman.records.candidate import Candidate
+from ovman.records.query import Query
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.world_state import Instance, WorldState
+from ovman.settings.benchmark import PerRelation
 from ovman.task import referents
 from tests.arms import CONFIG
 from tests.generation.test_candidates import room

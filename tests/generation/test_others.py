@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ovman import seeds
 from ovman.generation.beside import Beside
 from ovman.generation.candidates import candidates
 from ovman.generation.others import PLACED
@@ -20,16 +21,15 @@ from ovman.generation.roaming import side
 from ovman.generation.script import KIND_OF
 from ovman.generation.sight import Sight
 from ovman.generation.verdict import against_observations
-from ovman.models.candidate import Candidate
-from ovman.models.change import Alteration, Roam
-from ovman.models.rejection import Rejection
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.settings import SecondTour
-from ovman.models.sighting import VisitPair
-from ovman.models.trial import Displaced, TrialMeasurement
+from ovman.records.candidate import Candidate
+from ovman.records.change import Alteration, Roam
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.sighting import VisitPair
+from ovman.records.trial import Displaced, TrialMeasurement
+from ovman.settings import SecondTour
 from ovman.sim.mover import Mover, walk
-from ovman.workflow import seeds
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA

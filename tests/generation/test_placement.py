@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from ovman.generation.candidates import eligible, targets
 from ovman.generation.placement import FreeFloor, floor_spots, surface_spots
-from ovman.models.geometry import Position
-from ovman.models.scene import Scene, SceneObject
+from ovman.records.geometry import Position
+from ovman.records.scene import Scene, SceneObject
 
 
 def thing(name, category, x, z, size=(0.4, 0.8, 0.4), y=None, moveable=True):

@@ -19,7 +19,7 @@ from ovman.generation.placement import (
     spots,
     surface_spots,
 )
-from ovman.models.geometry import Position
+from ovman.records.geometry import Position
 from ovman.sim.change import AGENT_RADIUS_M
 from tests.generation.test_candidates import room
 from tests.generation.test_placement import thing

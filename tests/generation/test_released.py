@@ -8,18 +8,18 @@ from typing import Any
 
 import pytest
 
+from ovman import seeds
 from ovman.generation import candidates, others, release, verdict
 from ovman.generation.beside import Beside
 from ovman.generation.candidates import Asked
 from ovman.generation.protocol import drawings
-from ovman.models.candidate import Candidate
-from ovman.models.certification import Certification
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.scene import Scene
-from ovman.models.trial import Trial, Verdict
+from ovman.records.candidate import Candidate
+from ovman.records.certification import Certification
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
+from ovman.records.trial import Trial, Verdict
 from ovman.shipped import HOME
-from ovman.workflow import seeds
 from tests.arms import CONFIG
 from tests.episodes import DATA
 

@@ -15,11 +15,11 @@ from ovman.generation.certification import oracle_run
 from ovman.generation.protocol import Drawing
 from ovman.generation.release import episode
 from ovman.generation.trials import Trials
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.trial import Trial
-from ovman.models.visit import Visit
-from ovman.models.visit_files import VisitFiles
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.trial import Trial
+from ovman.records.visit import Visit
+from ovman.records.visit_files import VisitFiles
 from ovman.sim.session import Session
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG

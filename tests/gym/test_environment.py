@@ -21,8 +21,8 @@ from ovman.gym.environment import Environment
 from ovman.gym.playing import play
 from ovman.gym.questions import Order
 from ovman.gym.spaces import ACTIONS, CATEGORIES, RELATIONS
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT, of_scene
 

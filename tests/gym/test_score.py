@@ -11,9 +11,9 @@ import pytest
 import ovman.gym
 from ovman.cli import main
 from ovman.gym.playing import play
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.run import Score
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.run import Score
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT, of_scene
 

@@ -9,7 +9,7 @@ from ovman.language.held_out import read_held_out
 from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import nouns
 from ovman.language.words import words
-from ovman.workflow.seeds import generator
+from ovman.seeds import generator
 
 FORMS_PER_RELATION = 12
 

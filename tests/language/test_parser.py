@@ -12,7 +12,7 @@ from ovman.language.forms import FORMS, drawn, sentences
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import all_nouns, nouns
-from ovman.workflow.seeds import generator
+from ovman.seeds import generator
 from ovman_engine.plan import floorplan
 
 QUERIES = st.tuples(st.sampled_from(RELATIONS), st.sampled_from(all_nouns()))

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.navigation import Grid, Navigator, geodesic_m
-from ovman.workflow.config import load
+from ovman.settings.config import load
 
 PRIMITIVES = load(Path(__file__).parents[2] / "config.yaml").primitives
 

@@ -14,8 +14,8 @@ from safetensors.torch import save_file
 
 from ovman.perception import detector, encoder, networks, towers, yolo
 from ovman.perception.weights import WeightsError
+from ovman.settings.config import load
 from ovman.shipped import HOME
-from ovman.workflow.config import load
 from tests.networks import ultralytics_own
 from tests.workflow.test_reruns import merged
 

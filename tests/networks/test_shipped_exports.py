@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import torch
 
+from ovman import seeds
 from ovman.agents.cow.relevance import prompt
 from ovman.cli import main
 from ovman.export.phrases import embedded
@@ -16,13 +17,12 @@ from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, exporting, networks, towers, yolo
 from ovman.perception.graph import Graph
 from ovman.perception.phrases import Phrases
+from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
 from ovman.training.floorplans import floor_plans
 from ovman.training.localisation import views
-from ovman.workflow import seeds
-from ovman.workflow.config import load
 from tests.networks import ultralytics_own
 
 pytestmark = [pytest.mark.networks, pytest.mark.usefixtures("one_tokenizer")]

@@ -16,8 +16,8 @@ from ovman.kernels import runs_one_kernel
 from ovman.perception import networks, weights
 from ovman.perception.graph import Graph
 from ovman.perception.phrases import Phrases
+from ovman.settings.config import load
 from ovman.shipped import HOME
-from ovman.workflow.config import load
 from tests.perception.refused import line
 
 MODELS = HOME / "models"
@@ -63,7 +63,7 @@ absent = sys.argv[3:]
 sys.modules.update(dict.fromkeys(absent))
 from pathlib import Path
 import numpy as np
-from ovman.workflow.config import load
+from ovman.settings.config import load
 settings = load(Path(sys.argv[1]))
 if sys.argv[2] == "host":
     import ovman.remote.host

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.models.visit_files import FILES, TourError, seal
 from ovman.perception.tour_files import digest, tour
+from ovman.records.visit_files import FILES, TourError, seal
 
 VISIT = {
     "views": [

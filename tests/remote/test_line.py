@@ -16,9 +16,9 @@ from websockets.sync.server import serve
 
 from ovman.agents.interface import CameraPose, Observation
 from ovman.evaluation.supervision import AgentError
-from ovman.models.settings.remote import Remote
 from ovman.remote.agent import RemoteAgent, Tours
 from ovman.remote.line import MAX_REPLY, Line, LineLost
+from ovman.settings.remote import Remote
 from ovman_client import MessageError
 from ovman_client.messages import PROTOCOL, packed, unpacked
 from tests.remote.plain_agent import PlainServer

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings.remote import Remote
 from ovman.remote.line import LineLost
 from ovman.remote.process import AgentProcess
+from ovman.settings.remote import Remote
 
 LIMITS = {
     "connect_s": 20,

@@ -10,8 +10,8 @@ from types import SimpleNamespace
 import pandas as pd
 
 from ovman.analysis import frames
-from ovman.models.settings import Arm
 from ovman.report.tables.table import Table, csv_text
+from ovman.settings import Arm
 from tests.arms import ARMS, CONFIG
 
 

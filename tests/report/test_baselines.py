@@ -10,8 +10,6 @@ from ovman.analysis.pairings import Pairing, pairings
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.scenes import SceneRate, scenes
 from ovman.analysis.spread import Pass, passes
-from ovman.models.settings import Kind, Source
-from ovman.models.settings.arms import ArmJob
 from ovman.report.tables.dualmap import dualmap_table
 from ovman.report.tables.own_task import own_task_table
 from ovman.report.tables.rates import embodied_table, static_table
@@ -20,6 +18,8 @@ from ovman.report.tables.seeds import seeds_table
 from ovman.report.tables.significance import pairings_table
 from ovman.report.tables.table import SECTION, latex, markdown
 from ovman.report.tables.table import csv_text as table_csv
+from ovman.settings import Kind, Source
+from ovman.settings.arms import ArmJob
 from tests.analysis.fabricated import embodied, static
 from tests.arms import CONFIG
 from tests.report.reading import data, rows, settings

@@ -6,9 +6,9 @@ import json
 import shutil
 
 from ovman.report.compare import compare
+from ovman.settings.config import load, load_files
+from ovman.settings.settings_files import read
 from ovman.shipped import EMBEDDED, HOME
-from ovman.workflow.config import load, load_files
-from ovman.workflow.settings_files import read
 
 RELEASE = HOME / EMBEDDED
 CONFIG = HOME / "config.yaml"

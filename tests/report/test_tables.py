@@ -15,14 +15,14 @@ from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.analysis.registry import METRICS, compared, in_tables
-from ovman.models.settings import Need, arms_of
 from ovman.report.tables import stages
 from ovman.report.tables.constants import KEYS, constants_table, value_text
 from ovman.report.tables.rejections import RejectionCount, rejections_table
 from ovman.report.tables.specs import SPECS
 from ovman.report.tables.table import csv_text as table_csv
+from ovman.settings import Need, arms_of
+from ovman.settings.config import load
 from ovman.task import Relation
-from ovman.workflow.config import load
 from tests.report.reading import settings
 
 REJECTIONS_MD = """\

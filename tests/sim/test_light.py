@@ -10,9 +10,9 @@ import pytest
 
 from ovman.agents.interface import Action, Visit
 from ovman.evaluation.rollout import roll_out
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.sensors import Light
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.sensors import Light
 from ovman.sim import visit
 from ovman.sim.change import World
 from ovman.sim.session import AgentPose, Session

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.models.change import MoverStart, Roam
-from ovman.models.settings.benchmark import Mover as MoverParams
+from ovman.records.change import MoverStart, Roam
+from ovman.settings.benchmark import Mover as MoverParams
 from ovman.sim.mover import WAYS, Mover, walk
 
 PARAMS = MoverParams(step_m=0.1, pause_probability=0.1, turn_probability=0.1)

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from ovman.agents.interface import Action, Visit
 from ovman.evaluation.recorded_tour import recorded
 from ovman.evaluation.rollout import roll_out
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.sensors import Light, Sensors
-from ovman.models.settings.sensors import Errors
-from ovman.models.tour import Tour
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.sensors import Light, Sensors
+from ovman.records.tour import Tour
+from ovman.settings.sensors import Errors
 from ovman.sim import visit
 from ovman.sim.change import World
 from ovman.sim.sensing import Sensing, placed

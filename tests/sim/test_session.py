@@ -12,10 +12,10 @@ import time
 import pytest
 
 from ovman.generation import candidates, scenes, trials
+from ovman.settings.config import load
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import DEATHS, Session, SimulatorDied
-from ovman.workflow.config import load
 from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.workflow.test_reruns import TREE, merged

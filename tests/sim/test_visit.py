@@ -10,14 +10,14 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.models.change import Alteration, Roam
-from ovman.models.settings.benchmark import Mover
-from ovman.models.tour import Tour
-from ovman.models.visit import Visit
+from ovman.records.change import Alteration, Roam
+from ovman.records.tour import Tour
+from ovman.records.visit import Visit
+from ovman.settings.benchmark import Mover
+from ovman.settings.config import load
 from ovman.sim import controller, visit
 from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
-from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]

@@ -15,17 +15,17 @@ from hypothesis import strategies as st
 
 from ovman.generation.placement import FreeFloor
 from ovman.generation.roaming import roam
-from ovman.models.change import Alteration
-from ovman.models.scene import Scene
-from ovman.models.settings.benchmark import Mover
-from ovman.models.tour import Tour
-from ovman.models.visit import Visit
 from ovman.navigation import Grid, farthest_points
+from ovman.records.change import Alteration
+from ovman.records.scene import Scene
+from ovman.records.tour import Tour
+from ovman.records.visit import Visit
+from ovman.settings.benchmark import Mover
+from ovman.settings.config import load
 from ovman.sim import visit, walk
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.episodes import DATA
 

@@ -12,18 +12,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.models.change import Alteration, MoverStart, Roam
-from ovman.models.episode import Episode, episode_lines
-from ovman.models.measurement import Measurement
-from ovman.models.query import Query
-from ovman.models.record import RecordError, line, records, rounded
-from ovman.models.rejection import Rejection, RejectionStage
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
-from ovman.models.settings.benchmark import Success
-from ovman.models.sighting import Sightings, VisitPair
+from ovman.records.change import Alteration, MoverStart, Roam
+from ovman.records.episode import Episode, episode_lines
+from ovman.records.measurement import Measurement
+from ovman.records.query import Query
+from ovman.records.record import RecordError, line, records, rounded
+from ovman.records.rejection import Rejection, RejectionStage
+from ovman.records.relation import Relation
+from ovman.records.sighting import Sightings, VisitPair
+from ovman.settings import Settings
+from ovman.settings.benchmark import Success
+from ovman.settings.config import load
 from ovman.task import referents, success
-from ovman.workflow.config import load
 from tests.episodes import DATA
 
 ROOT = Path(__file__).parents[2]

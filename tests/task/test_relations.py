@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from ovman.models.change import MoverRecord
-from ovman.models.settings import Settings
+from ovman.records.change import MoverRecord
+from ovman.settings import Settings
 from ovman.task import (
     Inadmissible,
     Instance,

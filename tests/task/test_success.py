@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.models.run import Terms
-from ovman.models.settings.benchmark import Success
+from ovman.records.run import Terms
+from ovman.settings.benchmark import Success
 from ovman.task import Measurement, Relation, spl, success, visible
 
 CONSTANTS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))

@@ -11,9 +11,9 @@ from safetensors.numpy import save_file
 
 from ovman.analysis.frames import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
+from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.training import cards
-from ovman.workflow.config import load
 from ovman.workflow.parameter import canonical
 
 CONFIG = load(Path(__file__).parents[2] / "config.yaml")

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.models.settings.benchmark import FLOOR_PLANS
+from ovman.settings.benchmark import FLOOR_PLANS
 from ovman.training.floorplans import floor_plans
 
 

@@ -3,13 +3,13 @@ import json
 import numpy as np
 import pytest
 
+from ovman.seeds import generator
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 from ovman.training.crops import Crops, true_crops
 from ovman.training.picture_files import read, recorded
 from ovman.training.pictures import VIEWS_A_DRAW, pictures
 from ovman.training.recording import write
-from ovman.workflow.seeds import generator
 
 COUNT = VIEWS_A_DRAW + 2
 

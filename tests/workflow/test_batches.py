@@ -7,7 +7,7 @@ import re
 
 import yaml
 
-from ovman.models.settings import Kind, Need
+from ovman.settings import Kind, Need
 from ovman.workflow.resources import PROFILE
 from tests.workflow import forked
 from tests.workflow.conftest import ROOT, TINY, World

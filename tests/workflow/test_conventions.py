@@ -20,7 +20,8 @@ from snakemake.settings.types import ResourceSettings
 from snakemake.workflow import Workflow
 
 from ovman.cli import main
-from ovman.workflow import schema, snakemake_internals
+from ovman.settings import schema
+from ovman.workflow import snakemake_internals
 from ovman.workflow.lint import EXPLAINED, findings
 from tests.workflow.conftest import ROOT, TINY
 
@@ -29,7 +30,7 @@ SCHEMA = json.loads(schema.FILE.read_text())
 
 
 def test_the_schema_is_that_of_the_models():
-    assert schema.FILE.read_text() == schema.schema_text(), "the models have changed: python -m ovman.workflow.schema"
+    assert schema.FILE.read_text() == schema.schema_text(), "the models have changed: python -m ovman.settings.schema"
 
 
 def test_the_schema_accepts_the_settings_and_refuses_others():

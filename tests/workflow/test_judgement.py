@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shutil
 
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 from tests.workflow.conftest import World
 from tests.workflow.test_reruns import CONFIG
 

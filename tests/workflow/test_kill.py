@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from ovman.atomic import remove
-from ovman.models.settings import Kind, Need, arms_of, of_kind
+from ovman.settings import Kind, Need, arms_of, of_kind
 from tests.workflow.conftest import ROOT, World
 from tests.workflow.test_reruns import CONFIG
 

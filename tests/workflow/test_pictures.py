@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings import Kind, Need, arms_of, of_kind
-from ovman.workflow.config import load_files
+from ovman.settings import Kind, Need, arms_of, of_kind
+from ovman.settings.config import load_files
 from tests.workflow.conftest import ROOT, TINY, World
 
 pytestmark = pytest.mark.soak

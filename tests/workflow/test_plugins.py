@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from ovman.models.note import Note, NoteError, sentence
+from ovman.records.note import Note, NoteError, sentence
 from tests.workflow.conftest import World
 
 PLUGIN = '''
 from pathlib import Path
 
-from ovman.models.settings import Section
-from ovman.workflow.plugins import Plugin
+from ovman.settings import Section
+from ovman.settings.plugins import Plugin
 
 
 class Weather(Section):

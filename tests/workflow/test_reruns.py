@@ -9,10 +9,11 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.models.settings import Arm, Kind, in_main_job
-from ovman.workflow.config import load
-from ovman.workflow.parameter import flat, own_constants
-from ovman.workflow.stages import STAGES, matching, owned
+from ovman.settings import Arm, Kind, in_main_job
+from ovman.settings.config import load
+from ovman.settings.settings import matching
+from ovman.workflow.parameter import own_constants
+from ovman.workflow.stages import STAGES, owned
 from tests.workflow.conftest import ROOT, TINY
 
 # Sentences are asked of the reference agent: after a colon is whose predictions do not lead to them.
@@ -160,7 +161,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 
 TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
-VALUES = flat(CONFIG)
+VALUES = CONFIG.constants()
 IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits[name].arms}
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
 ASKED_AGAIN = {CONFIG.comparisons.agent, CONFIG.comparisons.memory.baseline, CONFIG.appearance.agent}

@@ -18,11 +18,11 @@ import yaml
 
 from ovman.cli import main
 from ovman.doctor.results import Results, check
-from ovman.models.settings import Kind, Need, arms_of
 from ovman.report import archive, layout, restore
 from ovman.report.release import release
+from ovman.settings import Kind, Need, arms_of
+from ovman.settings.config import load_files
 from ovman.workflow import made, provenance
-from ovman.workflow.config import load_files
 from ovman.workflow.differences import differences
 from tests.arms import ARMS
 from tests.workflow.conftest import ROOT, SNAKEMAKE, TINY, World

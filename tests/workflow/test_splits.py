@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.episode import Episode
-from ovman.models.settings import Kind, arms_of
-from ovman.models.sighting import Sightings
-from ovman.models.variant import VARIANTS
+from ovman.records.episode import Episode
+from ovman.records.sighting import Sightings
+from ovman.records.variant import VARIANTS
 from ovman.report.show.results import Results
+from ovman.settings import Kind, arms_of
 from ovman.task import referents
 from ovman.workflow.parameter import stage_settings
 from tests.workflow.conftest import World

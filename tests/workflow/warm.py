@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from snakemake.cli import get_argument_parser
 
-from ovman.workflow.config import load
+from ovman.settings.config import load
 from ovman.workflow.provenance import code_digest, module_digest, remember
 from ovman.workflow.stages import STAGES
 from tests.workflow.forked import ROOT, SOURCES

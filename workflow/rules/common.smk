@@ -3,7 +3,7 @@
 import functools
 
 from ovman.analysis.registry import compared, drawn, in_all_tables, in_split_tables, in_tables, of_stage
-from ovman.models.settings import (
+from ovman.settings import (
     Kind,
     Need,
     Withheld,
@@ -16,12 +16,12 @@ from ovman.models.settings import (
     scenes_of,
     splits_of,
 )
-from ovman.models.variant import VARIANTS
+from ovman.records.variant import VARIANTS
 from ovman.workflow.batches import batches
-from ovman.workflow.config import ConfigError, load
+from ovman.settings.config import ConfigError, load
 from ovman.workflow.fork_server import ForkServer
 from ovman.workflow.parameter import canonical
-from ovman.workflow.plugins import plugins_of
+from ovman.settings.plugins import plugins_of
 from ovman.perception.weights import beside, is_graph, located
 from ovman.workflow.snakefile import check_agents, prepare, print_deaths
 from ovman.workflow.snakemake_internals import fork_scripts, go_before, group_like, lift_rate_limit, overlays

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections, readmitted_maps
+from ovman.records.visit_files import VisitManifest
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

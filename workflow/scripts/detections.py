@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections
+from ovman.records.episode import Episode
+from ovman.records.visit_files import VisitManifest
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

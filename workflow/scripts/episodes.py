@@ -1,7 +1,7 @@
 """Stage `episodes`: a released split, and the audit of what was rejected."""
 
 from ovman.generation import release
-from ovman.models.settings import MAIN
+from ovman.settings import MAIN
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.sighting import VisitPair
-from ovman.models.visit_files import VisitManifest
 from ovman.perception import detections, readmitted_maps
+from ovman.records.episode import Episode
+from ovman.records.sighting import VisitPair
+from ovman.records.visit_files import VisitManifest
 from ovman.workflow.job import job
 from ovman.workflow.provenance import digest
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from ovman.agents.dualmap import walks
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

@@ -8,7 +8,7 @@ from ovman.agents.answered import Driver, driver
 from ovman.agents.controls.difference import DifferenceAgent, answer
 from ovman.agents.controls.samples import Shown
 from ovman.agents.interface import Abstention, AgentContext, Answer, PredictionContext, Query
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 
 
 def nearer(shown: Shown, settings: Settings) -> np.ndarray:

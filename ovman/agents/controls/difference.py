@@ -15,8 +15,8 @@ import numpy as np
 from ovman.agents.controls.samples import Shown, sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
-from ovman.models.prediction import as_recorded
-from ovman.models.settings import Settings
+from ovman.records.prediction import as_recorded
+from ovman.settings import Settings
 
 Differs = Callable[[Shown, Settings], np.ndarray]
 """By how much (k,) a frame of the other tour says that something else is at k places: more than 0 if so, less if it is the same,

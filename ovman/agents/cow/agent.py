@@ -15,8 +15,8 @@ from ovman.agents.cow.scan import Scan, scan, square
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
-from ovman.models.settings.baselines import Cow
-from ovman.models.settings.benchmark import Primitives
+from ovman.settings.baselines import Cow
+from ovman.settings.benchmark import Primitives
 
 
 class Mode(StrEnum):

@@ -6,7 +6,7 @@ import numpy as np
 from scipy import ndimage
 
 from ovman.agents.cow.voxel_map import EIGHT, Cell, VoxelMap, VoxelState
-from ovman.models.settings.baselines import Cow
+from ovman.settings.baselines import Cow
 
 
 def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]:

@@ -8,10 +8,10 @@ import numpy as np
 
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.models.settings import Settings
-from ovman.models.settings.baselines import Cow
 from ovman.perception.crop import crop
 from ovman.perception.protocols import ImageTextEncoder, Segmenter
+from ovman.settings import Settings
+from ovman.settings.baselines import Cow
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

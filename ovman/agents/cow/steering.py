@@ -8,8 +8,8 @@ import math
 from ovman.agents.cow.odometry import Pose
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action
-from ovman.models.settings.baselines import Cow
-from ovman.models.settings.benchmark import Primitives
+from ovman.settings.baselines import Cow
+from ovman.settings.benchmark import Primitives
 
 
 def turns(by: int) -> tuple[Action, ...]:

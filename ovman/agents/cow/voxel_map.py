@@ -11,7 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from ovman.agents.cow.scan import Scan
-from ovman.models.settings.baselines import Cow
+from ovman.settings.baselines import Cow
 
 Cell = tuple[int, int]
 

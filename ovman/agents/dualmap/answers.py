@@ -19,8 +19,8 @@ from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer,
 from ovman.agents.reference.grounding import similarities
 from ovman.agents.reference.reasoning import two_visits_recorded
 from ovman.language import noun
-from ovman.models.settings import Need
 from ovman.perception.object_map import ObjectMap
+from ovman.settings import Need
 
 
 def predict_maintained(query: Query, context: PredictionContext) -> tuple[Answer | UniformPick | Abstention, None]:

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from ovman import seeds
 from ovman.agents.dualmap.mapped import Mapped, Pair, RunMaps, write
 from ovman.agents.dualmap.observation_records import Walk, read_walks
 from ovman.agents.dualmap.readings import Maintained, Run
-from ovman.models.episode import Episode, root_seed
-from ovman.models.settings import Settings
 from ovman.progress import Units
-from ovman.workflow import seeds
+from ovman.records.episode import Episode, root_seed
+from ovman.settings import Settings
 
 
 class MapsError(RuntimeError):

@@ -17,26 +17,26 @@ from typing import Any
 
 import numpy as np
 
+from ovman import seeds
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
 from ovman.agents.dualmap.shot import Shot, below_ceiling, without_ceiling
 from ovman.atomic import replacing
-from ovman.models.episode import Episode, root_seed
-from ovman.models.scene import Scene
-from ovman.models.settings import Settings
-from ovman.models.settings.baselines import DualmapObservation
-from ovman.models.settings.networks import Perception
-from ovman.models.visit import Visit
 from ovman.perception import networks
 from ovman.perception.array_file import ArrayFileError, read_arrays, write_arrays
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
 from ovman.progress import Units
+from ovman.records.episode import Episode, root_seed
+from ovman.records.scene import Scene
+from ovman.records.visit import Visit
+from ovman.settings import Settings
+from ovman.settings.baselines import DualmapObservation
+from ovman.settings.networks import Perception
 from ovman.sim import walk
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.walk import Frame, instances
-from ovman.workflow import seeds
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
 

@@ -6,7 +6,7 @@ from ovman.agents.answered import Driver, driver
 from ovman.agents.dynamem.answers import Tours, located
 from ovman.agents.interface import Abstention, Action, AgentContext, Observation, Query, Visit
 from ovman.language import noun
-from ovman.models.prediction import as_recorded
+from ovman.records.prediction import as_recorded
 
 
 class DynamemAgent:

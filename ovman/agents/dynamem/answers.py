@@ -18,9 +18,9 @@ from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer,
 from ovman.agents.reference.grounding import grounded, similarities
 from ovman.agents.reference.reasoning import two_visits
 from ovman.language import noun
-from ovman.models.settings.baselines import Dynamem
 from ovman.perception.detected import Detected
 from ovman.perception.object_map import ObjectMap
+from ovman.settings.baselines import Dynamem
 
 
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.agents.interface import Visit
-from ovman.models.settings.baselines import Dynamem
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.detected import Detected
+from ovman.settings.baselines import Dynamem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,9 +7,9 @@ visits.
 from ovman.agents.interface.agent import Agent
 from ovman.agents.interface.context import AgentContext, Mapper, PredictionContext, PrivilegedAnswer
 from ovman.agents.interface.observation import LETTERS, VISITS, Action, CameraPose, Observation, SeenInstance, Visit
-from ovman.models.prediction import Abstention, AbstentionReason, Answer, Evidence, Predicted, UniformBox, UniformPick
-from ovman.models.query import Query
-from ovman.models.relation import Relation
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Evidence, Predicted, UniformBox, UniformPick
+from ovman.records.query import Query
+from ovman.records.relation import Relation
 
 __all__ = [
     "LETTERS",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 from ovman.agents.interface.observation import Action, Observation, Visit
-from ovman.models.query import Query
+from ovman.records.query import Query
 
 
 @runtime_checkable

@@ -14,18 +14,18 @@ from typing import TYPE_CHECKING, Protocol, TypeVar
 import numpy as np
 
 from ovman.agents.interface.observation import Visit
-from ovman.models.prediction import Abstention, Answer
-from ovman.models.settings import Need, Settings
-from ovman.models.sighting import VisitPair
+from ovman.records.prediction import Abstention, Answer
+from ovman.records.sighting import VisitPair
+from ovman.settings import Need, Settings
 
 if TYPE_CHECKING:
     from ovman.agents.pilot import Pilot
-    from ovman.models.world_state import WorldState
     from ovman.perception.clusters import Cluster
     from ovman.perception.detected import Detected
     from ovman.perception.detector import Detector
     from ovman.perception.encoder import Encoder
     from ovman.perception.object_map import ObjectMap
+    from ovman.records.world_state import WorldState
 
 Made = TypeVar("Made")
 

@@ -7,7 +7,7 @@ from ovman.agents.joint.answers import answer
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.pursuit import Pursuit
 from ovman.agents.joint.recorded import of_tours, read
-from ovman.models.settings import Need
+from ovman.settings import Need
 
 
 class JointAgent:

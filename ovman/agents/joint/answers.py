@@ -9,8 +9,8 @@ from ovman.agents.joint.objects import objects
 from ovman.agents.joint.recorded import of_tours, read
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
-from ovman.models.settings import Need
-from ovman.models.settings.joint import Joint
+from ovman.settings import Need
+from ovman.settings.joint import Joint
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

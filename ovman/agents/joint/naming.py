@@ -8,7 +8,7 @@ import numpy as np
 
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.models.settings.joint import Joint
+from ovman.settings.joint import Joint
 
 
 class Nouns:

@@ -9,7 +9,7 @@ import numpy as np
 from ovman.agents.interface import Action, Observation, Visit
 from ovman.agents.joint.segments import left_over
 from ovman.agents.joint.sight import Frame, frame, frames, grid_votes
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 
 
 class Pursuit:

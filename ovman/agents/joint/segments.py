@@ -13,8 +13,8 @@ import numpy as np
 
 from ovman.agents.interface import Visit
 from ovman.agents.joint.sight import Frame, frames, grid_votes
-from ovman.models.settings.joint import Joint
 from ovman.perception.detected import Detected
+from ovman.settings.joint import Joint
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -28,8 +28,8 @@ from ovman.agents.reference.decision import decide, moving_by_last_sighting
 from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of
 from ovman.agents.reference.two_visits import ReferenceAgent
-from ovman.models.settings import Settings
 from ovman.perception.object_map import ObjectMap
+from ovman.settings import Settings
 
 
 def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, Evidence]:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, PredictionContext, Query, Relation, UniformPick
 from ovman.agents.reference.reasoning import means_of
-from ovman.models.settings import Need
 from ovman.perception.maintained import together
 from ovman.perception.object_map import ObjectMap
 from ovman.perception.records import read_maps
+from ovman.settings import Need
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[UniformPick | Abstention, None]:

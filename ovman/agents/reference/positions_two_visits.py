@@ -21,8 +21,8 @@ from ovman.agents.oracle import followed
 from ovman.agents.pilot import Pilot
 from ovman.agents.reference.association import associate
 from ovman.agents.reference.decision import decide
-from ovman.models.settings import Settings
-from ovman.models.world_state import Instance, WorldState
+from ovman.records.world_state import Instance, WorldState
+from ovman.settings import Settings
 
 
 def answer(query: Query, world_1: WorldState, world_2: WorldState, settings: Settings) -> Answer | Abstention:

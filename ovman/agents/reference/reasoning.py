@@ -26,9 +26,9 @@ from ovman.agents.reference.association import Association, associate, positions
 from ovman.agents.reference.decision import decide, moving_by_last_sighting
 from ovman.agents.reference.grounding import grounded
 from ovman.language import noun
-from ovman.models.settings import Settings
-from ovman.models.settings import benchmark as sections
 from ovman.perception.object_map import ObjectMap
+from ovman.settings import Settings
+from ovman.settings import benchmark as sections
 
 
 def two_visits(

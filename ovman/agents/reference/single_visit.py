@@ -25,7 +25,7 @@ from ovman.agents.pilot import Pilot
 from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of, one_visit
 from ovman.agents.reference.two_visits import Nouns, ReferenceAgent
-from ovman.models.settings import Settings
+from ovman.settings import Settings
 
 
 class SingleVisitAgent(ReferenceAgent):

@@ -21,8 +21,8 @@ from ovman.agents.interface import (
 from ovman.agents.pilot import Pilot
 from ovman.agents.reference.reasoning import two_visits_asked, two_visits_recorded
 from ovman.language import noun
-from ovman.models.settings import Settings
 from ovman.perception.object_map import ObjectMap
+from ovman.settings import Settings
 
 Nouns = Callable[[str], np.ndarray]
 """From a noun phrase to its unit embedding (K,), by the encoder that made the features of the maps."""

@@ -6,7 +6,6 @@ import textwrap
 from pathlib import Path
 from typing import Any
 
-from ovman.models.settings import Settings
 from ovman.report.figures.canvas import (
     ABOVE,
     AMBER,
@@ -24,6 +23,7 @@ from ovman.report.figures.canvas import (
 )
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading
 from ovman.report.paper_comparison.paper import Paper
+from ovman.settings import Settings
 
 GIVEN = "answer_given"
 """Key of the paper's figure of the last rung, which has no row in its tables."""

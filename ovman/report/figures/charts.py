@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.models.settings import Settings
 from ovman.report.figures import agent, budget, controls, coverage, difficulty, memory, sensitivity
 from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Paper
+from ovman.settings import Settings
 
 
 def run(metrics_files: Sequence[Path], paper_file: Path, constants: Settings, directory: Path) -> None:

@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.models.settings import Kind, Settings
-from ovman.models.settings.arms import Withheld
 from ovman.report.figures.canvas import ABOVE, AMBER, COLUMN_IN, DARK, INK, PALE, SMALL_PT, absent, drawing
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing
+from ovman.settings import Kind, Settings
+from ovman.settings.arms import Withheld
 
 CHANCE = "chance among what changed"
 """Title of the row of column chance_of_change: a random pick of the changes of the kind that defines the episode."""

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, SMALL_PT, absent, drawing, framed
 from ovman.report.paper_comparison.metrics import Metrics, Missing
+from ovman.settings import Settings
 
 HEIGHT_IN = 2.2
 _LINES = ((DARK, "-"), (AMBER, "-"), (INK, "--"), (DARK, ":"), (AMBER, ":"))

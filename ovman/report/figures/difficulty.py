@@ -8,7 +8,6 @@ from typing import Any
 import pandas as pd
 
 from ovman.analysis.difficulty import MANY, By
-from ovman.models.settings import Settings
 from ovman.report.figures.canvas import (
     ABOVE,
     AMBER,
@@ -25,6 +24,7 @@ from ovman.report.figures.canvas import (
 )
 from ovman.report.paper_comparison.metrics import Metrics, Missing
 from ovman.report.paper_comparison.paper import Paper
+from ovman.settings import Settings
 
 _PAPERS = {"2": "success_with_two", "3": "success_with_three", f"{MANY}+": "success_with_more"}
 """Keys of the paper's figures of the agent by group."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.models.relation import Relation
+from ovman.records.relation import Relation
 from ovman.report.figures.canvas import COLUMN_IN, DARK, DIAMOND, LIGHT, bar, drawing, framed, lettered
 from ovman.report.paper_comparison.comparison import static
 from ovman.report.paper_comparison.metrics import Metrics

@@ -17,13 +17,13 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import VISITS
-from ovman.models.episode import Episode
-from ovman.models.relation import Relation
-from ovman.models.settings import Settings
-from ovman.models.settings.benchmark import Camera
-from ovman.models.visit import View, Visit
 from ovman.perception import tour_files
+from ovman.records.episode import Episode
+from ovman.records.relation import Relation
+from ovman.records.visit import View, Visit
 from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, drawing
+from ovman.settings import Settings
+from ovman.settings.benchmark import Camera
 
 PIN = "#ffd23f"
 WRAP = 22

@@ -7,11 +7,11 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.models.settings.sensitivity import THRESHOLDS
 from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, LEGEND, LIGHT, PALE, SMALL_PT, TYPE_PT, absent, drawing
 from ovman.report.paper_comparison.metrics import Metrics, Missing
 from ovman.report.paper_comparison.paper import Paper
 from ovman.report.tables.sensitivity import TITLES
+from ovman.settings.sensitivity import THRESHOLDS
 
 LEAST, GREATEST = "static_margin_least", "static_margin_greatest"
 """Keys of the paper's range."""

@@ -9,14 +9,14 @@ from functools import partial
 from ovman.analysis.difficulty import MANY, By
 from ovman.analysis.language import What
 from ovman.analysis.taxonomy import LOST, Verdict
-from ovman.models.relation import Relation
-from ovman.models.settings import Arm, Kind, Settings, Source
-from ovman.models.settings.arms import Reading as Handover
+from ovman.records.relation import Relation
 from ovman.report.paper_comparison.metrics import ALL, Metrics, Missing, Reading
 from ovman.report.paper_comparison.paper import Paper
 from ovman.report.paper_comparison.statement import Form
 from ovman.report.paper_comparison.writing import EMPTY, papers, written
 from ovman.report.tables.table import pipe_table
+from ovman.settings import Arm, Kind, Settings, Source
+from ovman.settings.arms import Reading as Handover
 
 HERE, PAPER = "here", "paper"
 RELATIONS = tuple(relation.value for relation in Relation)

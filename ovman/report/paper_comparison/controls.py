@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ovman.analysis.controls import Controlled
 from ovman.analysis.frames import typed
-from ovman.models.settings import Settings
 from ovman.report.paper_comparison.metrics import Metrics, Missing
 from ovman.report.tables.controls import controls_table
 from ovman.report.tables.table import markdown_body
+from ovman.settings import Settings
 
 
 def controls_of(metrics: Metrics, settings: Settings) -> str:

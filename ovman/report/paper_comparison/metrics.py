@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict
 from scipy.stats import fisher_exact
 
 from ovman.analysis.difficulty import MANY
-from ovman.models.settings import Comparisons, PaperRows
+from ovman.settings import Comparisons, PaperRows
 
 ALL = "all"
 TWO_INSTANCES, MORE_INSTANCES = "2", f"{MANY}+"

@@ -12,7 +12,6 @@ from jinja2 import Environment, StrictUndefined
 
 from ovman.analysis.frames import rows_of, typed
 from ovman.analysis.scores import Score
-from ovman.models.settings import Settings
 from ovman.report.paper_comparison import comparison
 from ovman.report.paper_comparison import statement as statements
 from ovman.report.paper_comparison.comparison import beside_paper, embodied, static
@@ -26,6 +25,7 @@ from ovman.report.paper_comparison.writing import EMPTY, papers, written
 from ovman.report.tables.perception import bars
 from ovman.report.tables.position import POSITION, position_table
 from ovman.report.tables.table import markdown_body, pipe_table
+from ovman.settings import Settings
 
 TEMPLATE = Path(__file__).with_name("page.md.j2")
 OWN = Path(__file__).with_name("controls.yaml")

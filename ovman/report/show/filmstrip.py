@@ -10,10 +10,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from ovman.models.episode import Episode
-from ovman.models.visit import Visit
 from ovman.perception import tour_files
 from ovman.perception.detected import Detected
+from ovman.records.episode import Episode
+from ovman.records.visit import Visit
 from ovman.report.show.reasoning import Item, Reasoning
 
 QUALITY = 78

@@ -10,16 +10,16 @@ from typing import Any, TypeVar
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from ovman.agents.interface import VISITS
-from ovman.models.change import Change
-from ovman.models.episode import Episode
-from ovman.models.geometry import Point, Position
-from ovman.models.settings import Settings
+from ovman.records.change import Change
+from ovman.records.episode import Episode
+from ovman.records.geometry import Point, Position
 from ovman.report.show.filmstrip import Stand, stands
 from ovman.report.show.plan import DEEP, PALE, beyond, overlay_plan, visit_plan
 from ovman.report.show.reasoning import Reasoning, reasonings
 from ovman.report.show.results import Results
 from ovman.report.show.room import Room
 from ovman.report.show.verdicts import Drive, embodied_rows, static_rows, stop_of
+from ovman.settings import Settings
 
 
 def environment() -> Environment:

@@ -8,8 +8,8 @@ from functools import partial
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
-from ovman.models.geometry import Point
-from ovman.models.prediction import Answer, UniformBox, UniformPick
+from ovman.records.geometry import Point
+from ovman.records.prediction import Answer, UniformBox, UniformPick
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels

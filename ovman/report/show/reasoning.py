@@ -15,14 +15,14 @@ import numpy as np
 from ovman.agents.interface import VISITS
 from ovman.agents.reference.association import associate, cost_matrix, distances
 from ovman.agents.reference.grounding import similarities
-from ovman.models.episode import Episode
-from ovman.models.geometry import Point
-from ovman.models.prediction import Prediction
-from ovman.models.settings import Arm, Kind, Need, Settings, Source, of_kind
-from ovman.models.settings.arms import other_readings
-from ovman.models.sighting import Sighting, Sightings
 from ovman.perception.clusters import Cluster
+from ovman.records.episode import Episode
+from ovman.records.geometry import Point
+from ovman.records.prediction import Prediction
+from ovman.records.sighting import Sighting, Sightings
 from ovman.report.show.results import MAKE, Results, ShowError
+from ovman.settings import Arm, Kind, Need, Settings, Source, of_kind
+from ovman.settings.arms import other_readings
 from ovman.task.world import recorded_world
 
 

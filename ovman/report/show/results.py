@@ -16,16 +16,16 @@ from types import MappingProxyType
 import numpy as np
 
 from ovman.analysis.metrics import STATIC_OUTCOMES
-from ovman.models.episode import Episode
-from ovman.models.prediction import Prediction
-from ovman.models.run import Score
-from ovman.models.scene import Scene
-from ovman.models.settings import MAIN, Arm, Kind, of_kind
-from ovman.models.sighting import Sightings
-from ovman.models.visit import Visit
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected
 from ovman.perception.maps import mapped
+from ovman.records.episode import Episode
+from ovman.records.prediction import Prediction
+from ovman.records.run import Score
+from ovman.records.scene import Scene
+from ovman.records.sighting import Sightings
+from ovman.records.visit import Visit
+from ovman.settings import MAIN, Arm, Kind, of_kind
 
 MAKE = "make tables"
 """The command that makes these files."""

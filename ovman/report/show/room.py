@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from xml.etree.ElementTree import Element
 
 from ovman.agents.interface import VISITS
-from ovman.models.episode import Episode
-from ovman.models.geometry import Point
-from ovman.models.scene import Scene
-from ovman.models.world_state import WorldState
+from ovman.records.episode import Episode
+from ovman.records.geometry import Point
+from ovman.records.scene import Scene
+from ovman.records.world_state import WorldState
 from ovman.report.show import svg
 from ovman.report.show.frame import PlanFrame
 from ovman.report.show.labels import Labels

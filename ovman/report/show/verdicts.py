@@ -7,11 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from string import ascii_uppercase
 
-from ovman.models.episode import Episode
-from ovman.models.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
-from ovman.models.run import Score
-from ovman.models.settings import Arm, Kind
+from ovman.records.episode import Episode
+from ovman.records.prediction import Abstention, AbstentionReason, Answer, Predicted, UniformBox, UniformPick
+from ovman.records.run import Score
 from ovman.report.show.results import Results
+from ovman.settings import Arm, Kind
 from ovman.task import Relation
 
 Point = tuple[float, float]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     ALL,
     ARM_COLUMNS,
@@ -19,6 +18,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Settings
 
 TITLES = {
     "none": "none",
@@ -28,7 +28,7 @@ TITLES = {
     "sensors": "sensors that err",
     "all": "all",
 }
-"""What the settings in force are called, by the names of `ovman.models.variant.VARIANTS`."""
+"""What the settings in force are called, by the names of `ovman.records.variant.VARIANTS`."""
 
 
 def ablation_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table:

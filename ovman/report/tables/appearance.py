@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.appearance import APART
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     ALL,
     RELATIONS,
@@ -20,6 +19,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import CSV_AND_MARKDOWN, SECTION, Table
+from ovman.settings import Settings
 
 TITLES = {ALL: "weights fitted on all pairs of the category", APART: "weights fitted on pairs that are apart"}
 NAMES = {"clip": "CLIP", "histogram": "histogram", "extent": "extent"}

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.perception.overlap import LEAST_IOU
 from ovman.report.tables.columns import numbers, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 ESTIMATES = {"median": "component-wise median", "ray": "single ray at median depth"}
 STATISTICS = {"median": "median", "p95": "95th percentile", "max": "greatest"}

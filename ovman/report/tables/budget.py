@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings, Source
 from ovman.report.tables.columns import ALL, numbers, p_values, percent, range_column, signed, span, three, words
 from ovman.report.tables.table import DATA, Table
+from ovman.settings import Settings, Source
 
 
 def budget_table(steps: pd.DataFrame, settings: Settings) -> Table:

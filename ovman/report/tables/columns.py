@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.models.relation import Relation
-from ovman.models.settings import Arm, Settings, Source, arms_of
+from ovman.records.relation import Relation
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, EVERYWHERE, PAGE, Column, Format, escaped
+from ovman.settings import Arm, Settings, Source, arms_of
 
 ALL = "all"
 RELATIONS = tuple(relation.value for relation in Relation)

@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import numbers, words
 from ovman.report.tables.table import DATA, Column, Table
+from ovman.settings import Settings
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.rates import Interval
-from ovman.models.settings import Kind, Settings
 from ovman.report.tables.columns import (
     ALL,
     MARK,
@@ -19,6 +18,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Kind, Settings
 
 CHANCE = {"chance": "1/n", "chance_of_change": "1/m"}
 JUDGED = {Kind.STATIC: "static gate", Kind.EMBODIED: "driving"}

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import numbers, percent, range_column, span, three, words
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, SECTION, Table
+from ovman.settings import Settings
 
 SHOWN = (0.25, 0.5, 0.75, 1.0)
 """Coverages that a page shows; the csv file has all."""

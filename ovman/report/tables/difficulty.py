@@ -6,9 +6,9 @@ import pandas as pd
 
 from ovman.analysis.difficulty import By
 from ovman.analysis.rates import Interval
-from ovman.models.settings import Kind, Settings, arms_of, of_kind
 from ovman.report.tables.columns import MARK, interval_columns, numbers, percent, range_column, span, three, words
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, SECTION, Column, Table
+from ovman.settings import Kind, Settings, arms_of, of_kind
 
 SECTIONS = {By.INSTANCES: "by instances of the category", By.SCENE: "by scene"}
 

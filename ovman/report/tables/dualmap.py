@@ -6,9 +6,9 @@ import math
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import ALL, numbers, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 
 def dualmap_table(objects: pd.DataFrame, settings: Settings) -> Table:

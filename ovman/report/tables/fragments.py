@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import numbers, relation_column
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 
 def fragments_table(relations: pd.DataFrame, settings: Settings) -> Table:

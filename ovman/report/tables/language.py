@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.language import What
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     ALL,
     RELATIONS,
@@ -23,6 +22,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import DATA, SECTION, Column, Table
+from ovman.settings import Settings
 
 UNDERSTOOD, SUCCESS, READ_AS = "held-out sentences understood", "success of two visits (static gate)", "read as"
 ROWS = {

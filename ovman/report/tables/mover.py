@@ -5,9 +5,9 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.mover import WALKS
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import numbers, three, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 
 def mover_table(rows: pd.DataFrame, settings: Settings) -> Table:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import ALL, MARK, arms_frame, numbers, spread, spread_columns, three, words
 from ovman.report.tables.table import DATA, PAGE, Column, Table
+from ovman.settings import Settings
 
 SCORES = {"sr": "SR", "spl": "SPL", "spl_given_success": "SPL given success"}
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Kind, Settings
 from ovman.report.tables.columns import numbers, three, words
 from ovman.report.tables.table import CONTROLS, SECTION, Table
+from ovman.settings import Kind, Settings
 
 SHORT = {Kind.STATIC: "static", Kind.EMBODIED: "driving"}
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.statistics import wilson_interval
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     arms_frame,
     exact_mean,
@@ -22,6 +21,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import CSV_AND_MARKDOWN, SECTION, Table
+from ovman.settings import Settings
 
 
 def own_task_table(runs: pd.DataFrame, settings: Settings) -> Table:

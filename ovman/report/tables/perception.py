@@ -10,10 +10,10 @@ import pandas as pd
 
 from ovman.analysis.frames import rows_of
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SCENE, SIZE, Score
-from ovman.models.settings import Settings
 from ovman.perception.overlap import LEAST_IOU
 from ovman.report.tables.columns import numbers, three, words
 from ovman.report.tables.table import CSV_AND_MARKDOWN, SECTION, Table
+from ovman.settings import Settings
 
 RATES = ("recall", "precision", "precision_once", "top1", "top5", "synonym_top1", "synonym_top5")
 _COUNTS = ("true", "found", "doubled", "crops")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     interval_columns,
     numbers,
@@ -16,6 +15,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import Column, Table
+from ovman.settings import Settings
 
 
 def gate_sweep_table(gates: pd.DataFrame, settings: Settings) -> Table:

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import pandas as pd
 
 from ovman.analysis.rates import Interval
-from ovman.models.settings import Arm, Kind, Settings, Source, arms_of, of_kind
-from ovman.models.settings.arms import other_readings
 from ovman.report.tables.columns import (
     ALL,
     ARM_COLUMNS,
@@ -27,6 +25,8 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import CONTROLS, DATA, SECTION, Column, Table
+from ovman.settings import Arm, Kind, Settings, Source, arms_of, of_kind
+from ovman.settings.arms import other_readings
 
 _SUFFIXES = {"rate": "", "low": "_low", "high": "_high", "least": "_min", "greatest": "_max"}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     ALL,
     RELATIONS,
@@ -18,6 +17,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Settings
 
 
 def readings_table(rates: pd.DataFrame, settings: Settings) -> Table:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import pandas as pd
 
 from ovman.generation.audit import CERTIFIED, DRAWN, RELEASED
-from ovman.models.rejection import Rejection, RejectionStage
-from ovman.models.settings import Settings
+from ovman.records.rejection import Rejection, RejectionStage
 from ovman.report.tables.columns import ALL, RELATIONS, of_relation, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 TOTALS = (DRAWN, CERTIFIED, RELEASED)
 """Stages without a reason."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import exact_mean, numbers, relation_column, three, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
 
 
 def rescued_table(counts: pd.DataFrame, settings: Settings) -> Table:

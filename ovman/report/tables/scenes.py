@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Kind, Settings
 from ovman.report.tables.columns import ARM_COLUMNS, arms_frame, numbers, three, words
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Kind, Settings
 
 SECTIONS = {Kind.STATIC: "static gate", Kind.EMBODIED: "embodied"}
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Kind, Settings
 from ovman.report.tables.columns import (
     ALL,
     ARM_COLUMNS,
@@ -19,6 +18,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import DATA, PAGE, SECTION, Column, Table
+from ovman.settings import Kind, Settings
 
 SECTIONS = {Kind.STATIC: "static gate, by run", Kind.EMBODIED: "embodied, by seed"}
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ovman.models.settings import Settings
-from ovman.models.settings.sensitivity import THRESHOLDS
 from ovman.report.tables.columns import numbers as column
 from ovman.report.tables.columns import signed, words
 from ovman.report.tables.table import Table
+from ovman.settings import Settings
+from ovman.settings.sensitivity import THRESHOLDS
 
 IN_FORCE, ALL = "in force", "all settings"
 TITLES = {

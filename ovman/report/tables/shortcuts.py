@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import ALL, ARM_COLUMNS, arms_frame, numbers, relation_column, signed, three, words
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Settings
 
 SHORTCUTS, OTHERS = "any instance of the category", "all arms"
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.significance import Method
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import (
     ALL,
     MARK,
@@ -18,6 +17,7 @@ from ovman.report.tables.columns import (
     words,
 )
 from ovman.report.tables.table import CSV_AND_MARKDOWN, DATA, SECTION, Column, Table
+from ovman.settings import Settings
 
 OF_A_PICK = "Poisson-binomial: exact, one-sided, that the pick does as well as the first arm"
 """What captions say of the test against a stochastic pick."""

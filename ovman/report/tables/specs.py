@@ -34,7 +34,6 @@ from ovman.analysis.significance import Comparison
 from ovman.analysis.split_significance import SplitComparison
 from ovman.analysis.spread import Pass
 from ovman.analysis.taxonomy import TaxonomyCount
-from ovman.models.settings import Kind, Settings
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.backprojection import backprojection_table
 from ovman.report.tables.budget import budget_table
@@ -63,6 +62,7 @@ from ovman.report.tables.split_significance import split_significance_table
 from ovman.report.tables.splits import split_embodied_table, split_rejections_table, split_table
 from ovman.report.tables.table import Table
 from ovman.report.tables.taxonomy import taxonomy_table
+from ovman.settings import Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)

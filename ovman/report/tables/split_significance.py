@@ -5,11 +5,11 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.significance import Method
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import MARK, numbers, p_values, signed, words
 from ovman.report.tables.controls import JUDGED
 from ovman.report.tables.significance import OF_A_PICK, counts, test_column
 from ovman.report.tables.table import DATA, SECTION, Table
+from ovman.settings import Settings
 
 
 def split_significance_table(comparisons: pd.DataFrame, settings: Settings) -> Table:

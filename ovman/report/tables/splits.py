@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pandas as pd
 
-from ovman.models.settings import Settings, Split
 from ovman.report.tables.rates import embodied_table, static_table
 from ovman.report.tables.rejections import rejections_table
 from ovman.report.tables.table import Table
+from ovman.settings import Settings, Split
 
 
 def split_table(split: str, rates: pd.DataFrame, settings: Settings) -> Table:

@@ -9,12 +9,12 @@ from tempfile import TemporaryDirectory
 
 from ovman.analysis import frames, metrics
 from ovman.analysis.registry import in_static_tables, table_of
-from ovman.models.note import sentence
-from ovman.models.settings import Kind, Settings, arms_of
+from ovman.records.note import sentence
 from ovman.report.tables.constants import constants_table
 from ovman.report.tables.position import POSITION, position_table
 from ovman.report.tables.specs import SPECS, spec_of
 from ovman.report.tables.table import Table, csv_text, latex, markdown
+from ovman.settings import Kind, Settings, arms_of
 
 
 def run(

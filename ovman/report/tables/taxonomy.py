@@ -5,9 +5,9 @@ from __future__ import annotations
 import pandas as pd
 
 from ovman.analysis.taxonomy import LOST, Verdict
-from ovman.models.settings import Settings
 from ovman.report.tables.columns import ALL, RELATIONS, count, of_relation, words
 from ovman.report.tables.table import SECTION, Table
+from ovman.settings import Settings
 
 TITLES = {
     Verdict.SUCCESS: "success",

@@ -14,10 +14,10 @@ from pathlib import Path
 import ovman
 import ovman_engine
 import ovman_released
-from ovman.models.episode import Episode
-from ovman.models.note import Note
-from ovman.models.record import lines
-from ovman.models.run import Rollout
+from ovman.records.episode import Episode
+from ovman.records.note import Note
+from ovman.records.record import lines
+from ovman.records.run import Rollout
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 from ovman_engine import COMMAND, executable

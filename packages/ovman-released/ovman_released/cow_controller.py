@@ -15,14 +15,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ovman import seeds
 from ovman.evaluation.rollout import begin, measure_at_stop
-from ovman.models.episode import Episode, root_seed
-from ovman.models.record import Text
-from ovman.models.run import InstanceTerms, Terms
+from ovman.records.episode import Episode, root_seed
+from ovman.records.record import Text
+from ovman.records.run import InstanceTerms, Terms
 from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
-from ovman.workflow import seeds
 from ovman_released.cow_episodes import runner_name
 
 ARM = "cow_released"

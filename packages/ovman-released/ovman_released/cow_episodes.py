@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ovman.language.noun import noun
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 
 FEET_M = 0.9
 """Height of the agent's position above its feet, metres; the simulator knows the height of a floor plan's own floor."""

@@ -20,8 +20,8 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from ovman.models.episode import Episode
-from ovman.models.settings import Settings
+from ovman.records.episode import Episode
+from ovman.settings import Settings
 from ovman.sim.controller import launched
 from ovman.workflow.parameter import StageSettings
 from ovman_released import cow_shims

@@ -11,9 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.episode import Episode
-from ovman.models.record import Record, RecordError
-from ovman.models.run import Rollout
+from ovman.records.episode import Episode
+from ovman.records.record import Record, RecordError
+from ovman.records.run import Rollout
 from ovman_released.cow_controller import ARM, STOP, Verdict
 from ovman_released.cow_episodes import runner_name
 

@@ -15,7 +15,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.models.record import Count, Record
+from ovman.records.record import Count, Record
 from ovman_released import dualmap_process
 from ovman_released.dualmap_frames import DATASET
 from ovman_released.dualmap_objects import Objects, ObjectsError, read_objects

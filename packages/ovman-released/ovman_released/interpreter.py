@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 
-from ovman.models.record import Record
+from ovman.records.record import Record
 
 OLDEST = (3, 11)
 """This package's oldest Python; the runners import its simulator session."""

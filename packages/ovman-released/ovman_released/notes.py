@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from ovman.models.note import Note
+from ovman.records.note import Note
 
 
 def forget_failure(path: Path) -> None:

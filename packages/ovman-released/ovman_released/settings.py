@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ovman.models.settings import Settings
-from ovman.workflow.plugins import section
+from ovman.settings import Settings
+from ovman.settings.plugins import section
 from ovman_released.plugin import COW, DUALMAP, ReleasedCow, ReleasedDualmap
 
 

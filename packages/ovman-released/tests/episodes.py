@@ -7,7 +7,7 @@ from typing import Any
 
 from settings_of import ROOT
 
-from ovman.models.episode import Episode
+from ovman.records.episode import Episode
 
 
 @cache

@@ -8,8 +8,8 @@ from typing import Any
 
 import yaml
 
-from ovman.models.settings import Settings
-from ovman.workflow.config import load
+from ovman.settings import Settings
+from ovman.settings.config import load
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ROOT = PACKAGE.parents[1]

@@ -17,8 +17,8 @@ from settings_of import settings_of
 
 import ovman
 import ovman_released
-from ovman.models.note import Note, sentence
-from ovman.models.record import lines
+from ovman.records.note import Note, sentence
+from ovman.records.record import lines
 from ovman.sim.controller import launched
 from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, stage_settings

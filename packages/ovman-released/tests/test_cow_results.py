@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.evaluation.scores import score
-from ovman.models.record import RecordError
+from ovman.records.record import RecordError
 from ovman_released.cow_controller import Verdict
 from ovman_released.cow_results import Walk, collected, imported
 

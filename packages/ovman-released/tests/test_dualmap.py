@@ -12,8 +12,8 @@ from episodes import released
 from settings_of import merged, tree
 
 from ovman.agents.dualmap.mapped import Sort, read, write
-from ovman.models.visit import Visit
-from ovman.workflow.config import load
+from ovman.records.visit import Visit
+from ovman.settings.config import load
 from ovman.workflow.parameter import stage_settings
 from ovman_released.dualmap import CODE, Maintained, Runs, identity
 from ovman_released.dualmap_frames import write_visit

@@ -13,11 +13,11 @@ import yaml
 from settings_of import PACKAGE, ROOT, settings_of, tree
 
 from ovman.analysis import metrics
-from ovman.models.note import Note
-from ovman.models.settings import Kind, Settings, arms_of
+from ovman.records.note import Note
 from ovman.report.tables.stages import noted
 from ovman.report.tables.table import Column, Table, latex, markdown
-from ovman.workflow.config import ConfigError, load
+from ovman.settings import Kind, Settings, arms_of
+from ovman.settings.config import ConfigError, load
 from ovman.workflow.parameter import StageSettings, canonical, stage_settings
 from ovman_released.notes import forget_failure
 from ovman_released.plugin import COW, DUALMAP, PLUGINS

@@ -14,7 +14,7 @@ from ovman.evaluation.driving import Limits
 from ovman.evaluation.rollout import roll_out
 from ovman.evaluation.scores import cut, score
 from ovman.evaluation.scoring import any_instance
-from ovman.models.run import InstanceTerms, Measured, Rollout
+from ovman.records.run import InstanceTerms, Measured, Rollout
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG, with_overlay
 from tests.episodes import of_scene

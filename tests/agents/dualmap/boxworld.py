@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman.agents.dualmap.observation import ObjectObservation
-from ovman.workflow.config import load
+from ovman.settings.config import load
 
 CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap
 """As in config.yaml."""

@@ -13,9 +13,9 @@ from ovman.agents.dualmap.mapped import Entry, Mapped, RunMaps, Sort
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, UniformPick
 from ovman.evaluation.context import EpisodeContext
 from ovman.language import noun
-from ovman.models.settings import Kind, Reading, Settings, Source
-from ovman.models.settings.arms import ArmJob
-from ovman.models.sighting import Sighting, Sightings, VisitPair
+from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.settings import Kind, Reading, Settings, Source
+from ovman.settings.arms import ArmJob
 from ovman.task import Query, Relation
 from tests.episodes import released
 

@@ -12,10 +12,10 @@ from ovman.agents.dualmap import maps
 from ovman.agents.dualmap.mapped import read
 from ovman.agents.dualmap.observation_records import Taken, write_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
-from ovman.models.record import lines
-from ovman.models.relation import Relation
-from ovman.models.sighting import VisitPair
-from ovman.workflow.config import load
+from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.sighting import VisitPair
+from ovman.settings.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.agents.dualmap.boxworld import DENSE, FEATURES, TEN, TOUR, walk
 from tests.episodes import released

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.dualmap.masks import cells, filtered, histogram
-from ovman.workflow.config import load
+from ovman.settings.config import load
 
 CONSTANTS = load(Path(__file__).parents[3] / "config.yaml").dualmap.observation
 RED, BLUE = (200, 30, 30), (30, 30, 200)

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ovman import seeds
 from ovman.agents.dualmap.mapped import Mapped, RunMaps, Sort, read, write
 from ovman.agents.dualmap.readings import Maintained, Run
 from ovman.perception.array_file import ArrayFileError
-from ovman.workflow import seeds
 from tests.agents.dualmap.boxworld import CONSTANTS, DENSE, FEATURES, TEN, Box, walk
 
 CUP = Box((0.05, 0.66, 0.05), (0.14, 0.14, 0.14), class_id=13, low_mobility=False)

@@ -13,13 +13,13 @@ from ovman.agents.dualmap import walks
 from ovman.agents.dualmap.observation_records import NO_VIEW, read_walks
 from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.agents.dualmap.walks import Assigned, Memory
-from ovman.models.change import Alteration
-from ovman.models.visit import Visit
 from ovman.perception.backprojection import Camera
 from ovman.perception.labels import read_labels
+from ovman.records.change import Alteration
+from ovman.records.visit import Visit
+from ovman.settings.config import load
 from ovman.sim.session import AgentPose
 from ovman.sim.walk import Frame
-from ovman.workflow.config import load
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.episodes import released
 

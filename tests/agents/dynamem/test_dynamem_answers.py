@@ -14,8 +14,8 @@ from ovman.agents.dynamem.looks import Look, looks
 from ovman.agents.dynamem.memory import Memory, remembered
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
-from ovman.models.prediction import as_recorded
 from ovman.perception.backprojection import Camera
+from ovman.records.prediction import as_recorded
 from ovman.workflow.parameter import stage_settings
 from tests.agents.moved_chair import home as made
 from tests.arms import CONFIG

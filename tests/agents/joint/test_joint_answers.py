@@ -17,7 +17,7 @@ from ovman.agents.joint.recorded import read, write
 from ovman.agents.joint.segments import Segments, evidence
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import nothing_detected
-from ovman.models.settings import Need
+from ovman.settings import Need
 from tests.agents.moved_chair import home as made
 from tests.arms import CONFIG
 

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from ovman.models.settings.sensitivity import THRESHOLDS
-from ovman.models.settings.splits import in_main_job
 from ovman.report.paper_comparison.comparison import RELATIONS
 from ovman.report.paper_comparison.metrics import ALL, Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Figure, Paper
+from ovman.settings.sensitivity import THRESHOLDS
+from ovman.settings.splits import in_main_job
 from tests.arms import CONFIG
 
 Files = dict[str, list[dict[str, str]]]

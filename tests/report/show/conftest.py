@@ -15,23 +15,22 @@ from ovman.analysis import metrics
 from ovman.evaluation import labels, predictions
 from ovman.language import noun
 from ovman.language.vocabulary import all_nouns
-from ovman.models.change import Change, MoverStart, Roam
-from ovman.models.episode import Episode, Protocol, Provenance
-from ovman.models.geometry import Position, Spawn
-from ovman.models.record import line, lines
-from ovman.models.scene import Scene, SceneObject
-from ovman.models.settings import Kind, Need, Settings, of_kind
-from ovman.models.sighting import Sighting, Sightings, VisitPair
-from ovman.models.tour import Tour
-from ovman.models.trial import ReachableBox
-from ovman.models.visit import Present, View, ViewPose, Visit
-from ovman.models.visit_files import seal
-from ovman.models.world_state import Instance, WorldState
 from ovman.perception import maps
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
+from ovman.records.change import Change, MoverStart, Roam
+from ovman.records.episode import Episode, Protocol, Provenance
+from ovman.records.geometry import Position, Spawn
+from ovman.records.record import line, lines
+from ovman.records.scene import Scene, SceneObject
+from ovman.records.sighting import Sighting, Sightings, VisitPair
+from ovman.records.tour import Tour
+from ovman.records.trial import ReachableBox
+from ovman.records.visit import Present, View, ViewPose, Visit
+from ovman.records.visit_files import seal
+from ovman.records.world_state import Instance, WorldState
+from ovman.settings import Kind, Need, Settings, config, of_kind
 from ovman.task import Relation
-from ovman.workflow import config
 from ovman.workflow.parameter import stage_settings
 from tests.arms import REFERENCE
 

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from ovman.models.settings import Kind, of_kind
-from ovman.models.visit_files import seal
+from ovman.records.visit_files import seal
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
+from ovman.settings import Kind, of_kind
 from ovman.task import Relation
 from tests.arms import REFERENCE
 from tests.report.show.conftest import ROOT, SCENE
@@ -128,7 +128,7 @@ def test_own_and_handed_evidence_agree_where_perception_is_right(pages, name):
 
 def test_equal_files_make_equal_pages(made, settings, pages):
     program = (
-        "import sys; from pathlib import Path; from ovman.workflow import config; from ovman.report.show.page import page;"
+        "import sys; from pathlib import Path; from ovman.settings import config; from ovman.report.show.page import page;"
         "from ovman.report.show.results import Results; from tests.arms import REFERENCE;"
         "sys.stdout.reconfigure(encoding='utf-8', newline='\\n');"
         "sys.stdout.write(page(Results(Path(sys.argv[1]), REFERENCE), sys.argv[2], config.load(sys.argv[3])))"

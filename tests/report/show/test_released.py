@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.models.settings import MAIN, Kind, arms_of
 from ovman.playback.command import places
 from ovman.report.show.page import page, shown_at_first
 from ovman.report.show.verdicts import letters
+from ovman.settings import MAIN, Kind, arms_of
 from tests.report.show.conftest import ROOT
 from tests.report.show.html_reader import Page
 

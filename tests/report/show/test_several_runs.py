@@ -10,11 +10,11 @@ from types import SimpleNamespace
 import pytest
 
 from ovman.analysis import metrics
-from ovman.models.settings import Kind
-from ovman.models.settings.arms import ArmJob
 from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results
+from ovman.settings import Kind
+from ovman.settings.arms import ArmJob
 from tests.arms import REFERENCE
 from tests.report.show.conftest import SCENE
 from tests.report.show.html_reader import Page

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from ovman.agents.dualmap import maps, walks
 from ovman.language.vocabulary import all_nouns
-from ovman.models.episode import Episode
-from ovman.models.note import Note
+from ovman.records.episode import Episode
+from ovman.records.note import Note
 from ovman.workflow.job import job
 from ovman.workflow.provenance import module_digest
 

@@ -1,7 +1,7 @@
 """Stage `released_dualmap_predictions`: what a static arm answers from the maps of DualMap's released code, if there are any."""
 
 from ovman.evaluation import predictions
-from ovman.models.note import Note
+from ovman.records.note import Note
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

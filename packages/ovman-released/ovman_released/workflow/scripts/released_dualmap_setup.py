@@ -1,6 +1,6 @@
 """Stage `released_dualmap_setup`: whether DualMap's released code can run, and in one line what is missing where it cannot."""
 
-from ovman.models.note import Note
+from ovman.records.note import Note
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

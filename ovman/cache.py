@@ -1,0 +1,54 @@
+"""A cache of finished work items, keyed by the content of everything that an item depends on.
+
+A work item is the smallest piece of work that is worth keeping: a measured trial, a certified run, a rollout, the detections of a
+tour. A job that was killed, or whose inputs or settings changed in part, computes only the items that the cache lacks.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ovman.atomic import replace_bytes
+
+
+def digest(*parts: Any) -> str:
+    """Return 24 hexadecimal digits of JSON-serialisable parts, whatever the order of keys in them."""
+    text = json.dumps(parts, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()[:24]
+
+
+class Cache:
+    """Values by key in one directory, one file per item. Processes may share it; deleting it loses nothing but time."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = Path(directory)
+
+    def path(self, key: str, suffix: str = ".json") -> Path:
+        """Return the file of an item, which may not exist. key: hexadecimal digits, as `digest` gives them."""
+        return self.directory / key[:2] / f"{key[2:]}{suffix}"
+
+    def get_or_compute(self, key: str, compute: Callable[[], Any]) -> Any:
+        """Return the JSON value of an item; compute and store it first if the cache lacks it or its file is damaged."""
+        path = self.path(key)
+        try:
+            return json.loads(path.read_bytes())
+        except (FileNotFoundError, ValueError):  # ValueError: the disk was full or the file was edited
+            text = json.dumps(compute(), separators=(",", ":"))
+        self.put(path, text.encode())
+        return json.loads(text)
+
+    def get_or_compute_bytes(self, key: str, compute: Callable[[], bytes], suffix: str) -> bytes:
+        """Return the bytes of an item, such as an array file; compute and store them first if the cache lacks them."""
+        path = self.path(key, suffix)
+        if not path.exists():
+            self.put(path, compute())
+        return path.read_bytes()
+
+    def put(self, path: Path, content: bytes) -> None:
+        """Store the content of an item. A reader, also after a SIGKILL, finds it whole or not at all."""
+        path.parent.mkdir(parents=True, exist_ok=True)
+        replace_bytes(path, content)

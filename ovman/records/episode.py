@@ -1,0 +1,191 @@
+"""An episode, "ovman-episode/4": all that is needed to bring it about, tour it, ask it, run it and judge it.
+
+What only diagnostic arms may know lies beside it, in `ovman.records.sighting.Sightings`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Literal, Self
+
+from pydantic import Field, model_validator
+
+from ovman.records.certification import CertificationRun
+from ovman.records.change import Alteration, Change, MoverStart
+from ovman.records.geometry import Point, Spawn
+from ovman.records.query import Query
+from ovman.records.record import InstanceId, Length, Name, Record, RecordError, Text, lines
+from ovman.records.relation import Relation
+from ovman.records.sighting import VisitPair
+from ovman.records.tour import Tour
+from ovman.records.trial import ReachableBox
+from ovman.records.world_state import Instance, RecordedWorld, WorldState
+from ovman.settings import Settings
+from ovman.settings.benchmark import Camera, Mover, Primitives, Success
+
+SCHEMA = "ovman-episode/4"
+
+
+class Protocol(Record):
+    """The constants of the benchmark that an episode is toured, run and judged by; as in config.yaml."""
+
+    camera: Camera
+    primitives: Primitives
+    mover: Mover
+    success: Success
+
+
+class Provenance(Record):
+    """Where an episode comes from. seed: root of every random number; trial: digest of the trial that it was released from."""
+
+    seed: int
+    trial: Text
+
+
+class Episode(Record):
+    """One released episode. Floor-plane coordinates (x, z) in metres, world frame.
+
+    changes: what differs between the visits and how it is brought about, of the queried category (`scripted`) and of others;
+    tours: of the visits; visits: names of the recorded tours; movers: their states where a run begins, for MOVING; spawn: where a
+    run begins; answer: Eq. 3 at the end of visit 2; nearest_navigable: nu(answer); shortest_path_m: L* of Eq. 5; reachable_box:
+    around what can be reached in visit 2; world_1, world_2: the present instances of the category at the end of each visit;
+    drift_m: how far each changed instance was from its placement. Raises RecordError, one line, for a record that contradicts
+    itself.
+    """
+
+    schema_id: Literal["ovman-episode/4"] = Field("ovman-episode/4", alias="schema")
+    id: Text
+    split: Name
+    backend: Literal["embedded", "thor"]
+    scene: Name
+    relation: Relation
+    category: Text
+    noun: Text
+    sentence: Text
+    target: InstanceId
+    distractor: InstanceId | None
+    changes: tuple[Change, ...]
+    tours: VisitPair[Tour]
+    visits: VisitPair[Name]
+    movers: tuple[MoverStart, ...]
+    spawn: Spawn
+    answer: Point
+    nearest_navigable: Point
+    shortest_path_m: Length
+    reachable_box: ReachableBox
+    instances_in_category: int
+    world_1: RecordedWorld
+    world_2: RecordedWorld
+    drift_m: Mapping[str, Length]
+    certification: tuple[CertificationRun, ...]
+    protocol: Protocol
+    provenance: Provenance
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        scene, _, rest = self.id.partition("/")
+        relation, _, number = rest.partition("/")
+        if (scene, relation) != (self.scene, self.relation) or not number.removeprefix(f"{self.split}-").isdigit():
+            raise ValueError(f"id is {self.id!r}; write {self.scene}/{self.relation}/ and a number")
+        if self.instances_in_category < 2:
+            raise ValueError(f"instances_in_category is {self.instances_in_category}; a query needs a category with at least 2")
+        if (self.distractor is not None) != (self.relation is Relation.STABLE):
+            raise ValueError(f"distractor is {self.distractor!r}; STABLE has one and no other relation does")
+        moving = [mover.instance for mover in self.movers]
+        if bool(moving) != (self.relation is Relation.MOVING):
+            raise ValueError("movers: MOVING has some and no other relation does")
+        if sorted(moving) != sorted(change.instance for change in self.changes if change.kind == "motion"):
+            raise ValueError(f"movers are {moving}; they are the instances of the changes of kind motion")
+        if moving and self.target not in moving:
+            raise ValueError(f"movers are {moving}; the target {self.target!r} moves")
+        visit, world = ("world_1", self.world_1) if self.relation.past else ("world_2", self.world_2)
+        if self.target not in world or world[self.target].category != self.category:
+            raise ValueError(f"target {self.target!r} is no {self.category} of {visit}, which {self.relation} answers from")
+        cause = self.distractor if self.distractor is not None else self.target
+        if cause not in {change.instance for change in self.scripted}:
+            raise ValueError(f"changes do not hold {cause!r}, whose change defines the episode")
+        return self
+
+    @classmethod
+    def load(cls, path: Path, scene: str | None = None) -> list[Self]:
+        """The episodes of a JSONL file in its order. Raises RecordError in one line, also where an id occurs twice.
+
+        scene: those of this scene alone; no other is looked into, so that the job of a scene does not pay for all of them.
+        """
+        episodes: dict[str, Self] = {}
+        for place, episode in cls.read_with_places(path, None if scene is None else ("scene", scene)):
+            if episode.id in episodes:
+                raise RecordError(f"{place}: id: {episode.id} is in the file already; remove one of the two")
+            if scene is None or episode.scene == scene:
+                episodes[episode.id] = episode
+        return list(episodes.values())
+
+    @property
+    def query(self) -> Query:
+        """What the agent is asked."""
+        return Query(self.category, self.relation)
+
+    @property
+    def changed(self) -> frozenset[str]:
+        """Ids of all instances that change."""
+        return frozenset(change.instance for change in self.changes)
+
+    @property
+    def scripted(self) -> tuple[Change, ...]:
+        """The changes of instances of the queried category; all others are of other categories."""
+        return tuple(change for change in self.changes if change.category == self.category)
+
+    @property
+    def alike(self) -> tuple[Change, ...]:
+        """The changes of the kind that defines the episode, itself included: for STABLE, of what moves."""
+        cause = self.target if self.distractor is None else self.distractor
+        kind = next(change.kind for change in self.changes if change.instance == cause)
+        return tuple(change for change in self.changes if change.kind == kind)
+
+    @property
+    def others(self) -> tuple[Change, ...]:
+        """The changes of instances of other categories."""
+        return tuple(change for change in self.changes if change.category != self.category)
+
+    def alterations(self, visit: str) -> tuple[Alteration, ...]:
+        """What differs from the untouched scene in the visit "first" or "second"."""
+        return tuple(change.alteration for change in self.changes if change.in_first_visit == (visit == "first"))
+
+    @property
+    def gone(self) -> frozenset[str]:
+        """Ids of the instances that are absent from visit 2."""
+        return frozenset(change.instance for change in self.changes if change.kind == "disable")
+
+    @property
+    def settings(self) -> Settings:
+        """The constants of the episode's protocol as settings; another constant raises AttributeError when it is read."""
+        sections = {name: dict(getattr(self.protocol, name)) for name in type(self.protocol).model_fields}
+        known = {"benchmark": {"seed": self.provenance.seed, "backend": self.backend}}
+        return Settings.owned(known | sections, f"episode {self.id}")
+
+    @property
+    def states(self) -> tuple[WorldState, WorldState]:
+        """W_1 and W_2 as Eq. 1 reads them: the path of an instance that a change set in motion is its track if it has none."""
+        paths = {change.instance: change.path for change in self.changes if change.path}
+        return self.world_1, WorldState(
+            tuple(
+                Instance.tracked(instance.id, instance.category, paths[instance.id])
+                if instance.id in paths and not instance.track
+                else instance
+                for instance in self.world_2
+            )
+        )
+
+
+def root_seed(episodes: Sequence[Episode]) -> int:
+    """The root of the random numbers of episodes of one release; 0 for no episodes. ValueError where they have several."""
+    seeds = sorted({episode.provenance.seed for episode in episodes})
+    if len(seeds) > 1:
+        raise ValueError(f"the episodes were made from the seeds {seeds}; use episodes of one release")
+    return seeds[0] if seeds else 0
+
+
+def episode_lines(episodes: Sequence[Episode]) -> str:
+    """The episodes as the text of a JSONL file."""
+    return lines(episodes)

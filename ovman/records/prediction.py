@@ -1,0 +1,178 @@
+"""The record of a prediction, "ovman-prediction/1": where an arm says that the answer is. It holds no verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, Literal, Self
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
+
+from ovman.records.geometry import Point
+from ovman.records.record import Record, Text, rounded
+
+
+class AbstentionReason(StrEnum):
+    """Why an agent gives no answer; the value is what a prediction record holds."""
+
+    NO_CANDIDATE = "no_candidate"  # the set that the rule looks in is empty, and so is its fallback
+    NO_COUNTERPART = "no_counterpart"  # several candidates, and nothing in the other visit to tell them apart by
+    DISPLACEMENT_BELOW_TAU = "displacement_below_tau"  # MOVED, FORMER: all matched, and no pair moved far enough
+    DISPLACEMENT_ABOVE_TAU = "displacement_above_tau"  # STABLE: even the steadiest pair moved
+    NO_MOTION = "no_motion"  # MOVING: no track spreads beyond the threshold
+    NOTHING_GROUNDED = "nothing_grounded"  # no object of the maps is what the noun means; so it is with empty maps
+    NOT_PARSED = "not_parsed"  # the sentence names no query
+    UNSURE = "unsure"  # the best answer is less probable than the agent wants it to be
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A floor-plane point in metres, world frame. confidence: how probable the agent holds it, None where it does not say."""
+
+    x: float
+    z: float
+    confidence: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Abstention:
+    """No answer, and why."""
+
+    reason: AbstentionReason
+
+
+def as_recorded(outcome: Answer | Abstention) -> Answer | Abstention:
+    """An outcome to the digits that its record keeps, 0.1 mm: an agent that drives there drives to the recorded answer."""
+    if isinstance(outcome, Abstention):
+        return outcome
+    return Answer(rounded(outcome.x), rounded(outcome.z), rounded(outcome.confidence))
+
+
+@dataclass(frozen=True, slots=True)
+class UniformPick:
+    """One of the candidates, each as likely: floor-plane points (x, z) in metres. Without candidates it is no answer."""
+
+    candidates: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class UniformBox:
+    """A uniform position in an axis-aligned floor-plane rectangle from (x_min, z_min) to (x_max, z_max), metres.
+
+    Raises ValueError where a minimum exceeds its maximum.
+    """
+
+    x_min: float
+    z_min: float
+    x_max: float
+    z_max: float
+
+    def __post_init__(self) -> None:
+        if not (self.x_min <= self.x_max and self.z_min <= self.z_max):
+            raise ValueError(f"a box runs from its smallest to its largest corner, not {self}")
+
+
+Predicted = Answer | Abstention | UniformPick | UniformBox
+"""What an arm predicts: a point, an abstention, or what a stochastic arm picks its point from."""
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What an answer was drawn from. Indices are those of the visits' maps.
+
+    grounded_1, grounded_2: what the noun means in each visit, grounded_1 None where the first visit is not read; pairs: objects
+    of the first and of the second visit that were taken for the same.
+    """
+
+    grounded_1: tuple[int, ...] | None
+    grounded_2: tuple[int, ...]
+    pairs: tuple[tuple[int, int], ...] = ()
+
+
+class _Grounded(Record):
+    first: tuple[int, ...] | None
+    second: tuple[int, ...]
+
+
+class EvidenceRecord(Record):
+    """Evidence as files have it: {"grounded": {"first": [i] or null, "second": [j]}, "pairs": [[i, j]]}."""
+
+    grounded: _Grounded
+    pairs: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(cls, evidence: Evidence) -> Self:
+        """The record of `evidence`."""
+        return cls(grounded=_Grounded(first=evidence.grounded_1, second=evidence.grounded_2), pairs=evidence.pairs)
+
+    @property
+    def evidence(self) -> Evidence:
+        """The evidence of the record."""
+        return Evidence(self.grounded.first, self.grounded.second, self.pairs)
+
+
+class Prediction(Record):
+    """What one arm answers to one episode in one of its runs, `seed`: one of a point x, z, `abstain`, `candidates` and `box`.
+
+    Metres on the floor plane. confidence: of a point, how probable the arm holds it; evidence: what the answer was drawn from,
+    for an arm with a map of its own; no verdict depends on either. Keys without a value are left out of files. Raises RecordError
+    for a record that has not exactly one of the four.
+    """
+
+    schema_id: Literal["ovman-prediction/1"] = Field("ovman-prediction/1", alias="schema")
+    episode: Text
+    arm: Text
+    seed: int
+    x: float | None = None
+    z: float | None = None
+    confidence: float | None = Field(None, ge=0, le=1)
+    abstain: AbstentionReason | None = None
+    candidates: tuple[Point, ...] | None = None
+    box: UniformBox | None = None
+    basis: EvidenceRecord | None = Field(None, alias="evidence")
+
+    @classmethod
+    def of(cls, episode: str, arm: str, seed: int, outcome: Predicted, evidence: Evidence | None = None) -> Self:
+        """The record of an outcome. seed: the number of the arm's run."""
+        form: dict[str, Any]
+        match outcome:
+            case Answer(x, z, confidence):
+                form = {"x": x, "z": z, "confidence": confidence}
+            case Abstention(reason):
+                form = {"abstain": reason}
+            case UniformPick(candidates):
+                form = {"candidates": candidates}
+            case UniformBox():
+                form = {"box": outcome}
+        basis = None if evidence is None else EvidenceRecord.of(evidence)
+        return cls(episode=episode, arm=arm, seed=seed, basis=basis, **form)
+
+    @model_validator(mode="after")
+    def _of_one_form(self) -> Self:
+        forms = [name for name in ("x", "abstain", "candidates", "box") if getattr(self, name) is not None]
+        if len(forms) != 1:
+            raise ValueError('give exactly one of "x" and "z", "abstain", "candidates", "box"')
+        if (self.x is None) != (self.z is None):
+            raise ValueError(f"{'x' if self.x is None else 'z'}: the key is missing; a point has x and z")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return {name: value for name, value in handler(self).items() if value is not None}
+
+    @property
+    def outcome(self) -> Predicted:
+        """What is predicted."""
+        if self.x is not None and self.z is not None:
+            return Answer(self.x, self.z, self.confidence)
+        if self.abstain is not None:
+            return Abstention(self.abstain)
+        if self.candidates is not None:
+            return UniformPick(self.candidates)
+        assert self.box is not None, "a prediction has one form"
+        return self.box
+
+    @property
+    def evidence(self) -> Evidence | None:
+        """What the answer was drawn from, for an arm with a map of its own."""
+        return None if self.basis is None else self.basis.evidence

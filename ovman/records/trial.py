@@ -1,0 +1,99 @@
+"""A trial, "ovman-trial/2": a candidate that was brought about in the simulator, and all that was measured. Nothing is judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import StrEnum
+from typing import Any, Literal
+
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+
+from ovman.records.candidate import Candidate
+from ovman.records.change import MoverRecord
+from ovman.records.geometry import Point, Position
+from ovman.records.record import Count, Length, Name, Record, Text
+from ovman.records.rejection import Rejection
+from ovman.records.relation import Relation
+from ovman.records.sighting import Sighting, VisitPair
+from ovman.records.world_state import RecordedWorld
+
+
+class Bound(StrEnum):
+    """How a trial ends that no setting within the bounds of `measurement` would accept."""
+
+    BEYOND_MEASUREMENT = "beyond_measurement"
+
+
+class ReachableBox(Record):
+    """The box around the cells that the agent can reach: (min, max) of x and of z, metres."""
+
+    x: tuple[float, float]
+    z: tuple[float, float]
+
+
+class Displaced(Record):
+    """Where a changed instance was at the end of each visit, None where it is absent."""
+
+    before: Position | None
+    after: Position | None
+
+
+class TrialMeasurement(Record):
+    """What was measured of a trial, as far as it came; fields that it did not come to are None and left out of files.
+
+    ended: why it ended early, None where it did not. placed: where the simulator put what was placed. spawn_to_box_m:
+    from the spawn to the box of the target, None where it is gone in visit 2. spawn_free_moves: quarters
+    of a turn in which the spawn can be left. reachable_box: in visit 2. visible_px: mask of the target from nu(a) by pitch.
+    visits: names of the recorded tours. sightings: of the category's instances in both tours. world_1, world_2: every present
+    instance of the category at the end of each visit, recorded or not. drift_m: farthest distance from the
+    placement. movers: of the second tour. other_px: largest mask of each instance of another category that changes, in each tour.
+    """
+
+    ended: Rejection | Bound | None
+    message: str | None = None
+    placed: Mapping[str, Position] | None = None
+    displacement_m: Mapping[str, Length] | None = None
+    spawn_clearance_m: Mapping[str, Length] | None = None
+    spawn_to_box_m: Length | None = None
+    spawn_free_moves: Count | None = None
+    component_cells: Count | None = None
+    reachable_box: ReachableBox | None = None
+    visible_px: Mapping[int, Count] | None = None
+    answer: Point | None = None
+    nearest_navigable: Point | None = None
+    answer_to_navigable_m: Length | None = None
+    shortest_path_m: Length | None = None
+    visits: VisitPair[Name] | None = None
+    sightings: VisitPair[tuple[Sighting, ...]] | None = None
+    world_1: RecordedWorld | None = None
+    world_2: RecordedWorld | None = None
+    changed: Mapping[str, Displaced] | None = None
+    drift_m: Mapping[str, Length] | None = None
+    movers: tuple[MoverRecord, ...] = ()
+    other_px: Mapping[str, VisitPair[Count]] | None = None
+
+    @model_serializer(mode="wrap")
+    def _present(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        absent = {"ended": False, "movers": not self.movers}
+        return {name: value for name, value in handler(self).items() if not absent.get(name, value is None)}
+
+
+class Trial(Record):
+    """A trial: the candidate and what was measured."""
+
+    schema_id: Literal["ovman-trial/2"] = Field("ovman-trial/2", alias="schema")
+    candidate: Candidate
+    measured: TrialMeasurement
+
+
+class Verdict(Record):
+    """The verdict on a trial, "ovman-verdict/1".
+
+    reasons: all against it, in the order of Algorithm 1; rejected: the first of them, None for an admissible trial.
+    """
+
+    schema_id: Literal["ovman-verdict/1"] = Field("ovman-verdict/1", alias="schema")
+    id: Text
+    relation: Relation
+    rejected: Rejection | None
+    reasons: tuple[Rejection, ...]

@@ -1,0 +1,46 @@
+"""The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
+
+from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, named, of_kind
+from ovman.settings.comparisons import Comparisons, Pair, PaperRows
+from ovman.settings.settings import Settings
+from ovman.settings.splits import (
+    MAIN,
+    Lighting,
+    Others,
+    SecondTour,
+    Split,
+    all_scenes,
+    in_main_job,
+    job_scenes,
+    scenes_of,
+    splits_of,
+)
+from ovman.settings.values import Section
+
+__all__ = [
+    "MAIN",
+    "Arm",
+    "Arms",
+    "Comparisons",
+    "Kind",
+    "Lighting",
+    "Need",
+    "Others",
+    "Pair",
+    "PaperRows",
+    "Reading",
+    "SecondTour",
+    "Section",
+    "Settings",
+    "Source",
+    "Split",
+    "Withheld",
+    "all_scenes",
+    "arms_of",
+    "in_main_job",
+    "job_scenes",
+    "named",
+    "of_kind",
+    "scenes_of",
+    "splits_of",
+]

@@ -1,0 +1,222 @@
+"""The arms of the evaluation: section `arms` of config.yaml. Predictions, rollouts and rows of the tables are derived from it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from enum import StrEnum
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from ovman.settings.values import Listed, Section, Some
+
+
+class Kind(StrEnum):
+    """How an arm is judged: STATIC by the point that it predicts, EMBODIED by where it stops."""
+
+    STATIC = "static"
+    EMBODIED = "embodied"
+
+
+class Source(StrEnum):
+    """Whether an arm finds something out itself (OWN) or is given the truth about it (HANDED)."""
+
+    OWN = "own"
+    HANDED = "handed"
+
+
+class Reading(StrEnum):
+    """Which objects of its own map an arm is told that the noun means.
+
+    MAJORITY: those most of whose detections truly show the category; ANY: those with one such detection; NEAREST: the object
+    nearest to each true position, within the success radius.
+    """
+
+    MAJORITY = "majority"
+    ANY = "any"
+    NEAREST = "nearest"
+
+
+class Need(StrEnum):
+    """What an arm is given beside the query and its observations.
+
+    TOURS: the recorded frames of both visits; MAPS: the maps that the reference agent's perception made of them, and the
+    embeddings of nouns; MAINTAINED: its one map of both visits, and the embeddings of nouns; NETWORKS: the detector and the
+    encoder themselves; DUALMAP: DualMap's maps, and the embeddings of nouns; DETECTIONS: what the detector found in the frames,
+    and the embeddings of nouns; SEGMENTS: that with what both visits say of each one's place, and the embeddings of nouns.
+    """
+
+    TOURS = "tours"
+    MAPS = "maps"
+    MAINTAINED = "maintained"
+    NETWORKS = "networks"
+    DUALMAP = "dualmap"
+    DETECTIONS = "detections"
+    SEGMENTS = "segments"
+
+
+class Withheld(StrEnum):
+    """What of the question or of the visits an arm is not given, though its agent could use it.
+
+    NOUN: the query's category is ""; NOUN_WRONG: it is that of another thing in the scene; RELATION: the relation is drawn from
+    all six; FIRST_VISIT, SECOND_VISIT: that tour showed nothing.
+    """
+
+    NOUN = "noun"
+    NOUN_WRONG = "noun_wrong"
+    RELATION = "relation"
+    FIRST_VISIT = "first_visit"
+    SECOND_VISIT = "second_visit"
+
+    @property
+    def visit(self) -> str | None:
+        """The visit that is withheld, "first" or "second"."""
+        return {Withheld.FIRST_VISIT: "first", Withheld.SECOND_VISIT: "second"}.get(self)
+
+
+def _function(value: str) -> str:
+    if not re.fullmatch(r"[A-Za-z_]\w*(\.[A-Za-z_]\w*)*:[A-Za-z_]\w*", value):
+        raise ValueError(f'{value!r} names no function; write "package.module:function"')
+    return value
+
+
+Whence = Annotated[Source, Field(strict=False)]
+
+
+class Arm(Section):
+    """One arm of the evaluation."""
+
+    name: str = Field(description="the key of its entry, in file names and records")
+    kind: Annotated[Kind, Field(strict=False)] = Field(description="judged by the point that it predicts, or by where it stops")
+    agent: Annotated[str, AfterValidator(_function)] = Field(
+        description='"module:function", docs/agents.md says what the function is given and gives back'
+    )
+    system: str = Field(min_length=1, description='title of its row; an embodied arm\'s "agent"')
+    memory: str = Field(min_length=1, description="what it keeps of the two visits, in the tables")
+    grounding: Whence = Field(Source.OWN, description="whether it finds out itself what the noun means")
+    reading: Annotated[Reading, Field(strict=False)] = Field(
+        Reading.MAJORITY, description="which objects of its map the noun means, where its grounding is handed"
+    )
+    positions: Whence = Field(Source.OWN, description="whether it finds out itself where things are")
+    answer: Whence = Field(Source.OWN, description="handed to the oracle only")
+    control: bool = Field(False, description="shows what the benchmark measures, and is no system; it stands apart in the tables")
+    ablates: str | None = Field(None, description="the arm of which it lacks a part; it stands apart in the tables")
+    withheld: Annotated[Withheld, Field(strict=False)] | None = Field(
+        None, description="what a static arm is not given of the query or of the visits"
+    )
+    needs: Annotated[tuple[Annotated[Need, Field(strict=False)], ...], Listed] = Field(
+        (), description="what it is given beside query and observations"
+    )
+    constants: Annotated[tuple[str, ...], Listed] = Field(
+        (), description='settings that it reads, "section.name" or "section.*"; a change of one reruns it'
+    )
+    executes: str | None = Field(None, description="the static arm whose predictions an embodied arm drives to")
+    expected: bool = Field(False, description="its static success is the expectation over a stochastic pick")
+    runs: Some = Field(1, description="runs of a static arm over all episodes; its rates are their means")
+    embodiment: Literal["default", "locobot"] = Field("default", description="body and camera of an embodied arm")
+    made_by: str | None = Field(
+        None, description="the plug-in whose rules make its records; they may be empty, and a note in the tables then says why"
+    )
+    any_instance: bool = Field(False, description="its own task is to reach any instance; it is judged on that, too")
+    budget: Some | None = Field(None, description="actions; primitives.action_budget if not given")
+    cut_from: str | None = Field(None, description="the embodied arm whose runs, ended after `budget` actions, are its own")
+
+    @property
+    def reads_labels(self) -> bool:
+        """Whether it is given what the detections of its map truly show."""
+        handed = self.grounding is Source.HANDED and self.positions is Source.OWN and self.answer is Source.OWN
+        return handed and self.kind is Kind.STATIC and self.reading is not Reading.NEAREST
+
+    @property
+    def reads_sightings(self) -> bool:
+        """Whether it is given what the tours truly recorded. An arm that is given the answer has no use for it."""
+        handed = self.answer is not Source.HANDED and Source.HANDED in (self.grounding, self.positions)
+        return handed and not self.reads_labels
+
+    @property
+    def answers_once(self) -> bool:
+        """Whether it is a static arm whose prediction for an episode is one answer to the episode's own question."""
+        return self.kind is Kind.STATIC and not self.expected and self.runs == 1 and self.withheld is None
+
+
+WORDS = ("system", "memory", "control", "ablates")
+"""Fields that only the tables show. A job of an arm does not get them, so that a new title reruns nothing but the tables."""
+
+
+class ArmJob(Arm):
+    """An arm as one of its jobs is given it, without the words of the tables.
+
+    marks: the budgets at which other arms cut this one's runs, ascending; executed: the arm that it executes.
+    """
+
+    system: str = ""
+    memory: str = ""
+    marks: Annotated[tuple[int, ...], Listed] = ()
+    executed: ArmJob | None = None
+
+
+def _named(value: Any) -> Any:
+    if not isinstance(value, dict):
+        return value
+    for name, entry in value.items():
+        if not re.fullmatch(r"[a-z][a-z0-9_]*", str(name)):
+            raise ValueError(f"{name!r} cannot name an arm, whose files are called after it; write small letters, digits and _")
+        if isinstance(entry, dict) and "name" in entry and entry["name"] != name:
+            raise ValueError(f"{name}.name is not a setting; the key names the arm")
+    return {
+        name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
+    }
+
+
+Arms = Annotated[dict[str, Arm], BeforeValidator(_named)]
+"""By name, in the order of the tables; an entry that is null is left out."""
+
+
+def arms_of(arms: Mapping[str, Arm]) -> tuple[Arm, ...]:
+    """All arms in the order of config.yaml, which is that of the tables."""
+    return tuple(arms.values())
+
+
+def of_kind(arms: Iterable[Arm], kind: Kind) -> tuple[Arm, ...]:
+    """The arms of one kind, in their order."""
+    return tuple(arm for arm in arms if arm.kind is kind)
+
+
+def other_readings(arms: Iterable[Arm]) -> frozenset[str]:
+    """The names of the arms that differ from an earlier one in nothing but the reading: they have a table of their own."""
+    found, met = set(), set[str]()
+    for arm in arms:
+        entry = arm.model_dump_json(exclude={"name", "reading"})
+        if entry in met:
+            found.add(arm.name)
+        met.add(entry)
+    return frozenset(found)
+
+
+def contradictions(arms: Mapping[str, Arm]) -> Iterator[tuple[tuple[str, ...], str]]:
+    """What of `withheld` does not fit the rest of an arm's entry: its place, and what is to be said of it."""
+    for name, arm in arms.items():
+        place, withheld = ("arms", name, "withheld"), arm.withheld
+        executed = None if arm.executes is None else arms.get(arm.executes)
+        if executed is not None and executed.withheld is not None:
+            says = f"from which {executed.withheld} is withheld, and from an embodied arm nothing is; name another"
+            yield ("arms", name, "executes"), f"is {arm.executes}, {says}"
+        if withheld is None:
+            continue
+        if arm.kind is Kind.EMBODIED:
+            yield place, "is not for an arm that is embodied; take it out"
+        if arm.made_by is not None:
+            yield place, f"is {withheld}, but plug-in {arm.made_by} asks the arm; take it out"
+        if withheld in (Withheld.NOUN, Withheld.NOUN_WRONG) and Source.HANDED in (arm.grounding, arm.positions, arm.answer):
+            yield place, f"is {withheld}, but the arm is handed what the noun means; write grounding: own and positions: own"
+        if withheld.visit is not None and (joint := {Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS} & set(arm.needs)):
+            yield place, f"is {withheld}, but {min(joint)} is made of both visits; name an arm that needs maps or tours"
+
+
+def named(arms: Sequence[Arm], name: str) -> Arm:
+    """The arm of that name. Raises KeyError that lists the names."""
+    for arm in arms:
+        if arm.name == name:
+            return arm
+    raise KeyError(f"{name!r} is not an arm; the arms are {', '.join(arm.name for arm in arms)}")

@@ -1,0 +1,202 @@
+"""The sections about the benchmark itself and the reference agent: scenes, tours, primitives, thresholds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+
+from ovman.settings.values import Count, Fraction, Listed, Metres, Probability, Section, Some, Whole
+
+FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
+
+
+def floor_plan(name: str) -> str:
+    """The name, if it is that of a floor plan. Raises ValueError, in one line, if it is not."""
+    if name not in FLOOR_PLANS:
+        raise ValueError(f"{name} is not a floor plan; there are FloorPlan1-30, 201-230, 301-330 and 401-430")
+    return name
+
+
+class PerRelation(Section):
+    """A count for each relation."""
+
+    moved: Count = Field(description="MOVED")
+    former: Count = Field(description="FORMER")
+    moving: Count = Field(description="MOVING")
+    stable: Count = Field(description="STABLE")
+    appeared: Count = Field(description="APPEARED")
+    removed: Count = Field(description="REMOVED")
+
+
+class Benchmark(Section):
+    """What is released."""
+
+    seed: Count = Field(description="root of every random number")
+    backend: Literal["embedded", "thor"] = Field(description="simulator: the engine of this project, or AI2-THOR's Unity build")
+    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(description="iTHOR floor plans")
+    split: PerRelation = Field(description="episodes released per relation")
+    allow_short_split: bool = Field(
+        description="whether fewer certified episodes than `split` asks for are released all the same"
+    )
+
+    @field_validator("scenes")
+    @classmethod
+    def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
+        seen: set[str] = set()
+        for scene in scenes:
+            if floor_plan(scene) in seen:
+                raise ValueError(f"{scene} is there twice")
+            seen.add(scene)
+        return scenes
+
+
+class Camera(Section):
+    """The agent's camera."""
+
+    width_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels")
+    height_px: Annotated[Whole, Field(ge=16, le=4096)] = Field(description="pixels")
+    field_of_view_deg: Annotated[float, Field(gt=0, lt=180)] = Field(description="degrees, vertical")
+
+
+class Tour(Section):
+    """A visit's tour."""
+
+    waypoints: Annotated[Some, Field(le=1000)] = Field(description="W, farthest-point waypoints")
+    headings: Annotated[Whole, Field(ge=1, le=360)] = Field(description="views per waypoint")
+
+
+class Primitives(Section):
+    """What the agent does, and until when."""
+
+    step_m: Metres = Field(description="metres, one MoveAhead and the spacing of the grid")
+    turn_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees, one RotateLeft or RotateRight")
+    heading_tolerance_deg: Annotated[float, Field(gt=0, le=180)] = Field(description="degrees")
+    action_budget: Some = Field(description="actions")
+    stop_within_m: Metres = Field(description="metres")
+    blocked_edge_expiry: Some = Field(description="actions")
+    stall_after: Some = Field(description="actions")
+
+
+class Mover(Section):
+    """What moves on its own in MOVING episodes."""
+
+    step_m: Metres = Field(description="metres per agent action, and the spacing of its lattice")
+    pause_probability: Probability = Field(description="probability per agent action")
+    turn_probability: Probability = Field(description="probability per agent action")
+
+
+class Candidates(Section):
+    """What is drawn."""
+
+    draws: PerRelation = Field(description="candidates per relation and scene")
+    delta_min_m: Metres = Field(description="metres, Delta_min")
+    spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    spawn_beyond_m: Annotated[float, Field(ge=0)] = Field(description="metres, from the spawn to whatever a stop is judged by")
+    apart_m: Metres = Field(description="metres, from where a change is scripted, and from the answer, to what else changes")
+    mover_min_m: Metres = Field(
+        description="metres that each of several movers comes at least from where it sets off, while it is toured"
+    )
+    crowding_m: Annotated[float, Field(ge=0)] = Field(
+        description="metres, no other instance of the category is this near to the answer"
+    )
+
+
+class Measurement(Section):
+    """The loosest settings that a verdict may be re-derived for."""
+
+    min_mask_px: Some = Field(description="pixels")
+    answer_to_navigable_m: Metres = Field(description="metres")
+    visible_px: Some = Field(description="pixels")
+
+
+class Admissibility(Section):
+    """What makes a trial admissible and certified."""
+
+    tau_m: Metres = Field(description="metres, tau")
+    min_mask_px: Some = Field(description="pixels")
+    validity_radius_m: Metres = Field(description="metres")
+    drift_tolerance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    motion_m: Annotated[float, Field(ge=0)] = Field(description="metres")
+    mover_spread_m: Annotated[float, Field(ge=0)] = Field(
+        description="metres, exceeded by the largest distance between two recorded places of a mover beside others"
+    )
+    above_chance: Annotated[float, Field(ge=0, le=1)] = Field(description="by which a uniform pick of an instance may exceed 1/n")
+    runs: Some = Field(description="certification runs")
+
+
+class Success(Section):
+    """The success test (Eq. 4)."""
+
+    radius_m: Metres = Field(description="metres, R")
+    visible_px: Some = Field(description="pixels")
+    sweep_deg: Annotated[tuple[Annotated[Whole, Field(ge=-30, le=60)], ...], Listed, Field(min_length=1)] = Field(
+        description="degrees down"
+    )
+
+
+class Association(Section):
+    """The reference agent's association of two visits."""
+
+    gate_m: Metres = Field(description="metres, gamma")
+    feature_scale_m: Annotated[float, Field(ge=0)] = Field(description="metres, lambda")
+    track_spread_m: Annotated[float, Field(ge=0)] = Field(description="metres, tau_trk")
+
+
+class Maps(Section):
+    """From detections to a visit's map."""
+
+    cluster_radius_m: Metres = Field(description="metres, epsilon")
+
+
+class Grounding(Section):
+    """Which map objects a noun means."""
+
+    similarity_margin: Annotated[float, Field(ge=0)] = Field(description="delta_g, below the best similarity")
+
+
+class Appearance(Section):
+    """Cues of appearance in the association cost, fitted on one split and tested on another. No arm reads it."""
+
+    agent: str = Field(description="static arm with maps of both visits whose grounding and rules the variants keep")
+    hue_bins: Annotated[Some, Field(le=180)] = Field(description="bins of the histograms' hue")
+    saturation_bins: Annotated[Some, Field(le=256)] = Field(description="and of their saturation")
+    extent_share: Fraction = Field(description="share of a mask's points that its extent spans along each axis")
+    least_extent_m: Metres = Field(description="metres, a shorter side counts as this long")
+    weight_step: Annotated[float, Field(ge=0.005, le=1)] = Field(description="of the grid of weights, which sum to 1")
+    equal_scales: bool = Field(
+        description="whether cues are scaled to the mean disagreement of the features before they are weighed"
+    )
+    least_pairs: Some = Field(description="pairs of each kind, same and different, from which on weights are fitted")
+
+
+class Controls(Section):
+    """Controls that compare the tours' pictures."""
+
+    changed_m: Metres = Field(description="metres by which depth differs where something has changed")
+    changed_level: Annotated[float, Field(gt=0, lt=1)] = Field(
+        description="by which a colour channel differs where something has changed; full scale is 1"
+    )
+    every_px: Annotated[Some, Field(le=20)] = Field(description="rows and columns from one compared pixel to the next")
+
+
+class SingleVisit(Section):
+    """The single-visit baseline."""
+
+    samples: Some = Field(description="Monte Carlo draws")
+
+
+class Evaluation(Section):
+    """How arms are run and reported."""
+
+    seeds: Annotated[tuple[Count, ...], Listed, Field(min_length=1)] = Field(description="embodied runs per arm")
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="level of the intervals")
+    near_miss_m: Metres = Field(description="metres from the answer up to which a failed prediction is a near miss")
+    scenes_per_job: Some = Field(description="scenes that a job of an embodied arm drives in; an arm with networks takes one")
+
+    @field_validator("seeds")
+    @classmethod
+    def _distinct(cls, seeds: tuple[int, ...]) -> tuple[int, ...]:
+        if len(set(seeds)) < len(seeds):
+            raise ValueError("a seed is there twice")
+        return seeds

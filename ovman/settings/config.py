@@ -1,0 +1,300 @@
+"""config.yaml, read: `load` refuses what is not a setting, or not a value, in one line that says what to write instead.
+
+What a setting may be is in `ovman.settings`, which stage owns it in `ovman.workflow.stages`. Imports nothing heavy:
+the Snakefile imports it.
+"""
+
+from __future__ import annotations
+
+import difflib
+import operator
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+
+from ovman.settings import Arm, Kind, Need, Settings, job_scenes, scenes_of
+from ovman.settings.arms import contradictions as of_withheld
+from ovman.settings.comparisons import contradictions as of_comparisons
+from ovman.settings.plugins import PluginError, plugin, with_sections
+from ovman.settings.sensitivity import contradictions as of_sensitivity
+from ovman.settings.settings import matching
+from ovman.settings.settings_files import ConfigError, read, read_sections, shown
+
+__all__ = ["ConfigError", "file_with", "load", "load_files"]
+
+Contradiction = tuple[tuple[str, ...], str]
+"""The place of a setting, and what is wrong with its value and what to do."""
+
+
+def contradictions(settings: Settings) -> Iterator[Contradiction]:
+    """Values that make no sense together, each allowed by itself."""
+    yield from _of_measurement(settings)
+    yield from _of_counts(settings)
+    yield from _of_motion(settings)
+    yield from _of_arms(settings.arms, settings.plugins, settings.constants())
+    yield from of_withheld(settings.arms)
+    yield from of_comparisons(settings.comparisons, settings.arms)
+    yield from _of_splits(settings)
+    yield from of_sensitivity(settings.sensitivity, settings.measurement)
+    yield from _of_appearance(settings.appearance.agent, settings.arms)
+
+
+def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
+    """What is measured must serve the verdict in force."""
+    measured, verdict, success = settings.measurement, settings.admissibility, settings.success
+    for key, value, bound, limit, fits, word in (
+        ("admissibility.min_mask_px", verdict.min_mask_px, "min_mask_px", measured.min_mask_px, operator.le, "at most"),
+        ("success.visible_px", success.visible_px, "visible_px", measured.visible_px, operator.le, "at most"),
+        (
+            "admissibility.validity_radius_m",
+            verdict.validity_radius_m,
+            "answer_to_navigable_m",
+            measured.answer_to_navigable_m,
+            operator.ge,
+            "at least",
+        ),
+    ):
+        if not fits(limit, value):
+            says = f"measurement.{bound} must be {word} that and is {limit}; change one of the two"
+            yield tuple(key.split(".")), f"is {value}, but {says}"
+
+
+def _of_counts(settings: Settings) -> Iterator[Contradiction]:
+    """No more episodes than candidates; at least one episode."""
+    benchmark, scenes = settings.benchmark, len(settings.benchmark.scenes)
+    for relation, episodes in benchmark.split:
+        draws = getattr(settings.candidates.draws, relation)
+        if episodes > draws * scenes:
+            says = f"candidates.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
+            yield ("benchmark", "split", relation), f"is {episodes}, but {says}"
+    for name, split in settings.splits.items():
+        scenes = len(scenes_of(name, benchmark, settings.splits))
+        for relation, episodes in split.episodes:
+            if episodes > (draws := getattr(split.draws, relation)) * scenes:
+                says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
+                yield ("splits", name, "episodes", relation), f"is {episodes}, but {says}"
+    if not any(episodes for _, episodes in benchmark.split):
+        yield ("benchmark", "split"), "asks for no episode; give at least one relation a number above 0"
+
+
+def _of_motion(settings: Settings) -> Iterator[Contradiction]:
+    """The agent can face every direction."""
+    primitives = settings.primitives
+    turn, tolerance = primitives.turn_deg, primitives.heading_tolerance_deg
+    if 360.0 % turn:
+        yield ("primitives", "turn_deg"), f"is {turn}, which does not divide 360; write a divisor of 360, such as 30"
+    elif tolerance < turn / 2:
+        says = f"half of primitives.turn_deg ({turn}): some headings could not be reached; write at least {turn / 2}"
+        yield ("primitives", "heading_tolerance_deg"), f"is {tolerance}, which is less than {says}"
+    local = settings.dualmap.local_map
+    if local.split_frames >= local.split_window:
+        says = f"the {local.split_window} keyframes of dualmap.local_map.split_window never hold more; lower it"
+        yield ("dualmap", "local_map", "split_frames"), f"is {local.split_frames}, but {says}"
+
+
+def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradiction]:
+    if agent not in arms or arms[agent].kind is not Kind.STATIC or Need.MAPS not in arms[agent].needs or arms[agent].expected:
+        says = "which is no static arm that answers from maps of both visits; name one"
+        yield ("appearance", "agent"), f"is {agent}, {says}"
+
+
+def _of_splits(settings: Settings) -> Iterator[Contradiction]:
+    """Arms of a split answer from what is made for all splits. An arm that does not exist is left out of its splits, too.
+
+    A scene's tours are looked at together, so what is no part of the main job has scenes of its own.
+    """
+    arms = settings.arms
+    job = set(job_scenes(settings.benchmark, settings.splits))
+    for name, split in settings.splits.items():
+        for number, arm in enumerate(split.arms):
+            place = ("splits", name, "arms", str(number))
+            if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
+                yield place, f"is {arm}, whose records are made of benchmark.split alone; name another arm"
+        shared = sorted(job & {*scenes_of(name, settings.benchmark, settings.splits)})
+        if not split.main_job and shared:
+            says = f"but {shared[0]} is a scene of the main job; name other scenes, or set main_job to true"
+            yield ("splits", name, "main_job"), f"is false, {says}"
+
+
+def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:
+    """Arms name settings, plug-ins and other arms that exist, and have the fields of their kind."""
+    for name, arm in arms.items():
+        if arm.made_by is not None and arm.made_by not in plugins:
+            listed = ", ".join(plugins) or "none"
+            yield ("arms", name, "made_by"), f"is {arm.made_by}, which is not in section plugins; the plug-ins are {listed}"
+        for pattern in arm.constants:
+            if not matching([pattern], names) or pattern == "arms":
+                yield ("arms", name, "constants"), f'names {pattern}, which is no setting; write "section.name" or "section.*"'
+        foreign = ("expected", "runs") if arm.kind == "embodied" else ("executes", "embodiment", "budget", "cut_from")
+        for field in foreign:
+            if getattr(arm, field) != Arm.model_fields[field].default:
+                yield ("arms", name, field), f"is not for an arm that is {arm.kind}; take it out"
+        for field, kind in (("executes", "static"), ("cut_from", "embodied")):
+            other = getattr(arm, field)
+            if other is not None and (other not in arms or arms[other].kind != kind):
+                there = ", ".join(one for one, entry in arms.items() if entry.kind == kind and one != name)
+                yield ("arms", name, field), f"is {other}, which is no {kind} arm; there are {there or 'none'}"
+        whole = None if arm.cut_from is None else arms.get(arm.cut_from)
+        if whole is not None and not _can_be_cut(whole, arm):
+            says = "from whose runs it cannot be cut; name an arm that drives itself, for no fewer actions than `budget`"
+            yield ("arms", name, "cut_from"), f"is {arm.cut_from}, {says}"
+
+
+def _can_be_cut(whole: Arm, arm: Arm) -> bool:
+    """Whether the runs of `whole` contain those of `arm`, which end after fewer actions."""
+    return whole.cut_from is None and arm.budget is not None and (whole.budget is None or whole.budget >= arm.budget)
+
+
+def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = ()) -> Settings:
+    """The settings of a YAML file or of a mapping. Sections that begin with "x-" are the user's own and are ignored.
+
+    `files` are those that a mapping was merged from, later ones winning; an error names the one that has the wrong setting.
+    Raises ConfigError in one line.
+    """
+    if isinstance(source, Mapping):
+        tree, files = source, [Path(f) for f in files]
+    else:
+        tree, files = read_sections(Path(source)), [Path(source)]
+    model = with_sections(Settings, _plugins(tree, files))
+    try:
+        config = model.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
+    except ValidationError as error:
+        raise ConfigError(_line(error, files, model)) from None
+    for key, says in contradictions(config):
+        raise ConfigError(f"{file_with(files, key)}: {'.'.join(key)} {says}")
+    return config
+
+
+def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[str, str]:
+    """Section `plugins`, each entry checked. ConfigError in one line; what has another form is left to the model."""
+    given = tree.get("plugins")
+    if not isinstance(given, Mapping):
+        return {}
+    named = {name: module for name, module in given.items() if isinstance(name, str) and isinstance(module, str)}
+    for name, module in named.items():
+        try:
+            plugin(name, module)
+        except PluginError as error:
+            raise ConfigError(f"{file_with(files, ('plugins', name))}: plugins.{name} is {module}, which {error}") from None
+    return named
+
+
+def load_files(files: Sequence[str | Path]) -> Settings:
+    """The settings of config.yaml and of overlays on top of it, later ones winning, as Snakemake merges them."""
+    tree: dict[Any, Any] = {}
+    for file in files:
+        _merge(tree, read_sections(Path(file)))
+    return load(tree, files)
+
+
+def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
+    for key, value in over.items():
+        if isinstance(value, Mapping) and isinstance(tree.get(key), dict):
+            _merge(tree[key], value)
+        else:
+            tree[key] = dict(value) if isinstance(value, Mapping) else value
+
+
+def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Any:
+    """The tree with its keys in the order of the files: a merge may begin with the last file's keys."""
+    return tree if len(files) < 2 else _ordered(tree, [read(Path(path)) for path in files])
+
+
+def _ordered(value: Any, sources: Sequence[Any]) -> Any:
+    sources = [source for source in sources if isinstance(source, Mapping)]
+    if not isinstance(value, Mapping):
+        return value
+    names = dict.fromkeys(name for source in (*sources, value) for name in source)
+    return {name: _ordered(value[name], [source.get(name) for source in sources]) for name in names if name in value}
+
+
+def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
+    """Name of the last file that has the setting at `location`; config.yaml where none is known."""
+    for path in reversed([Path(f) for f in files]):
+        here: Any = read(path) if len(files) > 1 else {}
+        for name in location:
+            here = here.get(name, _ABSENT) if isinstance(here, Mapping) else _ABSENT
+        if here is not _ABSENT and here != {}:
+            return path.name
+    return Path(files[0]).name if files else "config.yaml"
+
+
+_ABSENT = object()
+
+
+def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
+    """The first thing that is wrong: where, what, and what to do."""
+    # A name that is not a setting explains a setting that is missing.
+    first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "missing": 2}.get(e["type"], 1))
+    location = tuple(first["loc"])
+    path = [str(name) for name in location if not isinstance(name, int)]
+    name = ".".join(path)
+    where = file_with(files, [p for p in location if not isinstance(p, int)])
+    if first["type"] == "extra_forbidden":
+        return f"{where}: {name} is not a setting; {_nearest(path, settings)}"
+    field = _field(path, settings)
+    meaning = f" ({field.description})" if field is not None and field.description else ""
+    if first["type"] == "missing":
+        remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        if path[0] not in Settings.model_fields:
+            remedy = "the plug-in's own overlay has its value"
+        return f"{where}: {name}{meaning} is missing; add it, {remedy}"
+    value, says = first["input"], re.sub(r"^(Input should|Value should|Value error,|Tuple should) ", "", first["msg"])
+    says = re.sub(r" after validation, not \d+$", "", says).replace("tuple", "list")
+    if first["type"] == "value_error":
+        return f"{where}: {name}: {says}"
+    if first["type"] in ("model_type", "model_attributes_type"):
+        return f"{where}: {name} is {shown(value)}; it must be a section with settings of its own"
+    hint = (
+        "; write numbers without quotes, and give changes as a file (--configfile)"
+        if isinstance(value, str) and "valid" in says
+        else ""
+    )
+    return f"{where}: {name} is {shown(value)}; it must {says}{meaning}{hint}"
+
+
+def _models(path: Sequence[str], settings: type[Settings]) -> type[BaseModel] | None:
+    model: type[BaseModel] = settings
+    names = iter(path)
+    for name in names:
+        field = model.model_fields.get(name)
+        inner: Any = field.annotation if field is not None else None
+        if get_origin(inner) is dict and next(names, None) is not None:
+            inner = get_args(inner)[1]
+        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
+            return None
+        model = inner
+    return model
+
+
+def _field(path: Sequence[str], settings: type[Settings]) -> Any:
+    model = _models(path[:-1], settings)
+    return None if model is None or not path else model.model_fields.get(path[-1])
+
+
+def _nearest(path: Sequence[str], settings: type[Settings]) -> str:
+    """The nearest setting to a wrong name: in its own section first, then anywhere."""
+    model, wrong = _models(path[:-1], settings), path[-1]
+    here = list(model.model_fields) if model is not None else []
+    # Of settings of one name, the first is meant: a later section varies what an earlier one sets.
+    everywhere = {} if path[0] == "arms" else {n.rsplit(".", 1)[-1]: n for n in reversed([*_names(settings)])}
+    for cutoff, elsewhere in ((0.9, True), (0.5, False), (0.7, True)):
+        near = difflib.get_close_matches(wrong, here, n=1, cutoff=cutoff)
+        if near:
+            return f"did you mean {near[0]}?"
+        near = difflib.get_close_matches(wrong, list(everywhere), n=1, cutoff=cutoff) if elsewhere else []
+        if near:
+            return f"did you mean {everywhere[near[0]]}?"
+    return f"{'.'.join(path[:-1]) or 'config.yaml'} has {', '.join(here)}"
+
+
+def _names(model: type[BaseModel], path: str = "") -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        kind = field.annotation
+        if isinstance(kind, type) and issubclass(kind, BaseModel):
+            yield from _names(kind, f"{path}{name}.")
+        else:
+            yield f"{path}{name}"

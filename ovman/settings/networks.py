@@ -1,0 +1,82 @@
+"""The networks: how they perceive, and how those of the default configuration are made."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ovman.settings.values import Count, Section, Some, Whole
+
+Sha256 = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
+
+
+class DetectorNetwork(Section):
+    """The class-agnostic detector."""
+
+    architecture: str = Field(min_length=1, description="segmentation network by ultralytics' name, of weights that are no graph")
+    weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or ultralytics' name of released ones")
+    sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
+    side_px: Annotated[Whole, Field(ge=32, le=4096, multiple_of=32)] = Field(
+        description="pixels, side that pictures are scaled to"
+    )
+    confidence: Annotated[float, Field(gt=0, lt=1)] = Field(description="detector confidence")
+    min_mask_px: Some = Field(description="pixels, smallest mask that is kept")
+
+
+class EncoderNetwork(Section):
+    """The image and text towers."""
+
+    model: str = Field(
+        min_length=1,
+        description="open_clip's name of a model, or the file of its configuration (.json), of weights that are no graph",
+    )
+    weights: str = Field(min_length=1, description="graph (.onnx) or file of weights, or open_clip's tag of released ones")
+    sha256: Sha256 = Field(description="SHA-256 of the weights in hexadecimal, or empty")
+    crop_padding: Annotated[float, Field(ge=0)] = Field(description="share of a mask's longer side that is added around it")
+
+
+class Perception(Section):
+    """From pictures to detections."""
+
+    device: Literal["cpu", "cuda"] = Field(description="where the networks run")
+    trust_pickles: bool = Field(description="whether pickled weights (.pt), which can run code of their author, may be loaded")
+    detector: DetectorNetwork
+    encoder: EncoderNetwork
+
+
+class DetectorTraining(Section):
+    """How the detector of the default configuration is made."""
+
+    epochs: Some = Field(description="passes over all pictures")
+    further_epochs: Some = Field(description="passes after that, without mosaics")
+    batch: Some = Field(description="pictures a step")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further passes")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
+    look_every: Some = Field(description="steps between two looks at the held-out scenes")
+    look_at_one_in: Some = Field(description="one in so many held-out pictures is looked at meanwhile")
+
+
+class EncoderTraining(Section):
+    """How the encoder of the default configuration is made."""
+
+    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(description="pixels, side of a crop")
+    detected_one_in: Some = Field(description="one in so many pictures is shown to the detector for its crops")
+    steps: Some = Field(description="steps on the crops of true masks")
+    further_steps: Some = Field(description="steps on the crops of true and of detected masks after that")
+    batch: Some = Field(description="crops a step")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further steps")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
+    look_every: Some = Field(description="steps between two looks at the held-out scenes")
+
+
+class Training(Section):
+    """How the networks of the default configuration are made; no part of the main job."""
+
+    seed: Count = Field(description="root of every random number of the trainings")
+    views: Some = Field(description="pictures of a floor plan that is learned from")
+    held_out_views: Some = Field(description="pictures of a floor plan that is held out")
+    detector: DetectorTraining
+    encoder: EncoderTraining

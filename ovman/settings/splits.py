@@ -1,0 +1,193 @@
+"""Section `splits`: what is released beside the benchmark's own split, and in what each differs from the paper's protocol."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from ovman.settings.benchmark import Benchmark, PerRelation, floor_plan
+from ovman.settings.sensors import Level
+from ovman.settings.values import Listed, Section, Some, Whole
+
+MAIN = "main"
+"""The split of section `benchmark`."""
+NAME = r"[a-z]+(_[a-z]+)*"
+"""Names of splits."""
+TAKEN = frozenset({"static", "embodied"})
+"""What files of metrics are called after already."""
+
+
+class Others(Section):
+    """Instances of other categories that change, too, and that no query is about."""
+
+    count: Annotated[tuple[Some, ...], Listed, Field(min_length=2, max_length=2)] = Field(
+        description="fewest and most of them in a pair of tours"
+    )
+    alike: PerRelation = Field(
+        description="how many of them at least change as the scripted instance does; for STABLE, as the one that moves"
+    )
+    size_ratio: Annotated[float, Field(ge=1)] = Field(
+        description="largest ratio of the volumes of the box of such an instance and of the scripted one's, either way"
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        fewest, most = self.count
+        if fewest > most:
+            raise ValueError(f"count is {list(self.count)}; write the fewest before the most")
+        for relation, alike in self.alike:
+            if alike > fewest:
+                raise ValueError(f"alike.{relation} is {alike}, but count begins with {fewest}; raise that or lower alike")
+        return self
+
+
+class SecondTour(Section):
+    """The tour of the second visit, where it is not the first's."""
+
+    other_waypoints: bool = Field(description="whether its waypoints are sampled from another cell than the first's")
+    first_yaw_deg: Annotated[float, Field(ge=0, lt=360)] = Field(description="degrees, yaw of its first view")
+
+
+Range = Annotated[tuple[float, ...], Listed, Field(min_length=2, max_length=2)]
+
+
+class Lighting(Section):
+    """The light of the second visit: each is drawn evenly from a range, as AI2-THOR's RandomizeLighting has them."""
+
+    brightness: Range = Field(description="least and greatest factor of every light, above 0")
+    hue: Range = Field(description="of the tint of the lights, in [0, 1]")
+    saturation: Range = Field(description="of the tint of the lights, in [0, 1]")
+    materials: bool = Field(
+        False, description="whether the second visit has other materials, too, as RandomizeMaterials draws them"
+    )
+
+    @property
+    def ranges(self) -> Mapping[str, tuple[float, float]]:
+        """What is drawn of the light, by name."""
+        return {name: (ends[0], ends[1]) for name in ("brightness", "hue", "saturation") for ends in (getattr(self, name),)}
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        for name, (low, high) in self.ranges.items():
+            if low > high:
+                raise ValueError(f"{name} is {[low, high]}; write the least before the greatest")
+            if name == "brightness" and low <= 0:
+                raise ValueError(f"{name} begins with {low}; a light has more than 0")
+            if name != "brightness" and not 0 <= low <= high <= 1:
+                raise ValueError(f"{name} is {[low, high]}; it lies between 0 and 1")
+        return self
+
+
+class Split(Section):
+    """A split. What its entry does not switch on is as the paper has it: one change, the same tour twice."""
+
+    name: str = Field(description="the key of its entry, in file names and ids")
+    main_job: bool = Field(True, description="whether results/tables has it; results/splits/NAME is made of any split")
+    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] | None = Field(
+        None, description="iTHOR floor plans; those of benchmark.scenes if not given"
+    )
+    changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Listed, Field(min_length=1)] = Field(
+        (1,), description="how many instances of the queried category change in a pair of tours, each under another relation"
+    )
+    others: Others | None = Field(None, description="instances of other categories that change as well; null for none")
+    second_tour: SecondTour | None = Field(None, description="the tour of the second visit; null for the first's again")
+    light: Lighting | None = Field(None, description="another light in the second visit; null for the scene's own")
+    sensors: Level | None = Field(
+        None, description="the level of section sensors by which depth and poses err; null for exact ones"
+    )
+    episodes: PerRelation = Field(description="episodes released per relation")
+    instances_in_turn: bool = Field(
+        False, description="whether a relation is asked about every certified instance before it is asked about one again"
+    )
+    sizes_in_turn: bool = Field(
+        False,
+        description="whether the scripted change is the largest of those that are alike as often as chance has it, beside others",
+    )
+    draws: PerRelation = Field(description="candidates per relation and scene")
+    tries: Some = Field(
+        description="how often a relation chooses at most what changes in a scene, for each candidate that is asked for"
+    )
+    arms: Annotated[tuple[str, ...], Listed] = Field(description="static and embodied arms that answer its queries")
+
+    @field_validator("changes", "arms", "scenes")
+    @classmethod
+    def _distinct(cls, values: tuple[Any, ...] | None) -> tuple[Any, ...] | None:
+        if values is not None and len(set(values)) < len(values):
+            raise ValueError("one of them is there twice")
+        return values
+
+    @field_validator("scenes")
+    @classmethod
+    def _floor_plans(cls, scenes: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        for scene in scenes or ():
+            floor_plan(scene)
+        return scenes
+
+    @field_validator("changes")
+    @classmethod
+    def _of_one_kind(cls, changes: tuple[int, ...]) -> tuple[int, ...]:
+        if 1 in changes and len(changes) > 1:
+            raise ValueError("one change and several are drawn in different ways; write [1], or numbers above 1")
+        return changes
+
+    @model_validator(mode="after")
+    def _others_beside_one(self) -> Self:
+        if self.others is not None and not self.single:
+            raise ValueError(f"others change beside one scripted change, but changes is {list(self.changes)}; write [1] there")
+        return self
+
+    @property
+    def plain(self) -> bool:
+        """Whether it differs from the paper's protocol in the scripted changes alone: its tours are like the main split's."""
+        return self.others is None and self.second_tour is None
+
+    @property
+    def single(self) -> bool:
+        """Whether one instance of the queried category changes in a pair of tours, which then serves one query."""
+        return self.changes == (1,)
+
+
+def _named(value: Any) -> Any:
+    if not isinstance(value, dict):
+        return value
+    for name in value:
+        if name in {MAIN, *TAKEN} or not re.fullmatch(NAME, str(name)):
+            taken = f"not {MAIN}, which is that of section benchmark, static or embodied"
+            raise ValueError(f"{name!r} cannot name a split; write small letters, with _ between words, and {taken}")
+    return {
+        name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
+    }
+
+
+Splits = Annotated[dict[str, Split], BeforeValidator(_named)]
+"""By name; an entry that is null is left out."""
+
+
+def splits_of(splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The names of all splits, the benchmark's own first."""
+    return MAIN, *splits
+
+
+def scenes_of(split: str, benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The floor plans of a split, in their order. KeyError for a name that is no split's."""
+    own = None if split == MAIN else splits[split].scenes
+    return benchmark.scenes if own is None else own
+
+
+def in_main_job(splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The splits beside the benchmark's own that results/tables has."""
+    return tuple(name for name, split in splits.items() if split.main_job)
+
+
+def job_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The floor plans of the main job, each once, those of the benchmark first."""
+    names = (MAIN, *in_main_job(splits))
+    return tuple(dict.fromkeys(scene for split in names for scene in scenes_of(split, benchmark, splits)))
+
+
+def all_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
+    """The floor plans of all splits, each once, those of the benchmark first."""
+    return tuple(dict.fromkeys(scene for split in splits_of(splits) for scene in scenes_of(split, benchmark, splits)))
