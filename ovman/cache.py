@@ -24,12 +24,16 @@ def digest(*parts: Any) -> str:
 class Cache:
     """Values by key in one directory, one file per item. Processes may share it; deleting it loses nothing but time."""
 
-    def __init__(self, directory: Path) -> None:
-        self.directory = Path(directory)
+    def __init__(self, directory: Path, fallback: Path | None = None) -> None:
+        """Open the cache in `directory`. fallback: Another cache, whose items are read but never written."""
+        self.directory, self.fallback = Path(directory), fallback
 
     def path(self, key: str, suffix: str = ".json") -> Path:
         """Return the file of an item, which may not exist. key: hexadecimal digits, as `digest` gives them."""
-        return self.directory / key[:2] / f"{key[2:]}{suffix}"
+        name = Path(key[:2], f"{key[2:]}{suffix}")
+        if self.fallback is not None and (self.fallback / name).exists():
+            return self.fallback / name
+        return self.directory / name
 
     def get_or_compute(self, key: str, compute: Callable[[], Any]) -> Any:
         """Return the JSON value of an item; compute and store it first if the cache lacks it or its file is damaged."""

@@ -1,12 +1,67 @@
-"""Processes of this machine, and how the machine is told from others that share its files."""
+"""Processes of this machine: work shared out among them, and how the machine is told from others that share its files."""
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import re
+import signal
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import TypeVar
 
 HOST = re.sub(r"[^A-Za-z0-9-]", "-", os.uname().nodename)
 """The name of this machine, in letters that a file's name may have and without a full stop."""
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+
+class WorkerDied(RuntimeError):
+    """A worker process was killed, by the system for its memory or by the code that it ran."""
+
+    says_all = True
+
+
+def map_items(function: Callable[[Item], Result], items: Sequence[Item], workers: int) -> list[Result]:
+    """Return `function(item)` of each item, in the order of the items.
+
+    Args:
+        function: Picklable, as are items and results if there are several workers.
+        items: What to work on, such as scenes. A worker takes the next one when it is done with one.
+        workers: Number of processes. One worker, or one item, is done in this process.
+
+    Raises:
+        WorkerDied: A worker was killed. Other exceptions are those of `function`.
+    """
+    workers = min(workers, len(items))
+    if workers < 2:
+        return [function(item) for item in items]
+    context = multiprocessing.get_context("fork")  # a spawned process would run the script of the job again
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_begin) as pool:
+        try:
+            return list(pool.map(function, items))
+        except BrokenProcessPool:
+            says = "a worker process was killed; the log's last lines name its work"
+            raise WorkerDied(f"{says}; finished work is kept, and the same command goes on") from None
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise
+
+
+def _begin() -> None:
+    """Prepare a worker: Ctrl-C is meant for its parent, and it ends when its parent does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 def alive(process: int) -> bool:

@@ -1,0 +1,95 @@
+"""Digests of the code that a rule runs: a change of the code reruns what it made and makes its cached work items unused.
+
+Comments, docstrings and layout do not count. A module counts with every module of OVMAN that it imports, directly or not.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+
+import grimp
+
+PACKAGES = ("ovman", "ovman_engine")
+ENGINE = "ovman_engine.__main__"
+
+
+def digest_code(*modules: str) -> str:
+    """Return 16 hexadecimal digits of modules, by dotted name, and of what they import; of all code of OVMAN for no modules.
+
+    A module outside OVMAN, such as an entrant's agent, counts with the files of its own package.
+
+    Raises:
+        ModuleNotFoundError: One of the modules does not exist.
+        SyntaxError: One of the files is not Python.
+    """
+    found: set[Path] = set()
+    for module in modules or _graph().modules:
+        if module.partition(".")[0] in PACKAGES:
+            found |= _closure(module)
+        else:
+            outside = _files_outside(module)
+            found |= outside.union(*(_closure(name) for path in outside for name in _imports(path)))
+    return hashlib.sha256("".join(sorted(map(_digest_file, found))).encode()).hexdigest()[:16]
+
+
+@cache
+def _graph() -> grimp.ImportGraph:
+    return grimp.build_graph(*PACKAGES, cache_dir=".snakemake/grimp", exclude_type_checking_imports=True)
+
+
+@cache
+def _closure(module: str) -> set[Path]:
+    """Return the files of a module of OVMAN and of all that it imports."""
+    if module not in _graph().modules:
+        raise ModuleNotFoundError(f"there is no module {module}", name=module)
+    names = {module} | _graph().find_upstream_modules(module)
+    if "ovman_engine" in names and module != ENGINE:  # the simulator is a process of its own
+        return {_file(name) for name in names} | _closure(ENGINE)
+    return {_file(name) for name in names}
+
+
+@cache
+def _file(module: str) -> Path:
+    spec = find_spec(module.partition(".")[0])
+    assert spec is not None and spec.origin is not None  # grimp has found it
+    place = Path(spec.origin).parent.joinpath(*module.split(".")[1:])
+    return place / "__init__.py" if place.is_dir() else place.with_suffix(".py")
+
+
+def _files_outside(module: str) -> set[Path]:
+    spec = find_spec(module.partition(".")[0])
+    if spec is None or spec.origin is None:
+        raise ModuleNotFoundError(f"there is no module {module}", name=module)
+    path = Path(spec.origin)
+    return set(path.parent.rglob("*.py")) if path.name == "__init__.py" else {path}
+
+
+def _imports(path: Path) -> set[str]:
+    """Return the modules of OVMAN that a file imports."""
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_bytes(), str(path))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return names & _graph().modules
+
+
+@cache
+def _digest_file(path: Path) -> str:
+    tree = ast.parse(path.read_bytes(), str(path))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            node.body = [statement for statement in node.body if not _is_docstring(statement)]
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+def _is_docstring(statement: ast.stmt) -> bool:
+    match statement:
+        case ast.Expr(value=ast.Constant(value=str())):
+            return True
+    return False
