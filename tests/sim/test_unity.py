@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -236,16 +235,3 @@ def test_a_build_that_does_not_start_is_noticed(tmp_path, monkeypatch, does, lim
     with pytest.raises(ConnectionError, match="while it was being started"):
         controller.start("thor", SCENE, BODY)
     assert time.monotonic() - begun < 30
-
-
-def test_every_difference_in_the_docs_has_its_function_and_its_test():
-    page = (ROOT / "docs" / "thor.md").read_text().split("<!-- differences -->")[1].split("<!-- end of differences -->")[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in page.strip().splitlines()[2:]]
-    assert len(rows) > 10
-    folders = ROOT / "tests", ROOT / "packages" / "ovman-engine" / "tests"
-    tests = "".join(path.read_text() for folder in folders for path in folder.rglob("test_*.py"))
-    code = "".join(path.read_text() for path in (ROOT / "ovman" / "sim").rglob("*.py"))
-    for difference, _, handled, tested in rows:
-        for name in re.findall(r"`([\w.]+)`", handled):
-            assert re.search(rf"^ *(def|class) {name.split('.')[-1]}\b", code, re.MULTILINE), difference
-        assert re.search(rf"^def {tested.strip('`')}\(", tests, re.MULTILINE), difference

@@ -27,10 +27,6 @@ def beside(world: World) -> None:
     (world.directory / "latest.py").write_text(STATIC)
 
 
-def test_the_example_is_complete_in_forty_lines():
-    assert len((CODE + ENTRY).splitlines()) <= 40
-
-
 def test_the_agents_of_the_page_are_arms_whose_jobs_alone_run(world, tmp_path):
     again = World(shutil.copytree(world.directory, tmp_path / "world"))
     beside(again)
