@@ -1,12 +1,12 @@
-"""A random agent and the reference agent in the Gymnasium environment, with the rates that `ovman eval` finds. Trains nothing.
+"""Run a random agent and the reference agent in the Gymnasium environment, and print the rates that `ovman eval` prints.
 
-    python examples/gymnasium_agents.py                                       # --help has the rest
+    python examples/gymnasium_agents.py                                       # --help lists the options
     ovman eval --arm two_visits_embodied --split dev --scenes FloorPlan6 --seeds 0 --out reference
     cd examples
     ovman eval --agent gymnasium_agents:Wanderer --name random --split dev --scenes FloorPlan6 --seeds 0 --out random
 
-The random agent has the loop of any Gymnasium agent. The reference agent was written against `ovman.agents.interface`;
-`ovman.gym.playing.play` turns dictionaries into what it expects, and what it does into numbers.
+The random agent uses the loop of any Gymnasium agent. The reference agent was written against `ovman.agents.interface`;
+`ovman.gym.playing.play` converts observations and actions for it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ WALK = 40
 
 
 class Wanderer:
-    """Moves and turns at random, then stops. Also an agent for `ovman eval`, which draws the same."""
+    """An agent that moves and turns at random, then stops. `ovman eval` runs it too, with the same draws."""
 
     looks = False
 
@@ -43,21 +43,21 @@ class Wanderer:
         yield Action.STOP
 
     def familiarise(self, visit: Visit) -> None:
-        """It needs no tour."""
+        """Ignore the tour."""
 
     def revisit(self, visit: Visit) -> None:
-        """It needs no tour."""
+        """Ignore the tour."""
 
     def ask(self, query: Query) -> None:
-        """It does not care."""
+        """Ignore the query."""
 
     def act(self, observation: Observation | None) -> Action:
-        """The next draw, whatever is seen."""
+        """Return the next drawn action."""
         return next(self._drawn)
 
 
 def wander(env: gymnasium.Env[dict[str, Any], np.int64], episode: str, seed: int) -> Score:
-    """The loop of a Gymnasium agent that reads nothing of what it observes."""
+    """Run one episode with the loop of a Gymnasium agent, ignoring the observations."""
     env.reset(seed=seed, options={"episode": episode})
     agent, over = Wanderer(env.unwrapped.context()), False
     while not over:
@@ -70,21 +70,21 @@ def wander(env: gymnasium.Env[dict[str, Any], np.int64], episode: str, seed: int
 
 
 def main(arguments: Sequence[str] | None = None) -> dict[str, list[Score]]:
-    """Prints the rates, and returns the runs by agent."""
+    """Print the rates and return the runs by agent."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--arm", default="two_visits_embodied", help="of config.yaml; default: the reference agent")
+    parser.add_argument("--arm", default="two_visits_embodied", help="an arm; default: the reference agent")
     parser.add_argument("--split", default="dev")
-    parser.add_argument("--episodes", metavar="FILE", help="in the place of a split")
-    parser.add_argument("--scenes", nargs="+", default=(), metavar="NAME", help="default: FloorPlan6 of a split, all of a file")
-    parser.add_argument("--first", type=int, default=None, metavar="N", help="only so many episodes")
+    parser.add_argument("--episodes", metavar="FILE", help="a file of episodes instead of a split")
+    parser.add_argument("--scenes", nargs="+", default=(), metavar="NAME", help="default: FloorPlan6 of a split, every scene of a file")
+    parser.add_argument("--first", type=int, default=None, metavar="N", help="run only the first N episodes")
     parser.add_argument("--seeds", nargs="+", type=int, default=[0], metavar="N")
-    parser.add_argument("--cache", metavar="DIR", help="of recorded tours; default: the user's cache")
+    parser.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
     options = parser.parse_args(arguments)
     where = {"split": None if options.episodes else options.split, "episodes": options.episodes}
     scenes = options.scenes or (() if options.episodes else ("FloorPlan6",))
     found = {}
     for name, run in (("random", wander), (options.arm, play)):
-        # Neither looks at pictures while it drives; the tours are constant, and reset tells them once.
+        # Neither agent looks at pictures while it navigates, and the tours do not change during a run.
         env = gymnasium.make(ovman.gym.ID, **where, scenes=scenes, name=name, looks=False, tours="reset", cache=options.cache)
         asked = env.unwrapped.episode_ids[: options.first]
         found[name] = [run(env, episode, seed) for seed in options.seeds for episode in asked]
