@@ -12,13 +12,15 @@ from snakemake.utils import min_version
 # This checkout's code, whichever ovman the environment has installed.
 sys.path.insert(0, str(workflow.basedir))
 
-from ovman.settings.settings_files import check_file
+from ovman.settings.settings_files import check_file, with_parts
 
 min_version("9.19")
-check_file(os.path.join(workflow.basedir, "config.yaml"))
+CONFIG_FILES = with_parts(Path(workflow.basedir, "config.yaml"))
+for file in CONFIG_FILES:
+    check_file(file)
 
 
-configfile: os.path.join(workflow.basedir, "config.yaml")
+    configfile: file
 
 
 report: "workflow/report/workflow.rst"

@@ -15,6 +15,7 @@ EMBEDDED = Path("data") / "ovman-embedded-v2"
 """The release, below `HOME`."""
 FILES = (
     "config.yaml",
+    "config",
     "CITATION.cff",
     "workflow/scripts",  # digests of a stage's code begin at its script
     "workflow/equal_code.json",

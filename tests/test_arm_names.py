@@ -14,6 +14,7 @@ import yaml
 from ovman.analysis import metrics
 from ovman.settings import arms_of
 from ovman.settings.config import ConfigError, load
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.workflow.parameter import stage_settings
 from tests.arms import ARMS, CONFIG
 from tests.episodes import DATA
@@ -67,7 +68,7 @@ def test_a_name_that_is_a_section_too_is_no_arm_in_the_analysis_and_the_report(n
 
 
 def overlay(**sections):
-    tree = yaml.safe_load((ROOT / "config.yaml").read_text(encoding="utf-8"))
+    tree = read_merged(with_parts(ROOT / "config.yaml"))
     for name, entries in sections.items():
         for key, value in entries.items():
             old = tree[name].get(key)

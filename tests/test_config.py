@@ -19,14 +19,14 @@ from ovman.report.tables.constants import KEYS
 from ovman.settings import Kind, Settings, arms_of, of_kind
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings import matching
-from ovman.settings.settings_files import check_command_line, read
+from ovman.settings.settings_files import check_command_line, read, read_merged, with_parts
 from ovman.settings.values import listed
 from ovman.workflow.parameter import StageSettings, canonical, own_constants, stage_settings
 from ovman.workflow.stages import ENTRIES, STAGES, owned
 from tests.arms import ARMS
 
 FILE = Path(__file__).parents[1] / "config.yaml"
-TREE = yaml.safe_load(FILE.read_text(encoding="utf-8"))
+TREE = read_merged(with_parts(FILE))
 CONFIG = load(FILE)
 VALUES = CONFIG.constants()
 

@@ -15,6 +15,7 @@ import yaml
 from ovman import cli
 from ovman.doctor import checks, simulator
 from ovman.doctor.checks import Finding, State
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.shipped import HOME
 from ovman.sim import unity
 from tests.sim import unity_build
@@ -140,7 +141,7 @@ def test_an_engine_that_cannot_be_imported_is_noticed_before_the_client_waits_fo
 
 
 def test_networks_that_are_not_there_are_told_with_the_remedy(tmp_path: Path) -> None:
-    settings = yaml.safe_load((HOME / "config.yaml").read_text())
+    settings = read_merged(with_parts(HOME / "config.yaml"))
     settings["perception"]["detector"]["weights"] = str(tmp_path / "none.safetensors")
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))
     found = checks.perception(tmp_path / "config.yaml")
@@ -170,7 +171,7 @@ def test_both_networks_see_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyP
     save_file(network.state_dict(), tmp_path / "detector.safetensors")
     network = towers.empty_network(towers.architecture(str(tmp_path / "encoder.json")))
     save_file(network.state_dict(), tmp_path / "encoder.safetensors")
-    settings = yaml.safe_load((HOME / "config.yaml").read_text())
+    settings = read_merged(with_parts(HOME / "config.yaml"))
     settings["perception"]["detector"] |= {"weights": str(tmp_path / "detector.safetensors"), "sha256": ""}
     settings["perception"]["encoder"] |= {
         "model": str(tmp_path / "encoder.json"), "weights": str(tmp_path / "encoder.safetensors"), "sha256": "",

@@ -5,16 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-import yaml
 
 from ovman.analysis.registry import in_split_tables, in_tables, of_split
 from ovman.report.tables.splits import differs
 from ovman.settings import MAIN, all_scenes, arms_of, in_main_job, job_scenes, scenes_of
 from ovman.settings.config import ConfigError, load
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.training.floorplans import floor_plans
 
 ROOT = Path(__file__).parents[1]
-TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
+TREE = read_merged(with_parts(ROOT / "config.yaml"))
 CONFIG = load(TREE)
 COUNTS = dict.fromkeys(("moved", "former", "moving", "stable", "appeared", "removed"), 1)
 ALIKE = COUNTS | {"moved": 2}

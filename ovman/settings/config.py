@@ -21,7 +21,7 @@ from ovman.settings.comparisons import contradictions as of_comparisons
 from ovman.settings.plugins import PluginError, plugin, with_sections
 from ovman.settings.sensitivity import contradictions as of_sensitivity
 from ovman.settings.settings import matching
-from ovman.settings.settings_files import ConfigError, read, read_sections, shown
+from ovman.settings.settings_files import ConfigError, read, read_merged, shown, with_parts
 
 __all__ = ["ConfigError", "file_with", "load", "load_files"]
 
@@ -149,15 +149,32 @@ def _can_be_cut(whole: Arm, arm: Arm) -> bool:
 
 
 def load(source: str | Path | Mapping[str, Any], files: Sequence[str | Path] = ()) -> Settings:
-    """The settings of a YAML file or of a mapping. Sections that begin with "x-" are the user's own and are ignored.
+    """Load the settings of a YAML file with its parts, or of a mapping. Sections that begin with "x-" are ignored.
 
-    `files` are those that a mapping was merged from, later ones winning; an error names the one that has the wrong setting.
-    Raises ConfigError in one line.
+    Args:
+        source: A file, or the mapping that Snakemake merged from `files`.
+        files: Where a mapping comes from, later ones winning. An error names the file that has the wrong setting.
+
+    Raises:
+        ConfigError: One line with file, setting and remedy.
     """
     if isinstance(source, Mapping):
-        tree, files = source, [Path(f) for f in files]
-    else:
-        tree, files = read_sections(Path(source)), [Path(source)]
+        return _validated(source, _with_parts_of_first(files))
+    return load_files([source])
+
+
+def load_files(files: Sequence[str | Path]) -> Settings:
+    """Load the settings of a config.yaml with its parts, and of overlays on top of it. Later files win."""
+    every = _with_parts_of_first(files)
+    return _validated(read_merged(every), every)
+
+
+def _with_parts_of_first(files: Sequence[str | Path]) -> list[Path]:
+    paths = [Path(file) for file in files]
+    return list(dict.fromkeys([*with_parts(paths[0]), *paths])) if paths else []
+
+
+def _validated(tree: Mapping[str, Any], files: Sequence[Path]) -> Settings:
     model = with_sections(Settings, _plugins(tree, files))
     try:
         config = model.model_validate({k: v for k, v in _in_order(tree, files).items() if not str(k).startswith("x-")})
@@ -182,22 +199,6 @@ def _plugins(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Mapping[st
     return named
 
 
-def load_files(files: Sequence[str | Path]) -> Settings:
-    """The settings of config.yaml and of overlays on top of it, later ones winning, as Snakemake merges them."""
-    tree: dict[Any, Any] = {}
-    for file in files:
-        _merge(tree, read_sections(Path(file)))
-    return load(tree, files)
-
-
-def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
-    for key, value in over.items():
-        if isinstance(value, Mapping) and isinstance(tree.get(key), dict):
-            _merge(tree[key], value)
-        else:
-            tree[key] = dict(value) if isinstance(value, Mapping) else value
-
-
 def _in_order(tree: Mapping[str, Any], files: Sequence[str | Path]) -> Any:
     """The tree with its keys in the order of the files: a merge may begin with the last file's keys."""
     return tree if len(files) < 2 else _ordered(tree, [read(Path(path)) for path in files])
@@ -212,17 +213,23 @@ def _ordered(value: Any, sources: Sequence[Any]) -> Any:
 
 
 def file_with(files: Sequence[str | Path], location: Sequence[Any]) -> str:
-    """Name of the last file that has the setting at `location`; config.yaml where none is known."""
-    for path in reversed([Path(f) for f in files]):
-        here: Any = read(path) if len(files) > 1 else {}
-        for name in location:
-            here = here.get(name, _ABSENT) if isinstance(here, Mapping) else _ABSENT
-        if here is not _ABSENT and here != {}:
-            return path.name
-    return Path(files[0]).name if files else "config.yaml"
+    """Return the name of the last file with the setting at `location`, or of the first with a section that lacks it."""
+    if len(files) < 2:
+        return Path(files[0]).name if files else "config.yaml"
+    trees = [(Path(file).name, read(Path(file))) for file in files]
+    for depth in range(len(location), 0, -1):
+        holders = [name for name, tree in trees if _holds(tree, location[:depth])]
+        if holders:
+            return holders[-1 if depth == len(location) else 0]
+    return trees[0][0]
 
 
-_ABSENT = object()
+def _holds(tree: Any, location: Sequence[Any]) -> bool:
+    for name in location:
+        if not isinstance(tree, Mapping) or name not in tree:
+            return False
+        tree = tree[name]
+    return bool(tree != {})
 
 
 def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Settings]) -> str:
@@ -238,7 +245,7 @@ def _line(error: ValidationError, files: Sequence[str | Path], settings: type[Se
     field = _field(path, settings)
     meaning = f" ({field.description})" if field is not None and field.description else ""
     if first["type"] == "missing":
-        remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the repository's config.yaml has its value"
+        remedy = "docs/agents.md shows an entry" if path[0] == "arms" else "the shipped config.yaml or config/ has its value"
         if path[0] not in Settings.model_fields:
             remedy = "the plug-in's own overlay has its value"
         return f"{where}: {name}{meaning} is missing; add it, {remedy}"

@@ -48,35 +48,35 @@ class Perception(Section):
 class DetectorTraining(Section):
     """How the detector of the default configuration is made."""
 
-    epochs: Some = Field(description="passes over all pictures")
-    further_epochs: Some = Field(description="passes after that, without mosaics")
-    batch: Some = Field(description="pictures a step")
-    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
-    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further passes")
-    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
-    look_every: Some = Field(description="steps between two looks at the held-out scenes")
-    look_at_one_in: Some = Field(description="one in so many held-out pictures is looked at meanwhile")
+    epochs: Some = Field(2, description="passes over all pictures")
+    further_epochs: Some = Field(4, description="passes after that, without mosaics")
+    batch: Some = Field(8, description="pictures a step")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(0.0015, description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(0.0012, description="peak learning rate of the further passes")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(0.0005, description="weight decay")
+    look_every: Some = Field(500, description="steps between two looks at the held-out scenes")
+    look_at_one_in: Some = Field(4, description="one in so many held-out pictures is looked at meanwhile")
 
 
 class EncoderTraining(Section):
     """How the encoder of the default configuration is made."""
 
-    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(description="pixels, side of a crop")
-    detected_one_in: Some = Field(description="one in so many pictures is shown to the detector for its crops")
-    steps: Some = Field(description="steps on the crops of true masks")
-    further_steps: Some = Field(description="steps on the crops of true and of detected masks after that")
-    batch: Some = Field(description="crops a step")
-    learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate")
-    further_learning_rate: Annotated[float, Field(gt=0)] = Field(description="peak learning rate of the further steps")
-    weight_decay: Annotated[float, Field(ge=0)] = Field(description="weight decay")
-    look_every: Some = Field(description="steps between two looks at the held-out scenes")
+    crop_px: Annotated[Whole, Field(ge=32, multiple_of=32)] = Field(64, description="pixels, side of a crop")
+    detected_one_in: Some = Field(4, description="one in so many pictures is shown to the detector for its crops")
+    steps: Some = Field(3500, description="steps on the crops of true masks")
+    further_steps: Some = Field(600, description="steps on the crops of true and of detected masks after that")
+    batch: Some = Field(256, description="crops a step")
+    learning_rate: Annotated[float, Field(gt=0)] = Field(0.001, description="peak learning rate")
+    further_learning_rate: Annotated[float, Field(gt=0)] = Field(0.0003, description="peak learning rate of the further steps")
+    weight_decay: Annotated[float, Field(ge=0)] = Field(0.05, description="weight decay")
+    look_every: Some = Field(500, description="steps between two looks at the held-out scenes")
 
 
 class Training(Section):
-    """How the networks of the default configuration are made; no part of the main job."""
+    """How `make models` trains the default networks. The defaults are the values that the shipped networks were trained with."""
 
-    seed: Count = Field(description="root of every random number of the trainings")
-    views: Some = Field(description="pictures of a floor plan that is learned from")
-    held_out_views: Some = Field(description="pictures of a floor plan that is held out")
-    detector: DetectorTraining
-    encoder: EncoderTraining
+    seed: Count = Field(0, description="root of every random number of the trainings")
+    views: Some = Field(240, description="pictures of a floor plan that is learned from")
+    held_out_views: Some = Field(60, description="pictures of a floor plan that is held out")
+    detector: DetectorTraining = DetectorTraining()
+    encoder: EncoderTraining = EncoderTraining()

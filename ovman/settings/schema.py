@@ -21,6 +21,7 @@ def schema_text() -> str:
     schema["$schema"] = "https://json-schema.org/draft/2020-12/schema"
     schema["title"] = "Settings of OVMAN"
     schema["patternProperties"] = {"^x-": {}}
+    del schema["required"]  # each file has some of the sections
     for section in (schema, *schema["$defs"].values()):
         for of in section.get("properties", {}).values():
             _named_by_their_keys(of, schema["$defs"])

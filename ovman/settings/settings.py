@@ -66,7 +66,7 @@ class Settings(Section):
     joint: Joint
     dynamem: Dynamem
     react: React
-    training: Training
+    training: Training = Training()
     locobot: Locobot
     cow: Cow
     controls: Controls

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -55,6 +55,29 @@ def read_sections(path: Path) -> Mapping[Any, Any]:
     if not isinstance(tree, Mapping):
         raise ConfigError(f"{path}: holds {shown(tree)}; {SECTIONS}")
     return tree
+
+
+def with_parts(path: Path) -> list[Path]:
+    """Return a file of settings with its parts: a config.yaml has more sections in the files of a folder config/ next to it."""
+    return [path, *sorted(path.parent.glob("config/*.yaml"))] if path.name == "config.yaml" else [path]
+
+
+def read_merged(files: Iterable[Path]) -> dict[Any, Any]:
+    """Return the sections of all files. A later file wins, value by value, as Snakemake merges files of settings."""
+    tree: dict[Any, Any] = {}
+    for file in files:
+        _merge(tree, read_sections(file))
+    return tree
+
+
+def _merge(tree: dict[Any, Any], over: Mapping[Any, Any]) -> None:
+    for key, value in over.items():
+        if isinstance(value, Mapping):  # copied, since aliases in a file share one mapping
+            here = tree.get(key)
+            tree[key] = here if isinstance(here, dict) else {}
+            _merge(tree[key], value)
+        else:
+            tree[key] = value
 
 
 def read(path: Path) -> Any:

@@ -14,10 +14,11 @@ from ovman.evaluation.supervision import function
 from ovman.settings import Kind, Source, arms_of, named, of_kind
 from ovman.settings.arms import ArmJob, other_readings
 from ovman.settings.config import ConfigError, load
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.workflow.parameter import canonical
 from tests.arms import ARMS, CONFIG, ROOT
 
-TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
+TREE = read_merged(with_parts(ROOT / "config.yaml"))
 NAMES = list(TREE["arms"])
 MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "ovman.agents.oracle:agent"}
 STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.two_visits:predict"}

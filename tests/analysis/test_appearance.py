@@ -12,7 +12,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -27,6 +26,7 @@ from ovman.records.prediction import Abstention, AbstentionReason, Evidence
 from ovman.report.tables.appearance import appearance_table
 from ovman.report.tables.table import latex, markdown
 from ovman.settings.config import ConfigError, load
+from ovman.settings.settings_files import read_merged, with_parts
 from tests.arms import CONFIG
 from tests.episodes import episode_record
 from tests.report.reading import data, rows
@@ -272,6 +272,6 @@ def test_the_table_has_a_row_a_variant_fit_and_test():
 
 @pytest.mark.parametrize("agent", ["nobody", "single_visit", "two_visits_embodied", "positions_two_visits"])
 def test_an_agent_without_maps_of_both_visits_is_refused_before_anything_runs(agent):
-    tree = yaml.safe_load((Path(__file__).parents[2] / "config.yaml").read_text(encoding="utf-8"))
+    tree = read_merged(with_parts(Path(__file__).parents[2] / "config.yaml"))
     with pytest.raises(ConfigError, match=f"appearance.agent is {agent}, which is no static arm that answers from maps"):
         load(tree | {"appearance": tree["appearance"] | {"agent": agent}})

@@ -8,6 +8,7 @@ import itertools
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -260,6 +261,7 @@ def endured(tmp_path_factory, tours):
     for key, value in {"act_s": "2.0", "memory_gb": "3.0", "file_gb": "0.1"}.items():
         text = re.sub(rf"^  {key}: \S+", f"  {key}: {value}", text, flags=re.MULTILINE)
     (place / "config.yaml").write_text(text)
+    shutil.copytree(ROOT / "config", place / "config")
     asked = {(str(one.relation), one.category): ILLS[name][0] for one, name in episodes if name}
     (place / "ill.py").write_text(ill(asked))
     (place / "some.jsonl").write_text("".join(one.to_line() for one, _ in episodes))

@@ -15,6 +15,7 @@ from safetensors.torch import save_file
 from ovman.perception import detector, encoder, networks, towers, yolo
 from ovman.perception.weights import WeightsError
 from ovman.settings.config import load
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.shipped import HOME
 from tests.networks import ultralytics_own
 from tests.workflow.test_reruns import merged
@@ -176,7 +177,7 @@ def test_what_was_kept_of_others_is_not_taken(small, tmp_path, monkeypatch, kept
 
 def test_the_paper_s_networks_load_and_run_by_the_same_lines(tmp_path):
     overlay = yaml.safe_load((HOME / "overlays" / "thor.yaml").read_text())
-    named = load(merged(yaml.safe_load((HOME / "config.yaml").read_text()), overlay)).perception
+    named = load(merged(read_merged(with_parts(HOME / "config.yaml")), overlay)).perception
     assert (named.detector.architecture, named.detector.weights, named.detector.side_px) == ("yolov8m-seg", "yolov8m-seg.pt", 640)
     assert (named.encoder.model, named.encoder.weights) == ("ViT-B-16", "laion2b_s34b_b88k")
     assert named.device == "cuda" and named.trust_pickles is False

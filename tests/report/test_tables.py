@@ -9,7 +9,6 @@ from types import SimpleNamespace
 
 import pandas as pd
 import pytest
-import yaml
 
 from ovman.analysis import frames
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
@@ -22,6 +21,7 @@ from ovman.report.tables.specs import SPECS
 from ovman.report.tables.table import csv_text as table_csv
 from ovman.settings import Need, arms_of
 from ovman.settings.config import load
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.task import Relation
 from tests.report.reading import settings
 
@@ -45,7 +45,7 @@ def namespace(value):
 
 @pytest.fixture
 def constants():
-    read = namespace(yaml.safe_load(CONFIG.read_text(encoding="utf-8")))
+    read = namespace(read_merged(with_parts(CONFIG)))
     loaded = load(CONFIG)
     read.arms, read.comparisons, read.splits = loaded.arms, loaded.comparisons, loaded.splits
     return read

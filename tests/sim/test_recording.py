@@ -16,6 +16,7 @@ import yaml
 
 from ovman import cli
 from ovman.doctor import rehearsal
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.recording.comparison import RULES, Difference, allowed, differences, summaries
 from ovman.sim.recording.file import Call, Header, Recording, RecordingError, Writer, read
@@ -34,7 +35,7 @@ BODY = Embodiment(120, 120, 90.0, 0.25, 30.0)
 def recording_file(tmp_path_factory) -> Path:
     """The real work on a small scene, as the command records it."""
     folder = tmp_path_factory.mktemp("recording")
-    settings = yaml.safe_load((ROOT / "config.yaml").read_text())
+    settings = read_merged(with_parts(ROOT / "config.yaml"))
     settings["tour"]["waypoints"] = 1
     settings["camera"] |= {"width_px": 120, "height_px": 120}
     (folder / "config.yaml").write_text(yaml.safe_dump(settings, sort_keys=False))

@@ -10,7 +10,6 @@ import re
 import jsonschema
 import pytest
 import snakemake.api  # noqa: F401 (Snakemake's modules import each other in a circle that begins here)
-import yaml
 from snakemake import benchmark
 from snakemake.persistence import MetadataRecord
 from snakemake.persistence import file as persistence
@@ -21,11 +20,12 @@ from snakemake.workflow import Workflow
 
 from ovman.cli import main
 from ovman.settings import schema
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.workflow import snakemake_internals
 from ovman.workflow.lint import EXPLAINED, findings
 from tests.workflow.conftest import ROOT, TINY
 
-TREE = yaml.safe_load((ROOT / "config.yaml").read_text())
+TREE = read_merged(with_parts(ROOT / "config.yaml"))
 SCHEMA = json.loads(schema.FILE.read_text())
 
 

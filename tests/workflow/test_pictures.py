@@ -19,7 +19,7 @@ from tests.workflow.conftest import ROOT, TINY, World
 
 pytestmark = pytest.mark.soak
 EPISODES = "results/episodes/main.jsonl"
-CODE = ("Snakefile", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
+CODE = ("Snakefile", "config", "config.yaml", "overlays", "ovman", "packages", "profiles", "workflow")
 UNCHANGED = ("scenes", "candidates", "trials", "admissible", "certified", "episodes")
 """Stages that start the engine or follow it, and whose records have no picture in them."""
 SEEING = {Need.TOURS, Need.MAPS, Need.MAINTAINED, Need.DUALMAP, Need.SEGMENTS}

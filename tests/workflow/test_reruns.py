@@ -12,6 +12,7 @@ import yaml
 from ovman.settings import Arm, Kind, in_main_job
 from ovman.settings.config import load
 from ovman.settings.settings import matching
+from ovman.settings.settings_files import read_merged, with_parts
 from ovman.workflow.parameter import own_constants
 from ovman.workflow.stages import STAGES, owned
 from tests.workflow.conftest import ROOT, TINY
@@ -159,7 +160,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-TREE = merged(yaml.safe_load((ROOT / "config.yaml").read_text()), yaml.safe_load(TINY.read_text()))
+TREE = merged(read_merged(with_parts(ROOT / "config.yaml")), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
 VALUES = CONFIG.constants()
 IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits[name].arms}

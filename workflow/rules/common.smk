@@ -30,7 +30,7 @@ prepare(workflow)
 fork_scripts(workflow, ForkServer().run)
 
 try:
-    files = [os.path.join(workflow.basedir, "config.yaml"), *overlays(workflow)]
+    files = [*CONFIG_FILES, *overlays(workflow)]
     settings = load(config, files)
     if workflow.is_main_process:
         check_agents(settings, files)

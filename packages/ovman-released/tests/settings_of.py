@@ -10,6 +10,7 @@ import yaml
 
 from ovman.settings import Settings
 from ovman.settings.config import load
+from ovman.settings.settings_files import read_merged, with_parts
 
 PACKAGE = Path(__file__).resolve().parents[1]
 ROOT = PACKAGE.parents[1]
@@ -26,7 +27,7 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
 
 def tree(*systems: str, **sections: Any) -> dict[str, Any]:
     """What is loaded for the overlays of these systems ("cow", "dualmap"), with further sections on top."""
-    made: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())
+    made: dict[str, Any] = read_merged(with_parts(ROOT / "config.yaml"))
     for system in systems:
         made = merged(made, yaml.safe_load((PACKAGE / f"{system}.yaml").read_text()))
     return merged(made, sections)
