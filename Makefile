@@ -23,7 +23,7 @@ export PYTHONNOUSERSITE = 1
 # Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore static quick models show release leaderboard test test-networks soak cluster-test mutants bench lint lock \
+.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak cluster-test mutants bench lint lock \
 	setup setup-dev setup-networks clean
 
 help:
@@ -37,6 +37,7 @@ help:
 	@echo "make release results/ into data/ovman-embedded-v2, with card, checksums and picture, and into dataset/ as Parquet"
 	@echo "make leaderboard  the entries of leaderboard/ driven again, and its tables"
 	@echo "make test    the tests;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
+	@echo "make golden  results compared with the released ones: pure stages, or SIZE=tiny, SIZE=scene: a whole run of a small world"
 	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
 	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
@@ -88,6 +89,11 @@ leaderboard: $(READY)
 # One thread per process, as in a job of the workflow: more would wait for each other's cores.
 test: $(DEV)
 	@OMP_NUM_THREADS=1 .venv/bin/python -m pytest -q --numprocesses $(CORES) --dist loadfile --no-loadscope-reorder
+
+# Says that a change of the code changes no number: contents of results, however files are laid out.
+SIZE ?= pure
+golden: $(DEV)
+	@OMP_NUM_THREADS=1 .venv/bin/python -m tests.golden.compare $(SIZE)
 
 test-networks: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks and not soak"
