@@ -75,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> dict[str, list[Score]]:
     parser.add_argument("--arm", default="two_visits_embodied", help="an arm; default: the reference agent")
     parser.add_argument("--split", default="dev")
     parser.add_argument("--episodes", metavar="FILE", help="a file of episodes instead of a split")
-    parser.add_argument("--scenes", nargs="+", default=(), metavar="NAME", help="default: FloorPlan6 of a split, every scene of a file")
+    parser.add_argument("--scenes", nargs="+", default=(), metavar="NAME", help="default: FloorPlan6 of a split")
     parser.add_argument("--first", type=int, default=None, metavar="N", help="run only the first N episodes")
     parser.add_argument("--seeds", nargs="+", type=int, default=[0], metavar="N")
     parser.add_argument("--cache", metavar="DIR", help="folder of recorded tours; default: the user's cache")
