@@ -1,11 +1,10 @@
-"""Cost of a step of the reimplemented CoW on one core.
+"""Measure the cost of a step of the reimplemented CoW on one core.
 
     python bench/cow.py [--config config.yaml] [--scenes FloorPlan209 ...] [--walks 2] [--budget 250]
 
-Episodes on floor plans that are not the benchmark's: it is put somewhere and looks for a category that is there until it stops or
-the budget is spent. Each step is split into the frame (the engine and its client), the networks that look at it, and CoW itself:
-map, frontiers, ways. Times are those of the processor, ratios compare figures of this one run. The last table holds the figures
-against their bars.
+On floor plans outside the benchmark, CoW starts somewhere and searches for a category that is present until it stops or the
+budget is spent. Each step is split into the frame (the engine and its client), the networks, and CoW itself: map, frontiers,
+paths. Times are processor times; ratios compare numbers of this one run. The last table compares the numbers with their bounds.
 """
 
 from __future__ import annotations
@@ -35,23 +34,23 @@ from ovman.task import Query, Relation
 SCENES = ("FloorPlan209", "FloorPlan18", "FloorPlan326")
 RUNS = 219 * 3
 STEP_MS, SHARE = 50.0, 0.5
-"""Milliseconds a step beside frame and networks, and the same over what the frame and the networks take."""
+"""Bounds: milliseconds per step without frame and networks, and their ratio to frame and networks."""
 FRAME, LOOK, OWN = "frame", "networks", "cow"
 NOWHERE = CameraPose(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Timed:
-    """A localiser with a clock of its own."""
+    """A localiser that measures its own time."""
 
     def __init__(self, inner: Any) -> None:
         self.inner, self.seconds = inner, 0.0
 
     def look_for(self, category: str) -> None:
-        """As `Localiser`."""
+        """See `Localiser`."""
         self.inner.look_for(category)
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """As `Localiser`, timed."""
+        """See `Localiser`; measure the time."""
         began = processor_s(None)
         found = self.inner.relevance(rgb)
         self.seconds += processor_s(None) - began
@@ -59,7 +58,7 @@ class Timed:
 
 
 def walk(session: Session, eyes: Any, settings: Any, budget: int, rng: np.random.Generator) -> tuple[int, dict[str, float]]:
-    """Steps of one episode, and the seconds of the processor that went into each part of them."""
+    """Steps of one episode, and the processor seconds of each part."""
     session.reset()
     session.step("SetRandomSeed", seed=int(rng.integers(2**31)))
     categories = sorted({o["objectType"] for o in session.objects.values() if o["moveable"] or o["pickupable"]})
@@ -104,7 +103,7 @@ def main() -> None:
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     settings: Any = load(options.config)
-    names = ("cow, beside frame and networks", "cow / (frame + networks)")
+    names = ("cow, without frame and networks", "cow / (frame + networks)")
     try:
         eyes = localiser(settings, networks.detector_of(settings.perception), networks.encoder_of(settings.perception))
     except WeightsError as error:

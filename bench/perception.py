@@ -1,12 +1,11 @@
-"""Cost of mapping per episode on one core.
+"""Measure the cost of mapping per episode on one core.
 
     python bench/perception.py [--config config.yaml] [--scenes FloorPlan201 ...] [--repeats 3]
 
-Tours of some floor plans are recorded with the engine and mapped with the networks of the configuration. An episode has two
-tours, many of which it shares with others; each is mapped once, so that an episode costs as many as there are distinct tours to
-an episode of the released set. The kinds take turns; times are those of the processor, ratios compare figures of this one run:
-the whole against the bare passes through the two networks, on as many pictures and crops. The last table holds the figures
-against their bars.
+Tours of some floor plans are recorded with the engine and mapped with the networks of the configuration. Episodes share tours,
+and each tour is mapped once, so the cost per episode is that of the distinct tours per released episode. Kinds of measurement
+alternate; times are processor times. Ratios compare the whole with the bare passes through both networks, on as many pictures
+and crops. The last table compares the numbers with their bounds.
 """
 
 from __future__ import annotations
@@ -45,9 +44,8 @@ from ovman.workflow.parameter import stage_settings
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")
 RELEASE = ROOT / "data" / "ovman-embedded-v2"
 EPISODE_S, BARE, START_S = 1.9, 1.75, 1.0
-"""Seconds of one core an episode, which is the paper's figure on a GPU; the whole over its networks' bare passes, which was 1.5
-when torch ran them: what is beside them takes as long as it did, and they take two thirds; processor seconds from the start of a
-process to its first detections and embeddings."""
+"""Bounds: seconds of one core per episode, the paper's number on a GPU; the whole over the bare passes of the networks; processor
+seconds from the start of a process to its first detections and embeddings."""
 START = """
 import sys
 from pathlib import Path
@@ -62,13 +60,13 @@ encoder.images(np.zeros((1, encoder.side_px, encoder.side_px, 3), np.uint8))
 
 
 def distinct_tours() -> tuple[int, int]:
-    """Distinct tours of the released episodes, and episodes."""
+    """Return the numbers of distinct tours and of episodes of the release."""
     episodes = Episode.load(RELEASE / "episodes" / "main.jsonl")
     return len({(e.scene, name) for e in episodes for name in (e.visits.first, e.visits.second)}), len(episodes)
 
 
 def first_frame_s(config: Path) -> float:
-    """Processor seconds of a process that looks at one frame; the second of two, so that what is kept is there."""
+    """Return the processor seconds of a process that looks at one frame, with caches filled by an earlier process."""
 
     def used() -> float:
         spent = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -81,7 +79,7 @@ def first_frame_s(config: Path) -> float:
 
 
 def record(scene: str, settings: Any, directory: Path) -> Path:
-    """The tour of an untouched floor plan, along the waypoints of the release."""
+    """Record the tour of an untouched floor plan along the released waypoints."""
     (survey,) = Scene.read(RELEASE / "scenes" / f"{scene}.json")
     views = visit.tour(survey.waypoints, settings.tour.headings)
     stage = stage_settings(settings, "trials")
@@ -92,7 +90,7 @@ def record(scene: str, settings: Any, directory: Path) -> Path:
 
 
 def kinds(directory: Path, settings: Any, detector: Any, encoder: Any) -> tuple[dict[str, Callable[[], object]], int]:
-    """What is done to a tour, whole and in parts, and how many detections it has."""
+    """Return the mapping of a tour as callables, whole and in parts, and its number of detections."""
     perception, field_of_view_deg = settings.perception, settings.camera.field_of_view_deg
     limits = perception.detector.min_mask_px, perception.encoder.crop_padding
     views = list(tour_files.tour(directory, field_of_view_deg))
