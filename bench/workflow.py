@@ -5,8 +5,8 @@
 Runs the jobs of `make quick` in a temporary directory, then all of them again with a full cache, so that no simulator starts. The
 second run is the overhead, pure stages included. CPU time is that of all processes.
 
---growth measures scenes of the tiny world one by one, then together. If cost grows in proportion, together they cost what they cost
-one by one, or less, because Snakemake starts once.
+--growth measures scenes of the tiny world one by one, then together. If cost grows in proportion, together they cost what they
+cost one by one, or less, because Snakemake starts once.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ def row(name: str, wall: float, cpu: float, note: str = "") -> None:
 
 def growth(target: str) -> None:
     """Print the cost of a target for each scene alone, and for all together."""
-    alone = []
+    alone: list[float] = []
     for scenes in (*([scene] for scene in GROWING), GROWING):
         with tempfile.TemporaryDirectory() as directory:
             change = Path(directory, "scenes.yaml")
@@ -89,7 +89,9 @@ def growth(target: str) -> None:
 def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=str(__doc__).splitlines()[0])
-    parser.add_argument("--growth", metavar="TARGET", nargs="?", const="results/tables", help="measure how this target grows with scenes")
+    parser.add_argument(
+        "--growth", metavar="TARGET", nargs="?", const="results/tables", help="measure how this target grows with scenes"
+    )
     asked = parser.parse_args()
     print(f"{platform.processor() or platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}")
     if asked.growth is not None:
