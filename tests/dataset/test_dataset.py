@@ -264,8 +264,8 @@ def observed(row: dict) -> Observation:
     return Observation(rgb, depth / np.float32(1000), pose, row["vertical_field_of_view_deg"])
 
 
-def test_the_example_of_the_docs_answers_every_episode(small, tmp_path, monkeypatch, capsys):
-    (example,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "dataset.md").read_text(encoding="utf-8"), re.DOTALL)
+def test_the_example_answers_every_episode(small, tmp_path, monkeypatch, capsys):
+    example = (ROOT / "examples" / "points_from_dataset.py").read_text(encoding="utf-8")
     (tmp_path / "dataset").symlink_to(small.made)
     monkeypatch.chdir(tmp_path)
     exec(example.replace('split="dev"', 'split="main", cache_dir="hf"'), {})
