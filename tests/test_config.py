@@ -16,11 +16,11 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from ovman.report.tables.constants import KEYS
+from ovman.section import listed
 from ovman.settings import Kind, Settings, arms_of, of_kind
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings import matching
 from ovman.settings.settings_files import check_command_line, read, read_merged, with_parts
-from ovman.settings.values import listed
 from ovman.workflow.parameter import StageSettings, canonical, own_constants, stage_settings
 from ovman.workflow.stages import ENTRIES, STAGES, owned
 from tests.arms import ARMS

@@ -1,5 +1,6 @@
 """The settings of config.yaml: a frozen pydantic model a section, and `Settings`, which has them all."""
 
+from ovman.section import Section
 from ovman.settings.arms import Arm, Arms, Kind, Need, Reading, Source, Withheld, arms_of, named, of_kind
 from ovman.settings.comparisons import Comparisons, Pair, PaperRows
 from ovman.settings.settings import Settings
@@ -15,7 +16,6 @@ from ovman.settings.splits import (
     scenes_of,
     splits_of,
 )
-from ovman.settings.values import Section
 
 __all__ = [
     "MAIN",

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from ovman.settings.values import Listed, Section, Some
+from ovman.section import Listed, Section, Some
 
 
 class Kind(StrEnum):

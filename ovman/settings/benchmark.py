@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from ovman.settings.values import Count, Fraction, Listed, Metres, Probability, Section, Some, Whole
+from ovman.section import Count, Fraction, Listed, Metres, Probability, Section, Some, Whole
 
 FLOOR_PLANS = tuple(f"FloorPlan{n}" for first in (1, 201, 301, 401) for n in range(first, first + 30))
 

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field
 
+from ovman.section import Listed, Section
 from ovman.settings.arms import Arm, Kind, Need
-from ovman.settings.values import Listed, Section
 
 
 class Pair(Section):

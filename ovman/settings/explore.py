@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from pydantic import Field
 
+from ovman.section import Section
 from ovman.settings.sensitivity import Lengths, Pixels
-from ovman.settings.values import Section
 
 MOVED: Mapping[str, str] = {
     "drift_tolerance_m": "admissibility.drift_tolerance_m",

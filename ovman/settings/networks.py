@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ovman.settings.values import Count, Section, Some, Whole
+from ovman.section import Count, Section, Some, Whole
 
 Sha256 = Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")]
 

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ovman.settings.values import Section, Some
+from ovman.section import Section, Some
 
 Seconds = Annotated[float, Field(gt=0)]
 

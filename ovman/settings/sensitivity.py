@@ -9,8 +9,8 @@ from typing import Annotated, Self
 
 from pydantic import Field, field_validator, model_validator
 
+from ovman.section import Count, Listed, Metres, Section, Some
 from ovman.settings.benchmark import Measurement
-from ovman.settings.values import Count, Listed, Metres, Section, Some
 
 Lengths = Annotated[tuple[Metres, ...], Listed, Field(min_length=1)]
 Pixels = Annotated[tuple[Some, ...], Listed, Field(min_length=1)]

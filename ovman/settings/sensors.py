@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ovman.settings.values import Section
+from ovman.section import Section
 
 Spread = Annotated[float, Field(ge=0)]
 

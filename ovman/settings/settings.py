@@ -7,8 +7,13 @@ from typing import Any, Self
 
 from pydantic import BaseModel, Field
 
+from ovman.agents.cow.settings import Cow, Locobot
+from ovman.agents.dualmap.settings import Dualmap
+from ovman.agents.dynamem.settings import Dynamem
+from ovman.agents.joint.settings import Joint
+from ovman.agents.react.settings import React
+from ovman.section import Section, listed
 from ovman.settings.arms import Arms
-from ovman.settings.baselines import Cow, Dualmap, Dynamem, Locobot, React
 from ovman.settings.benchmark import (
     Admissibility,
     Appearance,
@@ -29,13 +34,11 @@ from ovman.settings.benchmark import (
 )
 from ovman.settings.comparisons import Comparisons, PaperRows
 from ovman.settings.explore import Explore
-from ovman.settings.joint import Joint
 from ovman.settings.networks import Perception, Training
 from ovman.settings.remote import Remote
 from ovman.settings.sensitivity import GateSweep, Sensitivity
 from ovman.settings.sensors import Levels
 from ovman.settings.splits import Splits
-from ovman.settings.values import Section, listed
 
 
 class Settings(Section):
@@ -62,13 +65,13 @@ class Settings(Section):
     sensitivity: Sensitivity
     gate_sweep: GateSweep
     explore: Explore
-    dualmap: Dualmap
-    joint: Joint
-    dynamem: Dynamem
-    react: React
+    dualmap: Dualmap = Dualmap()
+    joint: Joint = Joint()
+    dynamem: Dynamem = Dynamem()
+    react: React = React()
     training: Training = Training()
-    locobot: Locobot
-    cow: Cow
+    locobot: Locobot = Locobot()
+    cow: Cow = Cow()
     controls: Controls
     remote: Remote
     plugins: dict[str, str] = Field(description="modules of plug-ins by the names of their sections")

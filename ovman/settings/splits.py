@@ -8,9 +8,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
+from ovman.section import Listed, Section, Some, Whole
 from ovman.settings.benchmark import Benchmark, PerRelation, floor_plan
 from ovman.settings.sensors import Level
-from ovman.settings.values import Listed, Section, Some, Whole
 
 MAIN = "main"
 """The split of section `benchmark`."""

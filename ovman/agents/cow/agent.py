@@ -12,10 +12,10 @@ from ovman.agents.cow.odometry import Pose, failed
 from ovman.agents.cow.paths import Paths
 from ovman.agents.cow.relevance import Localiser, localiser
 from ovman.agents.cow.scan import Scan, scan, square
+from ovman.agents.cow.settings import Cow
 from ovman.agents.cow.steering import facing, steered, turns
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
-from ovman.settings.baselines import Cow
 from ovman.settings.benchmark import Primitives
 
 

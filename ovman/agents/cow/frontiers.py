@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
+from ovman.agents.cow.settings import Cow
 from ovman.agents.cow.voxel_map import EIGHT, Cell, VoxelMap, VoxelState
-from ovman.settings.baselines import Cow
 
 
 def frontier_targets(known: VoxelMap, agent: Cell, constants: Cow) -> list[Cell]:

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from ovman.agents.cow.settings import Cow
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.crop import crop
 from ovman.perception.protocols import ImageTextEncoder, Segmenter
 from ovman.settings import Settings
-from ovman.settings.baselines import Cow
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from ovman.agents.cow.odometry import Pose
-from ovman.settings.baselines import Cow
+from ovman.agents.cow.settings import Cow
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -6,9 +6,9 @@ import heapq
 import math
 
 from ovman.agents.cow.odometry import Pose
+from ovman.agents.cow.settings import Cow
 from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action
-from ovman.settings.baselines import Cow
 from ovman.settings.benchmark import Primitives
 
 

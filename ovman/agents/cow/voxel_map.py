@@ -11,7 +11,7 @@ import numpy as np
 from scipy import ndimage
 
 from ovman.agents.cow.scan import Scan
-from ovman.settings.baselines import Cow
+from ovman.agents.cow.settings import Cow
 
 Cell = tuple[int, int]
 

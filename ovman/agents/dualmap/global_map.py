@@ -14,7 +14,7 @@ from ovman.agents.dualmap.cloud import FLOOR, UP, area, shared_area
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.local_map import Departure
 from ovman.agents.dualmap.map_object import MapObject
-from ovman.settings.baselines import DualmapGlobal
+from ovman.agents.dualmap.settings import DualmapGlobal
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,7 +12,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.settings.baselines import DualmapLife
+from ovman.agents.dualmap.settings import DualmapLife
 
 
 class Phase(StrEnum):

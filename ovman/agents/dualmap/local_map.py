@@ -14,7 +14,7 @@ from ovman.agents.dualmap.cloud import box_iou
 from ovman.agents.dualmap.life_cycle import Phase, Stage, advanced, flush_frames, is_stable
 from ovman.agents.dualmap.map_object import MapObject, RunObservation, parted, together
 from ovman.agents.dualmap.relation import lies_on
-from ovman.settings.baselines import DualmapGlobal, DualmapLocal
+from ovman.agents.dualmap.settings import DualmapGlobal, DualmapLocal
 
 
 @dataclass(frozen=True, slots=True, eq=False)

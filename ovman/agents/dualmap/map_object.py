@@ -12,7 +12,7 @@ from ovman.agents.dualmap.cloud import FLOOR, Cloud
 from ovman.agents.dualmap.grid import thinned
 from ovman.agents.dualmap.life_cycle import Stage
 from ovman.agents.dualmap.observation import ObjectObservation
-from ovman.settings.baselines import DualmapLocal
+from ovman.agents.dualmap.settings import DualmapLocal
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.settings.baselines import DualmapObservation
+from ovman.agents.dualmap.settings import DualmapObservation
 
 
 def cells(rgb: np.ndarray, bins: int) -> np.ndarray:

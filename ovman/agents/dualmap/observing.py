@@ -10,11 +10,11 @@ import numpy as np
 from ovman.agents.dualmap.classes import Classes
 from ovman.agents.dualmap.dbscan import largest_cluster
 from ovman.agents.dualmap.masks import filtered
+from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.agents.dualmap.shot import FrameObject, Shot
 from ovman.perception.backprojection import pixel_points
 from ovman.perception.crop import squared
 from ovman.perception.protocols import ImageTextEncoder, Segmenter, Segments
-from ovman.settings.baselines import DualmapObservation
 from ovman.sim.walk import Frame
 
 EVERY_PX, HIGH = 4, 0.95

@@ -20,7 +20,7 @@ from ovman.agents.dualmap.local_map import Departure, LocalMap
 from ovman.agents.dualmap.map_object import RunObservation
 from ovman.agents.dualmap.mapped import Entry, Mapped, Pair, RunMaps
 from ovman.agents.dualmap.observation import ObjectObservation
-from ovman.settings.baselines import Dualmap
+from ovman.agents.dualmap.settings import Dualmap
 
 Keyframes = Sequence[Sequence[ObjectObservation]]
 Looks = Sequence[Sequence[RunObservation]]

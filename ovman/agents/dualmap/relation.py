@@ -6,7 +6,7 @@ import numpy as np
 
 from ovman.agents.dualmap.cloud import UP, area, footprint, shared_area
 from ovman.agents.dualmap.map_object import MapObject
-from ovman.settings.baselines import DualmapGlobal
+from ovman.agents.dualmap.settings import DualmapGlobal
 
 
 def major_plane(thing: MapObject, bin_m: float) -> float | None:

@@ -20,6 +20,7 @@ import numpy as np
 from ovman import seeds
 from ovman.agents.dualmap.observation_records import NO_VIEW, Taken, packed, unpacked, write_walks
 from ovman.agents.dualmap.observing import Observer
+from ovman.agents.dualmap.settings import DualmapObservation
 from ovman.agents.dualmap.shot import Shot, below_ceiling, without_ceiling
 from ovman.atomic import replacing
 from ovman.perception import networks
@@ -30,7 +31,6 @@ from ovman.records.episode import Episode, root_seed
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 from ovman.settings import Settings
-from ovman.settings.baselines import DualmapObservation
 from ovman.settings.networks import Perception
 from ovman.sim import walk
 from ovman.sim.change import World

@@ -14,13 +14,13 @@ import numpy as np
 
 from ovman.agents.dynamem.looks import Look, looks
 from ovman.agents.dynamem.memory import Memory, remembered
+from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, Visit
 from ovman.agents.reference.grounding import grounded, similarities
 from ovman.agents.reference.reasoning import two_visits
 from ovman.language import noun
 from ovman.perception.detected import Detected
 from ovman.perception.object_map import ObjectMap
-from ovman.settings.baselines import Dynamem
 
 
 def predict_current(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.interface import Visit
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.detected import Detected
-from ovman.settings.baselines import Dynamem
 
 
 @dataclass(frozen=True, slots=True, eq=False)

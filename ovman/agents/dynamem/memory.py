@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ovman.agents.dynamem.looks import Look
-from ovman.settings.baselines import Dynamem
+from ovman.agents.dynamem.settings import Dynamem
 
 _BITS = 20
 """Of a voxel's number along an axis."""

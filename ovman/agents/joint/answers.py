@@ -8,9 +8,9 @@ from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.objects import objects
 from ovman.agents.joint.recorded import of_tours, read
 from ovman.agents.joint.segments import Segments
+from ovman.agents.joint.settings import Joint
 from ovman.language import noun
 from ovman.settings import Need
-from ovman.settings.joint import Joint
 
 
 def predict(query: Query, context: PredictionContext) -> tuple[Answer | Abstention, None]:

@@ -8,7 +8,7 @@ from ovman.agents.interface import Abstention, AbstentionReason, Answer, Relatio
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.objects import Objects
 from ovman.agents.joint.segments import Segments
-from ovman.settings.joint import Joint
+from ovman.agents.joint.settings import Joint
 
 
 def decide(relation: Relation, first: Objects, second: Objects, constants: Joint) -> Answer | Abstention:

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ovman.agents.joint.settings import Joint
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
-from ovman.settings.joint import Joint
 
 
 class Nouns:

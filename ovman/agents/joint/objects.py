@@ -8,7 +8,7 @@ import numpy as np
 
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.segments import Segments
-from ovman.settings.joint import Joint
+from ovman.agents.joint.settings import Joint
 
 
 @dataclass(frozen=True, slots=True, eq=False)

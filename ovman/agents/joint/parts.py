@@ -11,7 +11,7 @@ from ovman.agents.interface import Abstention, Answer, PredictionContext, Query
 from ovman.agents.joint.answers import answer, recorded
 from ovman.agents.joint.naming import Nouns
 from ovman.agents.joint.segments import Segments
-from ovman.settings.joint import Joint
+from ovman.agents.joint.settings import Joint
 
 NEVER_TOGETHER = 1e-9
 """As `joint.feature_distance`: no two embeddings are so near to each other."""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ovman.agents.interface import Visit
+from ovman.agents.joint.settings import Joint
 from ovman.agents.joint.sight import Frame, frames, grid_votes
 from ovman.perception.detected import Detected
-from ovman.settings.joint import Joint
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from ovman.agents.interface import Observation, Visit
+from ovman.agents.joint.settings import Joint
 from ovman.perception.backprojection import Camera, pixel_points
-from ovman.settings.joint import Joint
 
 NEAREST_M = 0.2
 """What is nearer to a camera than this, or behind it, is not in its picture."""

@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ovman.section import Section, Some, Whole
 from ovman.settings.plugins import Plugin
-from ovman.settings.values import Section, Some, Whole
 from ovman.workflow.stages import STAGES
 
 COW, DUALMAP = "released_cow", "released_dualmap"
