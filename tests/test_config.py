@@ -100,11 +100,10 @@ def message(source: Any, **kwargs: Any) -> str:
 
 
 def test_every_constant_has_an_owner_but_for_those_that_no_result_follows_from():
-    """Seeds say which files there are, scenes of a job which job makes a file, limits of an agent's process when it is given up,
-    and sliders what a page can be asked."""
+    """Seeds say which files there are, scenes of a job which job makes a file, limits of agents when one is given up."""
     of_no_stage = {name for name in VALUES if not owners(name)}
     of_jobs = {"evaluation.seeds", "evaluation.scenes_per_job"}
-    assert of_no_stage == of_jobs | {name for name in VALUES if name.startswith(("explore.", "remote."))}
+    assert of_no_stage == of_jobs | {name for name in VALUES if name.startswith("remote.")}
 
 
 def test_what_stages_says_exists():

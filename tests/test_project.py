@@ -26,12 +26,12 @@ PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-e
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
-NOT_INSTALLED = {"mutmut": "mutmut", "onnx": "onnx", "open_clip": "open-clip-torch", "rerun": "rerun-sdk"} | {
+NOT_INSTALLED = {"mutmut": "mutmut", "onnx": "onnx", "open_clip": "open-clip-torch"} | {
     name: name for name in ("torch", "torchvision", "ultralytics")
 }
 """The distributions of modules that `make setup-dev` does not install."""
 
-EXTRAS = {"ovman": ("dataset", "gym", "networks", "rerun")}
+EXTRAS = {"ovman": ("dataset", "gym", "networks")}
 """Extras of a command, whose imports a contract of import-linter keeps in one room."""
 
 SOURCES = ("ovman", "packages", "tests", "bench", "workflow", "overlays", "profiles", "docs", "examples", ".ci")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
-EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset", "rerun": "rerun"} | dict.fromkeys(
+EXTRAS = {"gymnasium": "gym", "pyarrow": "dataset"} | dict.fromkeys(
     ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors"), "networks"
 )
 """The extra that brings a module; without one the benchmark itself requires it."""

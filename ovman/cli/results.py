@@ -1,4 +1,4 @@
-"""Commands on this machine and on results: doctor, export, check, restore, show, explore, dataset, record, replay."""
+"""Commands on this machine and on results: doctor, export, check, restore, show, dataset, record, replay."""
 
 from __future__ import annotations
 
@@ -54,19 +54,10 @@ def add(commands: Any) -> None:
     show.add_argument("--results", metavar="DIR", help="default: results, or where there are none the release")
     show.add_argument("--output", metavar="PATH", help="a file for one episode, a directory for many; default: DIR/pages")
     show.add_argument("--config", metavar="FILE", help="default: config.yaml, or where there is none the release's")
-    show.add_argument("--rrd", action="store_true", help="recordings for Rerun's viewer instead of pages")
     show.add_argument(
         "--runs", nargs="+", default=[], metavar="DIR", help="folders of ovman eval, whose paths and verdicts are shown as well"
     )
     show.set_defaults(run=_show)
-    explore = commands.add_parser("explore", help="a page with sliders: what other thresholds would make of the records")
-    explore.add_argument("--split", metavar="NAME", help="a split of config.yaml; default: the benchmark's own")
-    explore.add_argument("--release", metavar="DIR", help="a release or results; default: the release of the checkout")
-    explore.add_argument(
-        "--out", metavar="FILE", help="default: results/pages/explore.html, or pages/explore.html without a folder results"
-    )
-    explore.add_argument("--config", metavar="FILE", help="default: that of the checkout")
-    explore.set_defaults(run=_explore)
     dataset = commands.add_parser(
         "dataset", help="the release as a data set in Parquet, with its tours, card, Croissant and Zenodo"
     )
@@ -170,24 +161,14 @@ def _show(options: argparse.Namespace) -> int:
         print(line, file=sys.stderr, flush=True)
 
     def work() -> int:
-        from ovman.playback.command import record, show
+        from ovman.playback.command import show
 
         where = options.results, options.output, options.config, options.runs, say
-        for path in record(options.episodes, *where) if options.rrd else show(options.episodes, options.all, *where):
+        for path in show(options.episodes, options.all, *where):
             print(path, flush=True)
         return 0
 
     return said("show", work)
-
-
-def _explore(options: argparse.Namespace) -> int:
-    def work() -> int:
-        from ovman.explore.command import explore
-
-        print(explore(options, lambda line: print(line, flush=True)), flush=True)
-        return 0
-
-    return said("explore", work)
 
 
 def _dataset(options: argparse.Namespace) -> int:

@@ -1,1 +1,1 @@
-"""Pages about episodes and their runs, and recordings that Rerun shows in three dimensions and in time."""
+"""Write pages about episodes and the runs of agents on them."""

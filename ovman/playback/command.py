@@ -1,4 +1,4 @@
-"""The command `ovman show`: pages about episodes with an index where they are many, or recordings for Rerun's viewer."""
+"""The command `ovman show`: pages about episodes, with an index if there are several."""
 
 from __future__ import annotations
 
@@ -6,25 +6,22 @@ import functools
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ovman.agents.interface import VISITS
-from ovman.atomic import replace_bytes, replacing
+from ovman.atomic import replace_bytes
 from ovman.entry.source_cache import remembered
 from ovman.entry.tour_cache import TourCache
 from ovman.perception import detections
 from ovman.perception.libraries import cache as user_cache
-from ovman.playback.paths import runs_of_arms, runs_of_evaluation, traced
-from ovman.playback.recording import write
+from ovman.playback.paths import runs_of_evaluation, traced
 from ovman.records.episode import Episode
 from ovman.report.show.index import index
 from ovman.report.show.page import page
-from ovman.report.show.reasoning import reasonings
 from ovman.report.show.results import Results, ShowError
-from ovman.report.show.verdicts import Drive, static_rows
-from ovman.settings import Kind, Settings, arms_of, config, of_kind
+from ovman.report.show.verdicts import Drive
+from ovman.settings import Settings, arms_of, config
 from ovman.settings.splits import in_main_job
 from ovman.shipped import EMBEDDED, HOME
 from ovman.sim.session import Session
@@ -78,31 +75,6 @@ def show(
         yield _write(directory if alone else directory / f"{name}.html", page(results, name, settings, drives))
     if len(chosen) > 1:
         yield _write(directory / "index.html", index(results, chosen, [Path(f"{name}.html") for name in chosen]))
-
-
-def record(
-    patterns: Sequence[str],
-    results_dir: str | Path | None,
-    output: str | Path | None,
-    config_file: str | Path | None,
-    evaluations: Sequence[str | Path],
-    say: Say,
-    cache: Path | None = None,
-) -> Iterator[Path]:
-    """Write a recording of each episode that matches, and yield its file. Arguments and errors are those of `show`."""
-    if find_spec("rerun") is None:
-        raise ShowError("rerun-sdk is not installed; in a checkout of OVMAN: pip install '.[rerun]'")
-    settings, results, directory = places(results_dir, output, config_file)
-    if not patterns:
-        raise ShowError("name an episode, such as FloorPlan201/moved/0001")
-    results, chosen = _chosen(results, patterns, results_dir is None)
-    for name in chosen:
-        alone = len(chosen) == 1 and output is not None and not directory.is_dir()
-        path = directory if alone else directory / f"{name}.rrd"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with replacing(path) as partial:
-            _record(partial, results, results.episodes[name], settings, evaluations, cache or user_cache(), say)
-        yield path
 
 
 def places(
@@ -172,28 +144,6 @@ def _own_drives(evaluations: Sequence[str | Path], episode: Episode, settings: S
             say(f"{directory}: has no run of {episode.id}; its page shows none")
         yield from traced(runs, episode)
         yield from (Drive(run, ()) for run, _ in runs if run.trace is None)
-
-
-def _record(
-    path: Path, results: Results, episode: Episode, settings: Settings, evaluations: Sequence[str | Path], cache: Path, say: Say
-) -> None:
-    arms = of_kind(arms_of(settings.arms), Kind.EMBODIED)
-    judged = [run for arm in arms for run in results.runs(arm.name, episode).values()]
-    runs = runs_of_arms(judged, settings)
-    for one in evaluations:
-        runs += runs_of_evaluation(Path(one), episode, settings)
-    # One path an arm and seed: an evaluation's own run stands for the one that the results have.
-    drawn = {(run.arm, run.seed): (run, of) for run, of in runs}
-    write(
-        path,
-        episode,
-        results.scene(episode.scene),
-        _tours(results, episode, cache, say),
-        reasonings(results, episode, settings),
-        static_rows(results, episode),
-        list(traced(list(drawn.values()), episode)),
-        settings,
-    )
 
 
 def _write(path: Path, text: str) -> Path:

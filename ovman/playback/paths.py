@@ -16,7 +16,7 @@ from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.report.show.verdicts import Drive, Pose
 from ovman.settings import Settings
-from ovman.workflow.parameter import StageSettings, stage_settings
+from ovman.workflow.parameter import StageSettings
 
 
 def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Iterator[Drive]:
@@ -32,11 +32,6 @@ def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Ite
                 store = ObservationStore(settings.arm, settings, lens, Path(episode.scene))
                 attempt = Attempt(session, episode, settings.arm, run.seed, settings, store)
                 yield Drive(run, session.with_restarts(partial(_poses, attempt, run.trace or "")))
-
-
-def runs_of_arms(found: Sequence[Score], settings: Settings) -> list[tuple[Score, StageSettings]]:
-    """Runs of arms of the settings, each with those that it is driven by."""
-    return [(run, stage_settings(settings, "rollouts", run.arm)) for run in found if run.arm in settings.arms]
 
 
 def runs_of_evaluation(directory: Path, episode: Episode, settings: Settings) -> list[tuple[Score, StageSettings]]:

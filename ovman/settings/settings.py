@@ -33,7 +33,6 @@ from ovman.settings.benchmark import (
     Tour,
 )
 from ovman.settings.comparisons import Comparisons, PaperRows
-from ovman.settings.explore import Explore
 from ovman.settings.networks import Perception, Training
 from ovman.settings.remote import Remote
 from ovman.settings.sensitivity import GateSweep, Sensitivity
@@ -64,7 +63,6 @@ class Settings(Section):
     evaluation: Evaluation
     sensitivity: Sensitivity
     gate_sweep: GateSweep
-    explore: Explore
     dualmap: Dualmap = Dualmap()
     joint: Joint = Joint()
     dynamem: Dynamem = Dynamem()

@@ -174,7 +174,6 @@ ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m
     "min_mask_px": 500,
     "visible_px": 150,
 }
-EXPLORED = {"drift_tolerance_m", "tau_m", "delta_min_m", "min_mask_px", "validity_radius_m", "radius_m"}
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
@@ -198,7 +197,6 @@ OTHER = {
     "comparisons.memory.arm": "single_visit",
     "comparisons.memory.baseline": "two_visits",
     **{f"sensitivity.{name}": [getattr(CONFIG.sensitivity, name)[0], another] for name, another in ANOTHER.items()},
-    **{f"explore.{name}": [another] for name, another in ({**ANOTHER, "radius_m": 1.1}).items() if name in EXPLORED},
     "appearance.agent": "two_visits",
     "appearance.equal_scales": False,
     "gate_sweep.gates_m": [1.0, 2.0],
