@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ovman.evaluation import rollouts
 from ovman.records.record import lines
-from ovman.settings import MAIN, scenes_of, splits_of
+from ovman.settings import MAIN
 from ovman.sim import controller
 from ovman.workflow.batches import batches
 from ovman.workflow.parameter import stage_settings
@@ -37,7 +37,7 @@ def test_the_batches_of_a_split_part_its_scenes_in_their_order(scenes, size):
 
 
 def test_splits_with_the_same_scenes_share_their_batches():
-    names = {split: scenes_of(split, CONFIG.benchmark, CONFIG.splits) for split in splits_of(CONFIG.splits)}
+    names = {name: split.scenes for name, split in CONFIG.splits.items()}
     found = batches(names, CONFIG.evaluation.scenes_per_job)
     assert {len(batch.scenes) for batch in found} == {CONFIG.evaluation.scenes_per_job}
     assert {batch.splits for batch in found} == {(MAIN, "multi", "everyday"), ("dev", "dev_everyday")}
