@@ -184,7 +184,10 @@ def complete_splits(tree: Any) -> Any:
         given["arms"] = [name for name, arm in arms.items() if arm is not None]
     if isinstance(main, Mapping) and main.get("scenes") is not None:
         given["scenes"] = main["scenes"]
-    return {
-        **tree,
-        "splits": {name: {**given, **entry} if isinstance(entry, Mapping) else entry for name, entry in splits.items()},
+    complete = {
+        name: {**given, **{key: value for key, value in entry.items() if value is not None or key not in given}}
+        if isinstance(entry, Mapping)
+        else entry
+        for name, entry in splits.items()
     }
+    return {**tree, "splits": complete}
