@@ -88,10 +88,7 @@ def test_what_is_chosen_on_is_neither_of_the_benchmark_nor_learned_from():
         assert sum(count for _, count in split.episodes) >= 60
 
 
-def test_a_split_without_scenes_and_arms_has_those_of_main_and_all_arms():
+def test_a_split_without_scenes_has_those_of_main_and_all_arms_answer_main():
     split = load(with_entry(scenes=None)).splits["own"]
-    entry = {name: value for name, value in TREE["splits"]["multi"].items() if name != "arms"}
-    every = load(TREE | {"splits": TREE["splits"] | {"own": entry}}).splits["own"]
-    assert every.arms == tuple(CONFIG.arms)
     assert split.scenes == CONFIG.splits[MAIN].scenes and CONFIG.splits[MAIN].arms == tuple(CONFIG.arms)
     assert CONFIG.splits[MAIN].stream == () and CONFIG.splits["multi"].stream == ("multi",)

@@ -110,7 +110,7 @@ class Split(Section):
     tries: Some | None = Field(
         None, description="attempts per draw to choose what changes in a scene; null counts refused candidates as drawn"
     )
-    arms: Annotated[tuple[str, ...], Listed] = Field(description="arms that answer its queries; all if not given")
+    arms: Annotated[tuple[str, ...], Listed] = Field(description="arms that answer its queries; on main all if not given")
 
     @field_validator("changes", "arms", "scenes")
     @classmethod
@@ -175,19 +175,18 @@ Splits = Annotated[dict[str, Split], BeforeValidator(_named)]
 
 
 def complete_splits(tree: Any) -> Any:
-    """Return all sections with splits that have scenes and arms: those of split main, and all arms, if an entry gives none."""
+    """Return all sections with complete splits: those without scenes have the scenes of main, and all arms answer main."""
     if not isinstance(tree, Mapping) or not isinstance(splits := tree.get("splits"), Mapping):
         return tree
     arms, main = tree.get("arms"), splits.get(MAIN)
-    given: dict[str, Any] = {}
+    if not isinstance(main, Mapping):
+        return tree
+    complete = {name: _with(entry, "scenes", main.get("scenes")) for name, entry in splits.items()}
     if isinstance(arms, Mapping):
-        given["arms"] = [name for name, arm in arms.items() if arm is not None]
-    if isinstance(main, Mapping) and main.get("scenes") is not None:
-        given["scenes"] = main["scenes"]
-    complete = {
-        name: {**given, **{key: value for key, value in entry.items() if value is not None or key not in given}}
-        if isinstance(entry, Mapping)
-        else entry
-        for name, entry in splits.items()
-    }
+        complete[MAIN] = _with(complete[MAIN], "arms", [name for name, arm in arms.items() if arm is not None])
     return {**tree, "splits": complete}
+
+
+def _with(entry: Any, name: str, value: Any) -> Any:
+    lacks = isinstance(entry, Mapping) and entry.get(name) is None and value is not None
+    return {**entry, name: value} if lacks else entry
