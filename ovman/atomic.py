@@ -6,6 +6,7 @@ two machines that share the folder may have processes of the same id. Imports no
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 import time
@@ -100,6 +101,15 @@ def durable_append(path: Path, content: bytes) -> None:
         file.write(content)
         file.flush()
         os.fsync(file.fileno())
+
+
+@contextmanager
+def hold_lock(path: Path) -> Iterator[None]:
+    """Hold the lock `path` among processes of this machine; wait while another process holds it."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("a") as file:
+        fcntl.flock(file, fcntl.LOCK_EX)
+        yield
 
 
 def remove(path: Path) -> None:

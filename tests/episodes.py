@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ovman.evaluation.privileged_grounding import recorded_positions
+from ovman.evaluation.true_grounding import recorded_positions
 from ovman.language import noun
 from ovman.perception.clusters import Cluster
 from ovman.records.episode import Episode

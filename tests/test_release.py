@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from ovman.cache import Cache
 from ovman.evaluation import predictions, rollouts, scores
-from ovman.evaluation.scoring import judged
+from ovman.evaluation.scores import is_success
 from ovman.generation import candidates, certification, release, scenes, trials, verdict
 from ovman.records.certification import Certification
 from ovman.records.episode import Episode
@@ -19,10 +20,12 @@ from ovman.records.run import Score
 from ovman.records.trial import Trial, Verdict
 from ovman.settings import MAIN, Arm, Kind, Source, of_kind
 from ovman.settings.config import load
+from ovman.settings.splits import in_main_job
 from ovman.task import referents, spl
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
 from tests.episodes import DATA, EPISODES, SIGHTINGS
+from tests.runs import job
 
 ROOT = Path(__file__).parent.parent
 CONFIG = load(ROOT / "config.yaml")
@@ -60,12 +63,12 @@ def test_every_file_has_its_checksum():
 def test_the_split_is_the_papers(released):
     counts = Counter(e.relation.value for e in released)
     assert counts == {"moved": 33, "former": 38, "moving": 36, "stable": 32, "appeared": 40, "removed": 40}
-    assert len({e.scene for e in released}) == 20 == len(CONFIG.splits[MAIN].scenes)
+    assert len({e.scene for e in released}) == 20 == len(CONFIG.benchmark.scenes)
 
 
 def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released_in):
     task = constants("admissible")
-    assert {*released_in} == {*CONFIG.splits}
+    assert {*released_in} == {MAIN, *CONFIG.splits}
     for episode in (episode for episodes in released_in.values() for episode in episodes.values()):
         assert len(episode.certification) == 1 + CONFIG.admissibility.runs
         assert all(run.success for run in episode.certification), episode.id
@@ -75,16 +78,16 @@ def test_every_episode_was_completed_four_times_and_its_referent_is_unique(relea
 def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, released_in):
     # What the other arms answer follows from maps, which networks make.
     for arm in (arm for arm in of_kind(ARMS, Kind.STATIC) if arm.positions is Source.HANDED):
-        predictions.run(arm, EPISODES, constants("predictions", arm), tmp_path / f"{arm.name}.jsonl", SIGHTINGS)
+        predictions.run(*job(arm.name), EPISODES, tmp_path / f"{arm.name}.jsonl", sightings_file=SIGHTINGS)
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     embodied = {arm.name for arm in of_kind(ARMS, Kind.EMBODIED)}
-    wanted = {name: embodied & {*split.arms} for name, split in CONFIG.splits.items() if split.in_main_job}
+    wanted = {MAIN: embodied} | {name: embodied & {*CONFIG.splits[name].arms} for name in in_main_job(CONFIG.splits)}
     of_splits = {episode.id: episode for episodes in released_in.values() for episode in episodes.values()}
     runs: dict[str, list[tuple[str, int, str]]] = {name: [] for name in wanted}
     for file in sorted((DATA / "runs").rglob("*.jsonl")):
         for run in Score.read(file):
             episode = of_splits[run.episode]
-            assert judged(run, episode.relation, episode.protocol.success) == run.success, run
+            assert is_success(run, episode.relation, episode.protocol.success) == run.success, run
             assert round(spl(run.success, episode.shortest_path_m, run.path_length_m), 6) == run.spl, run
             runs[episode.split].append((run.arm, run.seed, run.episode))
     for name, arms in wanted.items():
@@ -135,8 +138,9 @@ def test_a_scene_is_made_again_to_the_same_bytes(tmp_path, scene, relations):
         again = release.episode(by_id[episode.id], made[episode.id], constants("episodes"))
         assert again.to_json() == episode.to_json()
     for arm in (arm for arm in of_kind(ARMS, Kind.EMBODIED) if arm.positions is Source.HANDED):
-        outputs = {0: tmp_path / f"{arm.name}.jsonl"}
-        of_arm = constants("rollouts", arm)
-        rollouts.run(of_arm.arm, EPISODES, of_arm, {scene: outputs}, {scene: journal(arm.name)}, SIGHTINGS)
-        scores.run([outputs[0]], EPISODES, [tmp_path / "judged.jsonl"], of_arm.arm)
+        of_arm, settings = job(arm.name)
+        (tmp_path / "of_scene.jsonl").write_text(lines(episodes.values()))
+        driven, cache = tmp_path / f"{arm.name}.jsonl", Cache(tmp_path / "cache")
+        rollouts.run(of_arm, settings, tmp_path / "of_scene.jsonl", [0], driven, cache, sightings_file=SIGHTINGS)
+        scores.run(of_arm, EPISODES, driven, tmp_path / "judged.jsonl")
         assert (tmp_path / "judged.jsonl").read_text() == (DATA / "runs" / arm.name / "seed0" / f"{scene}.jsonl").read_text()

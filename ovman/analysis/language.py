@@ -13,7 +13,7 @@ from ovman.analysis.outcomes import Case, StaticOutcome, static_outcomes
 from ovman.analysis.rates import ALL
 from ovman.analysis.statistics import mcnemar_exact, wilson_interval
 from ovman.evaluation.held_out_queries import NOT_UNDERSTOOD, Asked, answer, ask
-from ovman.evaluation.perceived import Perceived, read_perceived
+from ovman.evaluation.observations import Perceived, read_perceived
 from ovman.language.held_out import read_held_out
 from ovman.language.parser import Parsed, ParseFailure
 from ovman.records.episode import Episode

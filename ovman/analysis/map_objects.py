@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.evaluation.privileged_grounding import commonest
+from ovman.evaluation.true_grounding import commonest
 from ovman.perception.clusters import Cluster
 from ovman.perception.cues import Cues, read_cues
 from ovman.perception.object_map import ObjectMap

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ovman.evaluation.scoring import success_probability
+from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Prediction
 from ovman.records.relation import Relation

@@ -14,8 +14,8 @@ from pathlib import Path
 
 from ovman.analysis import frames
 from ovman.analysis.statistics import wilson_interval
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.predictions import VISITS, predict, store_of
+from ovman.evaluation.observations import VISITS, Stores
+from ovman.evaluation.predictions import predict
 from ovman.records.episode import Episode
 from ovman.records.prediction import Answer, Predicted
 from ovman.records.relation import Relation
@@ -109,11 +109,12 @@ def run(arm: Arm, episodes_file: Path, maps: Sequence[Path], nouns: Path, consta
 
     constants: of the stage, and what the arm's entry names.
     """
-    episodes, files = Episode.load(episodes_file), {"maps": maps, "nouns": [nouns]}
-    stores: dict[tuple[str, float], ObservationStore] = {}
+    episodes = Episode.load(episodes_file)
+    stores = Stores(arm, constants, VISITS, {"nouns": nouns, "maps": maps[0].parent if maps else nouns})
 
     def asked(episode: Episode, settings: StageSettings) -> Predicted:
-        return predict(arm, episode, settings, store_of(arm, episode, constants, VISITS, files, stores))[0]
+        store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+        return predict(arm, episode, settings, store)[0]
 
     gates = gate_sweep(episodes, asked, constants) if episodes else []
     frames.write(output_dir / GATE_SWEEP, GateRate, gates)

@@ -10,11 +10,11 @@ from typing import Any
 
 import yaml
 
+from ovman.agents.interface import VISITS
 from ovman.dataset.about import About
 from ovman.dataset.columns import Table
 from ovman.dataset.episodes import tour_id
 from ovman.dataset.files import DataFile
-from ovman.entry.tour_cache import VISITS
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.report.tables.table import pipe_table

@@ -13,10 +13,12 @@ from ovman.dataset.tours import Recordings
 from ovman.entry.defaults import CONFIG, DATA
 from ovman.entry.errors import EntryError
 from ovman.entry.release import Release
-from ovman.entry.tour_cache import TourCache
+from ovman.evaluation.tours import TourCache
 from ovman.perception.libraries import cache as user_cache
 from ovman.records.episode import Episode
+from ovman.settings import MAIN, splits_of
 from ovman.settings.config import load
+from ovman.settings.splits import in_main_job
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> list[str]:
@@ -41,9 +43,9 @@ def splits_in(release: Release, names: Sequence[str] | None) -> list[SplitOf]:
 
     What the main job does not judge is for development.
     """
-    every = release.settings.splits
+    every = splits_of(release.settings.splits)
     there = [name for name in every if (release.directory / "episodes" / f"{name}.jsonl").is_file()]
     if not there:
         raise EntryError(f"{release.directory / 'episodes'}: no episodes of any split; name a release with --release")
-    test = {name for name, split in every.items() if split.in_main_job}
+    test = {MAIN, *in_main_job(release.settings.splits)}
     return [SplitOf(name, Episode.load(release.episodes(name)), name not in test) for name in dict.fromkeys(names or there)]

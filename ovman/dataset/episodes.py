@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+from ovman.agents.interface import VISITS
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.text import json_text
-from ovman.entry.tour_cache import VISITS
 from ovman.records.episode import Episode
 from ovman.workflow.journal import digest
 

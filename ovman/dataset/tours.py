@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ovman.agents.interface import VISITS
 from ovman.dataset.columns import Column, Kind, Table
 from ovman.dataset.episodes import tour_id
-from ovman.entry.tour_cache import VISITS, TourCache
+from ovman.evaluation.tours import TourCache
 from ovman.perception.tour_files import PICTURES, cameras
 from ovman.records.episode import Episode
 from ovman.records.visit_files import VisitFiles, VisitManifest, read_verified

@@ -18,7 +18,7 @@ from ovman.entry.release import Release
 from ovman.entry.source_cache import remembered
 from ovman.entry.summary import as_text
 from ovman.entry.verification import Verification, as_lines, verify
-from ovman.evaluation.supervision import AgentError, function
+from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.perception.libraries import cache as user_cache
 from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.settings import Settings
@@ -53,7 +53,7 @@ def run(options: argparse.Namespace, say: Callable[[str], None]) -> str:
     except SyntaxError as error:  # of a module that the agent's imports
         raise AgentError(f"{error.filename}, line {error.lineno}, is not Python: {error.msg}; mend it") from None
     where = place(options, of_arm.arm)
-    if where is Where.EVALUATOR and (absent := methods_lacking(function(name, of_arm.arm.agent))) is not None:
+    if where is Where.EVALUATOR and (absent := methods_lacking(load_agent(name, of_arm.arm.agent))) is not None:
         raise AgentError(f"{of_arm.arm.agent} has no method {absent}; write it (docs/agents.md)")
     out = Path(options.out)
     doing = Evaluation(of_arm, what, _elsewhere(options, where, settings, out), options.failures == "abstain")

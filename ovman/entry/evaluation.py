@@ -17,7 +17,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.interface import Action, Observation, Query, Visit
+from ovman.agents.interface import VISITS, Action, Observation, Query, Visit
 from ovman.entry import attempts
 from ovman.entry.attempts import Attempts, CountedAgent
 from ovman.entry.errors import EntryError
@@ -27,16 +27,16 @@ from ovman.entry.release import Release
 from ovman.entry.results import write_results
 from ovman.entry.spread import Keeping, spread
 from ovman.entry.summary import Summary
-from ovman.entry.tour_cache import VISITS, TourCache, recording_key
-from ovman.evaluation.attempt import Attempt, run_episode, session_for
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.scores import score
-from ovman.evaluation.supervision import AgentError, function
+from ovman.evaluation.observations import ObservationStore
+from ovman.evaluation.scores import score_rollout
+from ovman.evaluation.supervision import AgentError, load_agent
+from ovman.evaluation.tours import TourCache, recording_key
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
 from ovman.remote.agent import Remotes
 from ovman.remote.elsewhere import Elsewhere, OwnProcess, Server
 from ovman.remote.line import LineLost
+from ovman.runner import Run, open_session, run_episode
 from ovman.settings import Need
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
@@ -213,11 +213,11 @@ def _drive(
     for _, alike in groupby(waiting, key=lambda episode: (episode.scene, episode.backend, episode.protocol)):
         group = list(alike)
         # A tour is recorded with the benchmark's body, whatever the arm's is. Neither starts a simulator before its first use.
-        with session_for(group[0], settings.arm, settings) as session, Session(group[0].scene, group[0].settings) as touring:
+        with open_session(group[0], settings.arm, settings) as session, Session(group[0].scene, group[0].settings) as touring:
             for episode in group:
                 store = _store(settings, episode, tours, touring)
                 for seed, key in absent[episode.id].items():
-                    work = partial(run_episode, session, episode, settings.arm, seed, settings, store)
+                    work = partial(run_episode, session, Run(episode, settings.arm, seed, settings, store))
                     begin = partial(begun.begin, episode.id, seed)
                     try:
                         run = session.with_restarts(partial(_attempted, work, doing, remotes, begin))
@@ -226,7 +226,7 @@ def _drive(
                         if not doing.abstains:
                             raise type(error)(said if where in said else f"{where}: {said}") from None
                         note({"episode": episode.id, "seed": seed, "error": said})
-                        run = session.with_restarts(partial(work, made=lambda _: Abstaining()))
+                        run = session.with_restarts(partial(work, make_agent=lambda _: Abstaining()))
                     kept = journal.write(key, run.to_json())
                     progress.made(_judged(settings, episode, kept))
 
@@ -245,13 +245,13 @@ def _attempted(work: Callable[..., Rollout], doing: Evaluation, remotes: Remotes
         begin()
         shown = True
 
-    def made(attempt: Attempt) -> Any:
-        agent = remotes(attempt) if remotes is not None else function(arm.name, arm.agent)(attempt.context())
+    def made(run: Run) -> Any:
+        agent = remotes(run) if remotes is not None else load_agent(arm.name, arm.agent)(run.context())
         return CountedAgent(agent, first) if callable(getattr(agent, "act", None)) else agent
 
     for last in (False, True):
         try:
-            return work(made=made)
+            return work(make_agent=made)
         except LineLost:
             assert remotes is not None
             remotes.lost()
@@ -305,4 +305,4 @@ def _store(settings: StageSettings, episode: Episode, tours: TourCache, touring:
 
 
 def _judged(settings: StageSettings, episode: Episode, record: object) -> Score:
-    return score(Rollout.from_json(record, f"{JOURNAL}: {episode.id}"), episode, settings.arm.any_instance)
+    return score_rollout(Rollout.from_json(record, f"{JOURNAL}: {episode.id}"), episode, settings.arm.any_instance)

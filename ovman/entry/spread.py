@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, Protocol
 from ovman.entry.attempts import Attempts
 from ovman.entry.progress import Progress
 from ovman.entry.source_cache import remembered
-from ovman.entry.tour_cache import TourCache
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
-from ovman.evaluation.scores import score
+from ovman.evaluation.scores import score_rollout
+from ovman.evaluation.tours import TourCache
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout, Score
 from ovman.workflow.journal import Journal, contents
@@ -76,7 +76,7 @@ def spread(
 
     def judged(record: Any) -> Score:
         run = Rollout.from_json(record, f"{journal.path}")
-        return score(run, episodes[run.episode], settings.arm.any_instance)
+        return score_rollout(run, episodes[run.episode], settings.arm.any_instance)
 
     absent = set()
     for episode in what.chosen:

@@ -20,11 +20,11 @@ from ovman.entry.recorded import Recorded, read_recorded, remarks, stated
 from ovman.entry.release import Release
 from ovman.entry.replay import Replay, replay_settings
 from ovman.entry.workers import Send, Work, as_texts, of_texts, shared_out
-from ovman.evaluation.attempt import run_episode, session_for
-from ovman.evaluation.scores import score
+from ovman.evaluation.scores import score_rollout
 from ovman.records.episode import Episode
 from ovman.records.record import printable
 from ovman.records.run import Rollout, Score
+from ovman.runner import Run, open_session, run_episode
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -110,7 +110,7 @@ def _drive(settings: StageSettings, recorded: Recorded, journal: Journal | None,
     keys: dict[tuple[str, int], str] = {}
 
     def judge(driven: Rollout) -> None:
-        judged = score(driven, recorded.episodes[driven.episode], settings.arm.any_instance)
+        judged = score_rollout(driven, recorded.episodes[driven.episode], settings.arm.any_instance)
         drove(((driven.episode, driven.seed), judged))
 
     def receive(driven: Rollout) -> None:
@@ -159,7 +159,7 @@ def _again(settings: StageSettings) -> Iterator[Work[Piece]]:
 def _drive_again(settings: StageSettings, piece: Piece, send: Send) -> None:
     texts, traces = piece
     episodes = of_texts(texts)
-    with session_for(episodes[0], settings.arm, settings) as session:
+    with open_session(episodes[0], settings.arm, settings) as session:
         for episode, runs in zip(episodes, traces, strict=True):
             for seed, trace in runs:
                 made = session.with_restarts(partial(_driven, session, episode, seed, trace, settings))
@@ -167,7 +167,7 @@ def _drive_again(settings: StageSettings, piece: Piece, send: Send) -> None:
 
 
 def _driven(session: Session, episode: Episode, seed: int, trace: str, settings: StageSettings) -> Rollout:
-    return run_episode(session, episode, settings.arm, seed, settings, made=lambda context: Replay(trace))
+    return run_episode(session, Run(episode, settings.arm, seed, settings), lambda run: Replay(trace))
 
 
 def as_lines(found: Verification) -> list[str]:

@@ -1,4 +1,4 @@
-"""What the evaluator gives to the function that an arm names: the protocols of `ovman.agents.interface.context`, implemented."""
+"""The contexts that agents are made with: the protocols of `ovman.agents.interface.context`, implemented."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import numpy as np
 
 from ovman.agents.interface import Mapper, PrivilegedAnswer, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.privileged_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
+from ovman.evaluation.observations import ObservationStore
+from ovman.evaluation.true_grounding import grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.labels import Labels
 from ovman.perception.object_map import ObjectMap
@@ -22,7 +22,6 @@ from ovman.records.sighting import Sighting, Sightings, VisitPair
 from ovman.records.world_state import WorldState
 from ovman.settings import Arm, Need, Settings, Source
 from ovman.task.world import recorded_world
-from ovman.workflow.parameter import StageSettings, constants_of
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
@@ -33,7 +32,7 @@ Made = TypeVar("Made")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RolloutContext:
-    """An `AgentContext`. store: of the episode's scene; privileged: None but for the oracle; answered: by the executed arm."""
+    """An `AgentContext`. store: Of the episode's scene. privileged: None except for the oracle."""
 
     rng: np.random.Generator
     settings: Settings
@@ -53,7 +52,7 @@ class RolloutContext:
 
     def made(self, need: Need, read: Callable[[Path], Made]) -> Made:
         """See `AgentContext.made`."""
-        return self.store.made(need, read)
+        return self.store.load_artifact(need, read)
 
     def noun(self, phrase: str) -> np.ndarray:
         """See `AgentContext.noun`."""
@@ -68,9 +67,11 @@ class RolloutContext:
 class EpisodeContext:
     """A `PredictionContext` of an episode.
 
-    sightings: None for an arm that is given neither its grounding by positions nor positions. labels: of the detections of the
-    scene's visits by their names; None for an arm that is not given its grounding by them. Of a visit that is withheld from the
-    arm map, tour and world are empty, and nothing is read.
+    Of a visit that is withheld from the arm, map, tour and world are empty, and nothing is read.
+
+    Attributes:
+        sightings: None for an arm without oracle positions and without oracle grounding by positions.
+        labels: Of the detections of the scene's visits by their names; None for an arm without oracle grounding by them.
     """
 
     rng: np.random.Generator
@@ -100,13 +101,13 @@ class EpisodeContext:
 
     def map(self, which: str) -> ObjectMap:
         """See `PredictionContext.map`."""
-        if self._withheld(which):
+        if self._is_withheld(which):
             return ObjectMap.of(())
         return self.store.perceived.map(self.visits[which])
 
     def detections(self, which: str) -> Detected:
         """See `PredictionContext.detections`."""
-        if self._withheld(which):
+        if self._is_withheld(which):
             return nothing_detected()
         return self.store.detected[self.visits[which]]
 
@@ -114,11 +115,11 @@ class EpisodeContext:
         """See `PredictionContext.made`. ValueError for an arm from which a visit is withheld: files hold both."""
         if self.arm.withheld is not None and self.arm.withheld.visit is not None:
             raise ValueError(f"arms.{self.arm.name} is withheld the {self.arm.withheld.visit} visit; ask for its map or its tour")
-        return self.store.made(need, read)
+        return self.store.load_artifact(need, read)
 
     def tour(self, which: str) -> Visit:
         """See `PredictionContext.tour`."""
-        if self._withheld(which):
+        if self._is_withheld(which):
             return Visit((), self.reachable)
         return self.store.visit(self.visits[which], self.reachable)
 
@@ -142,11 +143,11 @@ class EpisodeContext:
     def world(self, which: str) -> WorldState:
         """See `PredictionContext.world`."""
         sightings = self._privileged(self.arm.positions, "positions")[which]
-        if self._withheld(which):
+        if self._is_withheld(which):
             return WorldState(())
         return recorded_world(sightings, self.episode.category, self.settings.admissibility.min_mask_px)
 
-    def _withheld(self, which: str) -> bool:
+    def _is_withheld(self, which: str) -> bool:
         return self.arm.withheld is not None and self.arm.withheld.visit == which
 
     def _labels(self, visits: Sequence[str]) -> list[Labels]:
@@ -165,29 +166,24 @@ class EpisodeContext:
 
 
 def nothing_detected() -> Detected:
-    """The detections of a visit that showed nothing."""
+    """Return the detections of a visit that showed nothing."""
     nothing, masks = np.zeros(0, np.int64), PackedMasks.of(np.zeros((0, 0, 0), bool))
     return Detected(nothing, np.zeros((0, 3)), np.zeros((0, 0)), nothing, np.zeros(0, np.float32), masks, "")
 
 
-def agent_settings(episode: Episode, stage: StageSettings) -> Settings:
-    """What an agent may read: what its arm's entry names, the settings of its stage, and the episode's camera and primitives."""
-    return with_sections(stage, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
+def agent_settings(episode: Episode, settings: Settings) -> Settings:
+    """Return the settings that an agent may read: those of its arm, with the episode's camera and primitives."""
+    return replace_sections(settings, {name: dict(getattr(episode.protocol, name)) for name in ("camera", "primitives")})
 
 
-def run_settings(episode: Episode, stage: StageSettings) -> Settings:
-    """What a run is measured by: the settings of its stage, for the body that an arm names, and the episode's protocol."""
+def run_settings(episode: Episode, settings: Settings) -> Settings:
+    """Return the settings that a run is measured by: those of its arm, with the episode's protocol and backend."""
     sections = {name: dict(getattr(episode.protocol, name)) for name in type(episode.protocol).model_fields}
-    return with_sections(stage, sections | {"benchmark": {"backend": episode.backend}})
+    return replace_sections(settings, sections | {"benchmark": {"backend": episode.backend}})
 
 
-def with_sections(stage: StageSettings, sections: Mapping[str, dict[str, Any]]) -> Settings:
-    """The settings of a stage with these sections in the place of its own."""
-    tree: dict[str, Any] = {}
-    for name, value in constants_of(stage).items():
-        *path, last = name.split(".")
-        here = tree
-        for section in path:
-            here = here.setdefault(section, {})
-        here[last] = value
-    return Settings.owned({**tree, **sections}, stage.stage)
+def replace_sections(settings: Settings, sections: Mapping[str, Mapping[str, Any]]) -> Settings:
+    """Return settings with other constants in these sections."""
+    constants = {key: value for key, value in settings.constants().items() if key.partition(".")[0] not in sections}
+    others = {f"{section}.{key}": value for section, values in sections.items() for key, value in values.items()}
+    return settings.partial(constants | others)

@@ -7,7 +7,7 @@ from typing import Any
 
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, Evidence, Relation
 from ovman.agents.reference.reasoning import two_visits_asked
-from ovman.evaluation.perceived import Perceived
+from ovman.evaluation.observations import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.records.episode import Episode

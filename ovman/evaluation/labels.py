@@ -1,8 +1,9 @@
-"""Stage `labels`: what the detections of the recorded tours truly show. Diagnostic arms are handed their grounding by it."""
+"""Stage `labels`: the instances that the detections of every tour truly show."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -11,14 +12,47 @@ from ovman.perception.detected import Detected
 from ovman.perception.labels import NOTHING, Labels, categories_of, shown, write_labels
 from ovman.perception.records import read_detections
 from ovman.perception.tour_files import picture
+from ovman.processes import map_items
 from ovman.records.scene import Scene
 from ovman.records.visit import Visit
 
 
-def labels(seen: Detected, directory: Path, categories: dict[str, str], names: tuple[str, ...]) -> Labels:
-    """What the detections of the tour recorded in `directory` truly show.
+def run(scene_files: Sequence[Path], detections: Path, visits: Path, output: Path, workers: int = 1) -> None:
+    """Write the labels of all visits of each scene that has detections, one file per scene.
 
-    categories: of the scene's instances, by their ids; names: the categories in the order of `Labels.categories`. TourError for a
+    Args:
+        scene_files: Records of the scenes.
+        detections: Directory with a file of each scene.
+        visits: Directory of the recorded visits of all scenes.
+        output: Directory of the labels.
+        workers: Number of processes, which share the scenes.
+    """
+    scenes = [scene for file in scene_files for scene in Scene.read(file) if (detections / f"{scene.scene}.npz").is_file()]
+    output.mkdir(parents=True, exist_ok=True)
+    map_items(partial(label_scene, detections, visits, output), [scene.to_line() for scene in scenes], workers)
+
+
+def label_scene(detections: Path, visits: Path, output: Path, scene_line: str) -> None:
+    """Write the labels of all visits of a scene. A tour that several visits share is labelled once."""
+    scene = Scene.parse(scene_line)
+    categories = categories_of(scene)
+    names = tuple(sorted({*categories.values()}))
+    by_content: dict[str, Labels] = {}
+    by_visit = {}
+    for name, seen in read_detections(detections / f"{scene.scene}.npz").items():
+        if seen.content not in by_content:
+            by_content[seen.content] = label_tour(seen, visits / scene.scene / name, categories, names)
+        by_visit[name] = by_content[seen.content]
+    write_labels(output / f"{scene.scene}.npz", by_visit)
+    every = np.concatenate([np.zeros(0, int), *(one.category for one in by_content.values())])
+    share = float((every != NOTHING).mean()) if len(every) else 0.0
+    print(f"{scene.scene}: {len(every)} detections in {len(by_content)} tours, {share:.2f} of them show an instance", flush=True)
+
+
+def label_tour(seen: Detected, directory: Path, categories: dict[str, str], names: tuple[str, ...]) -> Labels:
+    """Return the labels of the detections of the tour recorded in `directory`.
+
+    categories: Of the scene's instances, by their ids. names: The categories in the order of `Labels.categories`. TourError for a
     file of the tour that is missing or damaged.
     """
     visit, masks = Visit.load(directory), seen.masks()
@@ -31,27 +65,3 @@ def labels(seen: Detected, directory: Path, categories: dict[str, str], names: t
             if name is not None:
                 category[row] = names.index(name)
     return Labels(names, category, seen.pixels)
-
-
-def run(scenes: Sequence[Path], detections: Sequence[Path], visits: Path, outputs: Sequence[Path]) -> None:
-    """Writes the labels of all visits of each file of detections, one file for each in their order.
-
-    scenes: records of the stage "scenes", in the same order; visits: directory of the recorded visits of all scenes. A tour that
-    several visits share is looked at once.
-    """
-    for scene_file, source, output in zip(scenes, detections, outputs, strict=True):
-        scene = Scene.parse(scene_file.read_text(encoding="utf-8"), str(scene_file))
-        categories = categories_of(scene)
-        names = tuple(sorted({*categories.values()}))
-        by_content: dict[str, Labels] = {}
-        made = {}
-        for name, seen in read_detections(source).items():
-            if seen.content not in by_content:
-                by_content[seen.content] = labels(seen, visits / scene.scene / name, categories, names)
-            made[name] = by_content[seen.content]
-        write_labels(output, made)
-        every = np.concatenate([np.zeros(0, int), *(one.category for one in by_content.values())])
-        share = float((every != NOTHING).mean()) if len(every) else 0.0
-        print(
-            f"{scene.scene}: {len(every)} detections in {len(by_content)} tours, {share:.2f} of them show an instance", flush=True
-        )

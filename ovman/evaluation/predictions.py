@@ -1,8 +1,4 @@
-"""Stage `predictions`: what the static arms answer to the released episodes, from the recorded observations. Pure.
-
-An arm that is given positions reads the file of sightings, one that is given its grounding the labels of its map's detections, or
-the sightings where its reading is by positions; no other arm opens them.
-"""
+"""Stage `predictions`: the answers of a static arm to the released episodes, from the recorded observations. Pure."""
 
 from __future__ import annotations
 
@@ -12,37 +8,92 @@ from pathlib import Path
 
 from ovman import seeds
 from ovman.evaluation.context import EpisodeContext, agent_settings
-from ovman.evaluation.observation_store import ObservationStore, of_scene
-from ovman.evaluation.supervision import AgentError, failures, function
-from ovman.evaluation.withheld import asked, categories_in
-from ovman.perception.labels import Labels, read_labels
+from ovman.evaluation.observations import VISITS, ObservationStore, Stores
+from ovman.evaluation.supervision import AgentError, load_agent, name_failures
+from ovman.language.noun import noun
+from ovman.language.vocabulary import SYNONYMS, nouns
+from ovman.perception.labels import Labels, categories_of, read_labels
 from ovman.records.episode import Episode
 from ovman.records.prediction import Evidence, Predicted, Prediction
+from ovman.records.query import Query
 from ovman.records.record import lines
+from ovman.records.relation import Relation
+from ovman.records.scene import Scene
 from ovman.records.sighting import Sightings
-from ovman.settings import Arm, Withheld
-from ovman.workflow.parameter import StageSettings
+from ovman.settings import Arm, Settings, Withheld
+from ovman.settings.arms import ArmJob
 
-VISITS = Path("results", "visits")
-"""Directory of the recorded visits of all scenes."""
+LABELS = "labels"
+NO_NOUN = ""
+
+
+def run(
+    arm: ArmJob,
+    settings: Settings,
+    episodes_file: Path,
+    output: Path,
+    perceived: Mapping[str, Path] = {},
+    sightings_file: Path | None = None,
+    scene_files: Sequence[Path] = (),
+    visits: Path = VISITS,
+) -> None:
+    """Write the predictions of an arm for all episodes, run after run, and print how long they took.
+
+    Args:
+        arm: The arm.
+        settings: Of the arm's job.
+        episodes_file: The episodes.
+        output: File of the predictions.
+        perceived: Directories with a file of each scene, by need and "labels", and the file "nouns".
+        sightings_file: Of the episodes, for an arm with oracle positions, or with oracle grounding by them.
+        scene_files: Records of the scenes, for an arm that is told a wrong noun.
+        visits: Directory of the recorded visits of all scenes.
+    """
+    began, worked = time.perf_counter(), time.process_time()
+    episodes, sightings = Episode.load(episodes_file), read_sightings(arm, sightings_file)
+    labels: dict[str, Mapping[str, Labels]] = {}
+    if arm.reads_labels and LABELS in perceived:
+        labels = {file.stem: read_labels(file) for file in sorted(perceived[LABELS].glob("*.npz"))}
+    stores = Stores(arm, settings, visits, {name: path for name, path in perceived.items() if name != LABELS})
+    categories: dict[str, Collection[str]] = {}
+    if arm.withheld is Withheld.NOUN_WRONG:
+        categories = {scene.scene: categories_of(scene).values() for file in scene_files for scene in Scene.read(file)}
+    predictions = []
+    for number in range(arm.runs):
+        for episode in episodes:
+            store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+            truth = sightings.get(episode.id), number, labels.get(episode.scene), categories.get(episode.scene, ())
+            outcome, evidence = predict(arm, episode, settings, store, *truth)
+            predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
+    output.write_text(lines(predictions), encoding="utf-8")
+    took, worked = time.perf_counter() - began, time.process_time() - worked
+    print(f"{arm.name}: {len(predictions)} predictions in {took:.2f} s, {worked:.2f} s of the processor", flush=True)
 
 
 def predict(
     arm: Arm,
     episode: Episode,
-    settings: StageSettings,
+    settings: Settings,
     store: ObservationStore,
     sightings: Sightings | None = None,
     run: int = 0,
     labels: Mapping[str, Labels] | None = None,
     categories: Collection[str] = (),
 ) -> tuple[Predicted, Evidence | None]:
-    """What a static arm answers to the query of an episode, and from which evidence.
+    """Return the answer of a static arm to the query of an episode, and the evidence for it.
 
-    store: of the episode's scene; sightings: of the episode, for an arm that is given its grounding by positions, or positions;
-    labels: of the detections of the scene's visits, for one that is given its grounding by them; run: 0 for the first of the
-    arm's runs; categories: of the scene's instances, for one that is told a wrong noun. AgentError, in one line, where the arm's
-    function fails or returns no prediction.
+    Args:
+        arm: The arm.
+        episode: The episode.
+        settings: Of the arm's job.
+        store: Of the episode's scene.
+        sightings: Of the episode, for an arm that reads them.
+        run: 0 for the first of the arm's runs.
+        labels: Of the detections of the scene's visits, for an arm with oracle grounding by them.
+        categories: Of the scene's instances, for an arm that is told a wrong noun.
+
+    Raises:
+        AgentError: The arm's function fails, or returns no prediction.
     """
     context = EpisodeContext(
         rng=seeds.generator(episode.provenance.seed, "predictions", arm.name, episode.id, run),
@@ -54,9 +105,9 @@ def predict(
         sightings=sightings if arm.reads_sightings else None,
         labels=labels if arm.reads_labels else None,
     )
-    query = asked(episode, arm.withheld, run, categories)
-    answer = function(arm.name, arm.agent)
-    with failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
+    query = query_of(episode, arm.withheld, run, categories)
+    answer = load_agent(arm.name, arm.agent)
+    with name_failures(where := f"arms.{arm.name}.agent is {arm.agent!r}: {episode.id}: it"):
         answered = answer(query, context)
     match answered:
         case (outcome, Evidence() | None as evidence) if isinstance(outcome, Predicted):
@@ -64,8 +115,8 @@ def predict(
     raise AgentError(f"{where} returned {answered!r:.80}; return (Answer(x, z), None), or another outcome of a prediction")
 
 
-def sightings_of(arm: Arm, file: Path | None) -> dict[str, Sightings]:
-    """The sightings by episode, for an arm that reads them. ValueError, in one line, where the file is not given."""
+def read_sightings(arm: Arm, file: Path | None) -> dict[str, Sightings]:
+    """Return the sightings by episode, for an arm that reads them. ValueError, in one line, if the file is not given."""
     if not arm.reads_sightings:
         return {}
     if file is None:
@@ -73,51 +124,35 @@ def sightings_of(arm: Arm, file: Path | None) -> dict[str, Sightings]:
     return {record.episode: record for record in Sightings.read(file)}
 
 
-def run(
-    arm: Arm,
-    episodes_file: Path,
-    settings: StageSettings,
-    output: Path,
-    sightings_file: Path | None = None,
-    visits: Path = VISITS,
-    files: Mapping[str, Sequence[Path]] = {},
-) -> None:
-    """Write the predictions of an arm for all released episodes, run after run.
+def query_of(episode: Episode, withheld: Withheld | None, run: int, categories: Collection[str] = ()) -> Query:
+    """Return the query that an arm is given, by what is withheld from it.
 
-    sightings_file: of the episodes, for an arm that reads it. visits: directory of all scenes' recorded visits. files: what was
-    perceived, by the workflow's names: under "maps", "maintained", "dualmap" and "detections" one file a scene, named after it,
-    and likewise under "labels" and "scenes" for an arm that reads them, under "nouns" one. Prints how long it took from the files
-    to the predictions.
+    Draws follow from the episode and the run, not from the arm: agents from which the same is withheld are asked the same. A
+    relation is drawn from all six: one drawn from the others would say which one is wrong.
+
+    Args:
+        episode: The episode.
+        withheld: None for its own query.
+        run: Of the arm's runs.
+        categories: Of all instances of the scene. A wrong noun names one of them, which may be in the maps and has no noun of the
+            vocabulary in common with the right one.
+
+    Raises:
+        ValueError: The scene has nothing else to name.
     """
-    began, worked = time.perf_counter(), time.process_time()
-    episodes, sightings = Episode.load(episodes_file), sightings_of(arm, sightings_file)
-    labels = {file.stem: read_labels(file) for file in files.get("labels", ())} if arm.reads_labels else {}
-    wrong = arm.withheld is Withheld.NOUN_WRONG
-    categories: dict[str, Collection[str]] = {file.stem: categories_in(file) for file in files.get("scenes", ()) if wrong}
-    stores: dict[tuple[str, float], ObservationStore] = {}
-    predictions = []
-    for number in range(arm.runs):
-        for episode in episodes:
-            store = store_of(arm, episode, settings, visits, files, stores)
-            seen, shown, things = sightings.get(episode.id), labels.get(episode.scene), categories.get(episode.scene, ())
-            outcome, evidence = predict(arm, episode, settings, store, seen, number, shown, things)
-            predictions.append(Prediction.of(episode.id, arm.name, number, outcome, evidence))
-    output.write_text(lines(predictions), encoding="utf-8")
-    took, worked = time.perf_counter() - began, time.process_time() - worked
-    print(f"{arm.name}: {len(predictions)} predictions in {took:.2f} s, {worked:.2f} s of the processor", flush=True)
-
-
-def store_of(
-    arm: Arm,
-    episode: Episode,
-    settings: StageSettings,
-    visits: Path,
-    files: Mapping[str, Sequence[Path]],
-    stores: dict[tuple[str, float], ObservationStore],
-) -> ObservationStore:
-    """The store of an episode's scene and camera, made where `stores` has none."""
-    lens = episode.protocol.camera.field_of_view_deg
-    key = episode.scene, lens
-    if key not in stores:
-        stores[key] = ObservationStore(arm, settings, lens, visits / episode.scene, of_scene(episode.scene, files))
-    return stores[key]
+    query = episode.query
+    draws = seeds.generator(episode.provenance.seed, "withheld", str(withheld), episode.id, run)
+    match withheld:
+        case Withheld.NOUN:
+            return Query(NO_NOUN, query.relation)
+        case Withheld.NOUN_WRONG:
+            own = set(nouns(query.category))
+            others = sorted(other for other in {*categories} & SYNONYMS.keys() if not own & set(nouns(other)))
+            if not others:
+                raise ValueError(
+                    f"{episode.id}: {episode.scene} has nothing but {noun(query.category)} to name; leave the arm out"
+                )
+            return Query(others[int(draws.integers(len(others)))], query.relation)
+        case Withheld.RELATION:
+            return Query(query.category, tuple(Relation)[int(draws.integers(len(Relation)))])
+    return query

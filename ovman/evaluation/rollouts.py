@@ -1,34 +1,33 @@
-"""Stage `rollouts`: the embodied arms run the released episodes of some scenes, measured at the stop. Nothing is judged here.
-
-An episode runs from its record alone; an arm that is given positions needs the episode's sightings, too.
-"""
+"""Stage `rollouts`: an embodied arm runs the episodes of a split, measured at the stop. Nothing is judged here."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 from ovman.agents.interface import VISITS
-from ovman.evaluation.attempt import run_episode, session_for
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.predictions import VISITS as RECORDED
-from ovman.evaluation.predictions import predict, sightings_of, store_of
+from ovman.cache import Cache, digest
+from ovman.evaluation import observations
+from ovman.evaluation.observations import Stores
+from ovman.evaluation.predictions import predict, read_sightings
+from ovman.processes import WorkerDied, map_items
 from ovman.progress import Units
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, Answer, Predicted, Prediction
-from ovman.records.record import lines
 from ovman.records.run import Rollout
-from ovman.records.sighting import Sightings
+from ovman.runner import Run, open_session, run_episode
+from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
+from ovman.settings.jobs import own_constants
+from ovman.settings.settings import matching
 from ovman.sim.session import Session
-from ovman.workflow.journal import Journal, digest
-from ovman.workflow.parameter import StageSettings
 
-DECIDING = ("admissibility.",)
-"""Constants that say what an agent is given; what becomes of its answer does not depend on them."""
+DECIDING = ("admissibility.*",)
+"""Constants that say what an agent is given. What becomes of its answer does not depend on them."""
 JUDGING: Mapping[str, Any] = {
     "split": True,
     "instances_in_category": True,
@@ -40,88 +39,128 @@ JUDGING: Mapping[str, Any] = {
     "protocol": {"success": {"radius_m", "visible_px"}},
     "provenance": {"trial"},
 }
-"""Fields of an episode that judge a run or say where the episode comes from: no run depends on them."""
+"""Fields of an episode that judge a run or say where the episode comes from. No run depends on them."""
 
 
-def cache_key(
-    arm: ArmJob,
-    seed: int,
-    episode: Episode,
-    settings: StageSettings,
-    store: ObservationStore,
-    sightings: Sightings | None = None,
-    answered: Predicted | None = None,
-) -> str:
-    """Key of a run in the journal: all that it depends on.
+@dataclass(frozen=True, slots=True)
+class Inputs:
+    """The files and settings of a job.
 
-    Of an arm that executes another one's answer, that answer stands for perception and for the constants of the decision: a
-    threshold of the agent that changes none of its answers starts no simulator. answered: that answer, where its prediction is at
-    hand; else it is decided here.
+    Attributes:
+        perceived: Directories with a file of each scene, "maps", "dualmap", "detections" and "segments", and the file "nouns".
+        sightings: Of the episodes, for an arm that reads it.
+        predictions: Of the arm that this one executes, one per episode, which is offered to the agent. An episode without one is
+            decided again.
+        visits: Directory of the recorded visits of all scenes.
     """
-    stage = json.loads(settings.canonical)
-    executed = stage["arm"].pop("executed", None)
-    run_on = episode.model_dump(mode="json", by_alias=True, exclude=dict(JUDGING))
-    if executed is None:
-        visits = [episode.visits[which] for which in VISITS]
-        known = None if sightings is None else sightings.to_json()
-        return digest(seed, run_on, store.cache_key(visits, episode.noun), known, stage)
-    if answered is None:
-        answered, _ = predict(ArmJob.model_validate(executed), episode, settings, store, sightings)
-    goal = Prediction.of(episode.id, arm.name, seed, answered).model_dump(mode="json", by_alias=True)
-    of_agent = set(stage.pop("of_agent"))
-    stage["constants"] = {k: v for k, v in stage["constants"].items() if k not in of_agent and not k.startswith(DECIDING)}
-    stage["agent"] = stage["agent"][:1]
-    return digest(seed, run_on, goal, stage)
+
+    arm: ArmJob
+    settings: Settings
+    episodes: Path
+    seeds: Sequence[int]
+    perceived: Mapping[str, Path]
+    sightings: Path | None
+    predictions: Path | None
+    visits: Path
 
 
 def run(
     arm: ArmJob,
+    settings: Settings,
     episodes_file: Path,
-    settings: StageSettings,
-    outputs: Mapping[str, Mapping[int, Path]],
-    journals: Mapping[str, Path],
+    seeds: Sequence[int],
+    output: Path,
+    cache: Cache,
+    perceived: Mapping[str, Path] = {},
     sightings_file: Path | None = None,
-    visits: Path = RECORDED,
-    files: Mapping[str, Sequence[Path]] = {},
-    predictions: Path | None = None,
+    predictions_file: Path | None = None,
+    visits: Path = observations.VISITS,
+    workers: int = 1,
 ) -> None:
-    """Run an arm on the episodes of some scenes under some seeds. One simulator serves all episodes that may share it.
+    """Run an arm on all episodes under all seeds. Write one row per run to `output`: seed by seed, in the episodes' order.
 
-    outputs: scene -> seed -> file. journals: keep the finished runs, by scene. sightings_file: of the episodes, for an arm that
-    reads it. visits: directory of all scenes' recorded visits. files: what was perceived, as for
-    `ovman.evaluation.predictions.run`. predictions: of the arm that this one executes, one an episode; an agent is offered its
-    answer. An episode without one is decided here.
+    Args:
+        arm: The arm.
+        settings: Of the arm's job.
+        episodes_file: The episodes.
+        seeds: The seeds.
+        output: File of the rollouts.
+        cache: Keeps finished runs. A scene whose runs are all there starts no simulator.
+        perceived: See `Inputs`.
+        sightings_file: See `Inputs`.
+        predictions_file: See `Inputs`.
+        visits: See `Inputs`.
+        workers: Number of processes, which share the scenes.
     """
-    episodes = [episode for scene in outputs for episode in Episode.load(episodes_file, scene)]
-    sightings = sightings_of(arm, sightings_file)
-    answers = {} if predictions is None else {one.episode: one.outcome for one in Prediction.read(predictions)}
-    kept = {scene: Journal(journals[scene]) for scene in outputs}
-    made: dict[str, dict[int, list[Rollout]]] = {scene: {seed: [] for seed in of_seeds} for scene, of_seeds in outputs.items()}
-    units = Units(sum(len(made[episode.scene]) for episode in episodes))
+    episodes = Episode.load(episodes_file)
+    scenes = list(dict.fromkeys(episode.scene for episode in episodes))
+    job = Inputs(arm, settings, episodes_file, tuple(seeds), dict(perceived), sightings_file, predictions_file, visits)
+    try:
+        by_scene = map_items(partial(_run_scene, job, cache), scenes, workers)
+    except WorkerDied as died:
+        raise WorkerDied(f"{arm.name}: {died}") from None
+    rows = {(row.episode, row.seed): row for of_scene in by_scene for row in of_scene}
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text("".join(rows[one.id, seed].to_line() for seed in seeds for one in episodes), encoding="utf-8")
 
-    def rollout(session: Session, episode: Episode, seed: int, stores: dict[tuple[str, float], ObservationStore]) -> Rollout:
-        store, seen = store_of(arm, episode, settings, visits, files, stores), sightings.get(episode.id)
-        answered = answers.get(episode.id)
-        offered = answered if isinstance(answered, Answer | Abstention) else None
 
-        def work() -> Rollout:
-            return run_episode(session, episode, arm, seed, settings, store, seen, answered=offered)
+def rollout_key(run: Run, answered: Predicted | None = None) -> str:
+    """Return the key of a run in the cache: a digest of everything that it depends on, except for code.
 
-        key, journal = cache_key(arm, seed, episode, settings, store, seen, answered), kept[episode.scene]
-        return Rollout.from_json(journal.unit(key, lambda: session.with_restarts(work).to_json()), f"{journal.path}: {key}")
+    For an arm that executes another one's answer, that answer stands for perception and for the constants of the decision: a
+    threshold of the agent that changes none of its answers starts no simulator.
 
+    answered: The answer of the executed arm, if its prediction is known; it is decided here if not.
+    """
+    episode, arm, constants = run.episode, run.arm, run.settings.constants()
+    played = episode.model_dump(mode="json", by_alias=True, exclude=dict(JUDGING))
+    entry = arm.model_dump(mode="json", exclude={"executed"})
+    assert run.store is not None
+    if arm.executed is None:
+        seen = run.store.cache_key([episode.visits[which] for which in VISITS], episode.noun)
+        known = None if run.sightings is None else run.sightings.to_json()
+        return digest(run.seed, played, seen, known, entry, constants)
+    if answered is None:
+        answered, _ = predict(arm.executed, episode, run.settings, run.store, run.sightings)
+    goal = Prediction.of(episode.id, arm.name, run.seed, answered).model_dump(mode="json", by_alias=True)
+    deciding = matching((*DECIDING, *own_constants(arm), *own_constants(arm.executed)), constants)
+    return digest(run.seed, played, goal, entry, {key: constants[key] for key in constants if key not in deciding})
+
+
+def _run_scene(job: Inputs, cache: Cache, scene: str) -> list[Rollout]:
+    """Return the rollouts of all episodes of a scene under all seeds. One simulator serves all of them that may share it."""
+    episodes = Episode.load(job.episodes, scene)
+    runs = dict(_runs(job, episodes))
+    progress = Units(len(runs))
+    rollouts = []
     for _, alike in groupby(episodes, key=lambda episode: (episode.backend, episode.protocol)):
         group = list(alike)
-        with session_for(group[0], arm, settings) as session:
-            for scene, of_scene in groupby(group, key=lambda episode: episode.scene):
-                session.scene = scene
-                stores: dict[tuple[str, float], ObservationStore] = {}  # what was seen of one scene alone is held
-                for episode in of_scene:  # all seeds of one: the simulator keeps the last few worlds
-                    for seed, records in made[scene].items():
-                        records.append(rollout(session, episode, seed, stores))
-                        said = f"{records[-1].outcome} after {records[-1].actions} actions"
-                        units.done(f"{episode.id} {arm.name} seed {seed}: {said}")
-    for scene, of_seeds in outputs.items():
-        for seed, output in of_seeds.items():
-            output.parent.mkdir(parents=True, exist_ok=True)
-            output.write_text(lines(made[scene][seed]), encoding="utf-8")
+        with open_session(group[0], job.arm, job.settings) as session:
+            for episode in group:
+                print(f"{episode.id} {job.arm.name}: under seeds {', '.join(map(str, job.seeds))}", flush=True)
+                for seed in job.seeds:  # the simulator keeps the last few worlds
+                    one, answered = runs[episode.id, seed]
+                    measure = partial(_measure, session, one)
+                    value = cache.get_or_compute(rollout_key(one, answered), measure)
+                    rollouts.append(Rollout.from_json(value, f"{cache.directory}: {episode.id}"))
+                    ended = f"{rollouts[-1].outcome} after {rollouts[-1].actions} actions"
+                    progress.done(f"{episode.id} {job.arm.name} seed {seed}: {ended}")
+    return rollouts
+
+
+def _measure(session: Session, run: Run) -> dict[str, Any]:
+    return session.with_restarts(partial(run_episode, session, run)).to_json()
+
+
+def _runs(job: Inputs, episodes: Sequence[Episode]) -> Iterator[tuple[tuple[str, int], tuple[Run, Predicted | None]]]:
+    """Yield the runs of a scene by episode and seed, each with the answer of the executed arm."""
+    stores, sightings = Stores(job.arm, job.settings, job.visits, job.perceived), read_sightings(job.arm, job.sightings)
+    predictions = () if job.predictions is None else Prediction.read(job.predictions)
+    answers = {one.episode: one.outcome for one in predictions}
+    for episode in episodes:
+        answered = answers.get(episode.id)
+        offered = answered if isinstance(answered, Answer | Abstention) else None
+        store = stores.of(episode.scene, episode.protocol.camera.field_of_view_deg)
+        for seed in job.seeds:
+            run = Run(episode, job.arm, seed, job.settings, store, sightings.get(episode.id), offered)
+            yield (episode.id, seed), (run, answered)

@@ -1,41 +1,53 @@
-"""Stage `scores`: judges the measured rollouts (Eq. 4 and 5) by the constants of their episodes. Pure."""
+"""Stage `scores`: judge measured rollouts (Eq. 4 and 5) by the constants of their episodes. Pure."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
-from ovman.evaluation.scoring import any_instance, judged
+import numpy as np
+
 from ovman.records.episode import Episode
+from ovman.records.prediction import UniformBox, UniformPick
 from ovman.records.record import lines
-from ovman.records.run import NOWHERE, Rollout, Score, Travelled
+from ovman.records.relation import Relation
+from ovman.records.run import NOWHERE, Measured, Rollout, Score, Travelled
 from ovman.settings import Arm
-from ovman.task import spl
-
-
-def score(rollout: Rollout, episode: Episode, own_task: bool = False) -> Score:
-    """A rollout with its success and SPL.
-
-    own_task: whether the agent's own task is to reach any instance of the category; the verdict on that is added.
-    """
-    constants = episode.protocol.success
-    success = judged(rollout, episode.relation, constants)
-    return Score(
-        **{name: getattr(rollout, name) for name in _SCORED},
-        success=success,
-        spl=round(spl(success, episode.shortest_path_m, rollout.path_length_m), 6),
-        own_success=any_instance(rollout, constants) if own_task else None,
-    )
-
+from ovman.settings.benchmark import Success
+from ovman.task import spl, success
 
 _SCORED = ("episode", "arm", "seed", "outcome", *Travelled.model_fields, "trace")
 """Fields of a rollout that its score repeats."""
 
 
-def cut(rollout: Rollout, arm: Arm) -> Rollout:
-    """The run of another arm as that of an arm which has a smaller budget of actions, and else does the same.
+def run(arm: Arm, episodes_file: Path, rollouts_file: Path, output: Path) -> None:
+    """Judge the rollouts of an arm, which may have to be cut from those of another arm, into `output` in the same order."""
+    episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
+    rollouts = (cut_rollout(rollout, arm) for rollout in Rollout.read(rollouts_file))
+    scores = (score_rollout(rollout, episodes[rollout.episode], arm.any_instance) for rollout in rollouts)
+    output.parent.mkdir(parents=True, exist_ok=True)
+    output.write_text(lines(scores), encoding="utf-8")
 
-    Raises ValueError where the run went on and its path length up to there was not recorded.
+
+def score_rollout(rollout: Rollout, episode: Episode, any_instance: bool = False) -> Score:
+    """Return a rollout with its success and SPL.
+
+    any_instance: Whether the agent's own task is to reach any instance of the category; the verdict on that is added.
+    """
+    constants = episode.protocol.success
+    succeeds = is_success(rollout, episode.relation, constants)
+    return Score(
+        **{name: getattr(rollout, name) for name in _SCORED},
+        success=succeeds,
+        spl=round(spl(succeeds, episode.shortest_path_m, rollout.path_length_m), 6),
+        own_success=is_at_any_instance(rollout, constants) if any_instance else None,
+    )
+
+
+def cut_rollout(rollout: Rollout, arm: Arm) -> Rollout:
+    """Return the rollout of another arm as that of an arm that has a smaller budget of actions and else does the same.
+
+    Raises:
+        ValueError: The run went on, and its path length at the smaller budget was not recorded.
     """
     if arm.cut_from is None or arm.budget is None:
         return rollout
@@ -50,15 +62,38 @@ def cut(rollout: Rollout, arm: Arm) -> Rollout:
     return rollout.model_copy(update=dict(NOWHERE) | spent | {"trace": trace})
 
 
-def run(rollout_files: Sequence[Path], episodes_file: Path, outputs: Sequence[Path], arm: Arm | None = None) -> None:
-    """Judge each file of rollouts into the output of the same position, or all of them into the one output.
+def is_success(run: Measured, relation: Relation, constants: Success) -> bool:
+    """Return whether a measured run succeeds (Eq. 4); a run that did not stop is a failure."""
+    return run.outcome == "stopped" and success(run.measurement, relation, constants)
 
-    arm: whose they are, if they may have to be cut.
+
+def is_at_any_instance(run: Measured, constants: Success) -> bool:
+    """Return whether a run stopped within R of any instance of the category and with it in sight, whatever the relation."""
+    if run.outcome != "stopped":
+        return False
+    return any(
+        terms.box_distance_m <= constants.radius_m
+        and any(terms.visible_px[pitch] >= constants.visible_px for pitch in constants.sweep_deg)
+        for terms in (run.instances or {}).values()
+    )
+
+
+def success_probability(
+    pick: UniformPick | UniformBox, answer: tuple[float, float], radius_m: float, *, samples: int, generator: np.random.Generator
+) -> float:
+    """Return the probability that the picked point lies within radius_m of the answer (x, z) on the floor plane.
+
+    For a UniformPick it is exact: the fraction of its candidates within the radius, 0 without any. For a UniformBox it is a Monte
+    Carlo estimate: the fraction of ``samples`` >= 1 uniform positions, with a standard error of at most 0.5 / sqrt(samples).
     """
-    episodes = {episode.id: episode for episode in Episode.load(episodes_file)}
-    parts = [list(rollout_files)] if len(outputs) == 1 else [[file] for file in rollout_files]
-    for sources, output in zip(parts, outputs, strict=True):
-        rollouts = [run if arm is None else cut(run, arm) for source in sources for run in Rollout.read(source)]
-        own_task = arm is not None and arm.any_instance
-        output.parent.mkdir(parents=True, exist_ok=True)
-        output.write_text(lines(score(rollout, episodes[rollout.episode], own_task) for rollout in rollouts), encoding="utf-8")
+    if isinstance(pick, UniformPick):
+        points = np.array(pick.candidates, dtype=np.float64).reshape(-1, 2)
+        return float(_are_within(points, answer, radius_m).mean()) if len(points) else 0.0
+    if samples < 1:
+        raise ValueError(f"samples must be at least 1, not {samples}")
+    points = generator.uniform((pick.x_min, pick.z_min), (pick.x_max, pick.z_max), size=(samples, 2))
+    return float(_are_within(points, answer, radius_m).mean())
+
+
+def _are_within(points: np.ndarray, answer: tuple[float, float], radius_m: float) -> np.ndarray:
+    return np.hypot(points[:, 0] - answer[0], points[:, 1] - answer[1]) <= radius_m

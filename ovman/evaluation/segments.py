@@ -1,36 +1,54 @@
-"""Stage `segments`: what each frame of an episode's tours shows, and what both tours say of its place. Pure."""
+"""Stage `segments`: the segments of an episode's tours, and what both tours say of the place of each. Pure."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from ovman.agents.joint.recorded import Tours, write
 from ovman.agents.joint.segments import Segments, evidence
-from ovman.evaluation.recorded_tour import recorded
+from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.records import read_detections
+from ovman.processes import map_items
 from ovman.records.episode import Episode
 from ovman.settings import Settings
 
 
-def run(detections: Path, episodes_files: Sequence[Path], visits: Path, constants: Settings, output: Path) -> None:
-    """Writes the segments of both tours of every episode of a scene, and prints how long an episode took.
+def run(
+    settings: Settings, episode_files: Sequence[Path], detections: Path, visits: Path, output: Path, workers: int = 1
+) -> None:
+    """Write the segments of both tours of every episode, one file per scene.
 
-    detections: of the scene, which the file is named after; episodes_files: of the splits that have it; visits: directory of all
-    scenes' recorded visits.
+    Args:
+        settings: Section joint.
+        episode_files: The episodes.
+        detections: Directory with a file of each scene.
+        visits: Directory of the recorded visits of all scenes.
+        output: Directory of the segments.
+        workers: Number of processes, which share the scenes.
     """
-    episodes = [episode for file in episodes_files for episode in Episode.load(file, detections.stem)]
-    pairs = {(e.visits.first, e.visits.second): e.protocol.camera.field_of_view_deg for e in episodes}
-    seen = read_detections(detections)
+    scenes = sorted({episode.scene for file in episode_files for episode in Episode.load(file)})
+    output.mkdir(parents=True, exist_ok=True)
+    map_items(partial(write_segments, settings, tuple(episode_files), detections, visits, output), scenes, workers)
+
+
+def write_segments(
+    settings: Settings, episode_files: Sequence[Path], detections: Path, visits: Path, output: Path, scene: str
+) -> None:
+    """Write the segments of a scene's episodes, and print how long an episode took."""
+    episodes = [episode for file in episode_files for episode in Episode.load(file, scene)]
+    pairs = {(one.visits.first, one.visits.second): one.protocol.camera.field_of_view_deg for one in episodes}
+    seen = read_detections(detections / f"{scene}.npz")
     began = time.process_time()
-    every: dict[Tours, tuple[Segments, Segments]] = {}
+    segments: dict[Tours, tuple[Segments, Segments]] = {}
     for pair, lens in pairs.items():
-        first, second = (recorded(visits / detections.stem / name, lens, np.zeros((0, 2))) for name in pair)
-        contents = str(first.content), str(second.content)
-        every[contents] = evidence(first, second, seen[pair[0]], seen[pair[1]], constants.joint)
-    write(output, every)
+        first, second = (load_visit(visits / scene / name, lens, np.zeros((0, 2))) for name in pair)
+        tours = str(first.content), str(second.content)
+        segments[tours] = evidence(first, second, seen[pair[0]], seen[pair[1]], settings.joint)
+    write(output / f"{scene}.npz", segments)
     took = (time.process_time() - began) / max(len(pairs), 1)
-    print(f"{detections.stem}: segments of {len(pairs)} pairs of tours, {took:.2f} s of the processor each", flush=True)
+    print(f"{scene}: segments of {len(pairs)} pairs of tours, {took:.2f} s of the processor each", flush=True)

@@ -1,4 +1,4 @@
-"""From "module:function" in an arm's entry to the function, and what is said where one of the agents fails."""
+"""Agents as the evaluator calls them: imported by name, with failures in one line and actions that are verified."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from ovman.agents.interface import LETTERS, Action, Agent, Observation, Query, Visit
+from ovman.agents.interface import Action, Agent, Observation, Query, Visit
 from ovman.settings import Arm
-from ovman.workflow import at_work
+
+METHODS = ("familiarise", "revisit", "ask", "act")
 
 
 class AgentError(RuntimeError):
@@ -23,31 +24,35 @@ class AgentError(RuntimeError):
 
 
 @cache
-def function(name: str, agent: str) -> Callable[..., Any]:
-    """The function that the arm `name` names as "module:function". AgentError where it is missing."""
+def load_agent(name: str, agent: str) -> Callable[..., Any]:
+    """Import the function or class that the arm `name` names as "module:function".
+
+    Raises:
+        AgentError: It is missing, or its module cannot be imported.
+    """
     key = f"arms.{name}.agent is {agent!r}"
     module, _, attribute = agent.partition(":")
-    with failures(f"{key}: importing {module}"):
+    found: Callable[..., Any] | None = None
+    with name_failures(f"{key}: importing {module}"):
         try:
-            there = find_spec(module) is not None
+            is_there = find_spec(module) is not None
         except ModuleNotFoundError:
-            there = False
-        if there:
-            found: Callable[..., Any] | None = getattr(import_module(module), attribute, None)
-    if not there:
+            is_there = False
+        if is_there:
+            found = getattr(import_module(module), attribute, None)
+    if not is_there:
         raise AgentError(f"{key}, and there is no module {module}; install it, or put it beside the overlay")
-    if found is None or not callable(found):
+    if not callable(found):
         raise AgentError(f"{key}, and {module} has no function {attribute}; name one that it has")
     return found
 
 
 @contextmanager
-def failures(doing: str) -> Iterator[None]:
-    """Turns what an agent raises, SystemExit included, into an AgentError of one line, and prints the traceback before.
+def name_failures(doing: str) -> Iterator[None]:
+    """Turn what an agent raises, SystemExit included, into an AgentError of one line, and print the traceback before.
 
-    doing: arm, episode and call. It is noted, so that the death of the process names it as well.
+    doing: Arm, episode and call, for the message.
     """
-    at_work.note(doing)
     try:
         yield
     except AgentError:
@@ -62,21 +67,16 @@ def failures(doing: str) -> Iterator[None]:
         raise AgentError(f"{doing} raised {type(error).__name__} in {place}: {said}; mend the agent") from None
 
 
-class Supervised:
+class SupervisedAgent:
     """An agent whose failures name the arm and the episode, and whose actions are verified."""
 
     def __init__(self, agent: Any, arm: Arm, run: str) -> None:
+        """Wrap an agent. run: Episode and seed, for messages."""
         self._where = f"arms.{arm.name}.agent is {arm.agent!r}: {run}: "
-        absent = [method for method in ("familiarise", "revisit", "ask", "act") if not callable(getattr(agent, method, None))]
+        absent = [method for method in METHODS if not callable(getattr(agent, method, None))]
         if absent:
             raise AgentError(f"{self._where}{type(agent).__name__} has no method {absent[0]}; an agent has it (docs/agents.md)")
         self._agent: Agent = agent
-        self._actions: list[Action] = []
-
-    @property
-    def trace(self) -> str:
-        """What the agent has done until now, a letter an action (`LETTERS`)."""
-        return "".join(LETTERS[action] for action in self._actions)
 
     @property
     def looks(self) -> bool:
@@ -84,25 +84,24 @@ class Supervised:
         return bool(getattr(self._agent, "looks", True))
 
     def familiarise(self, visit: Visit) -> None:
-        """See `Agent.familiarise`. AgentError where the agent raises."""
-        with failures(f"{self._where}familiarise"):
+        """Call `Agent.familiarise`."""
+        with name_failures(f"{self._where}familiarise"):
             self._agent.familiarise(visit)
 
     def revisit(self, visit: Visit) -> None:
-        """See `Agent.revisit`. AgentError where the agent raises."""
-        with failures(f"{self._where}revisit"):
+        """Call `Agent.revisit`."""
+        with name_failures(f"{self._where}revisit"):
             self._agent.revisit(visit)
 
     def ask(self, query: Query) -> None:
-        """See `Agent.ask`. AgentError where the agent raises."""
-        with failures(f"{self._where}ask"):
+        """Call `Agent.ask`."""
+        with name_failures(f"{self._where}ask"):
             self._agent.ask(query)
 
     def act(self, observation: Observation) -> Action:
-        """See `Agent.act`. AgentError where the agent raises or returns no `Action`."""
-        with failures(f"{self._where}act"):
+        """Call `Agent.act`, and verify that it returns an `Action`."""
+        with name_failures(f"{self._where}act"):
             action = self._agent.act(observation)
         if not isinstance(action, Action):
             raise AgentError(f"{self._where}act returned {action!r}; return an ovman.agents.interface.Action")
-        self._actions.append(action)
         return action

@@ -1,23 +1,25 @@
-"""The tours of an episode, recorded anew from its record alone."""
+"""The tours of an episode, recorded again from its record alone."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from pathlib import Path
 
 from ovman import seeds
+from ovman.agents.interface import VISITS
+from ovman.atomic import hold_lock
+from ovman.cache import digest
+from ovman.provenance import ENGINE, digest_code
 from ovman.records.episode import Episode
 from ovman.records.visit import Visit
+from ovman.records.visit_files import kept
 from ovman.sim import visit
 from ovman.sim.change import World, dynamic
 from ovman.sim.session import AgentPose, Session
-from ovman.workflow.journal import digest
 
-
-def tour_key(episode: Episode, which: str, min_mask_px: int, made_by: str = "") -> str:
-    """Key of the recording of an episode's visit "first" or "second". made_by: what else it follows from."""
-    alterations = [alteration.to_json() for alteration in episode.alterations(which)]
-    return digest(episode.scene, episode.visits[which], alterations, min_mask_px, *filter(None, [made_by]))
+MIN_MASK_PX = 1
+"""Smaller masks are not recorded by `TourCache`; no agent reads them."""
 
 
 def record_tour(
@@ -27,20 +29,77 @@ def record_tour(
     directory: Path,
     min_mask_px: int = 1,
     made_by: str = "",
-    standing: Callable[[AgentPose], AgentPose] | None = None,
+    place_view: Callable[[AgentPose], AgentPose] | None = None,
 ) -> Visit:
-    """Tours the home in the visit "first" or "second" of an episode and records the frames in `directory`, named as the visit.
+    """Tour the home in a visit of an episode and record the frames in a folder of `directory` that is named after the visit.
 
-    session: on the episode's scene with the benchmark's body, as `ovman.evaluation.rollouts.session_for` makes it for an arm
-    without a body of its own. min_mask_px: masks of fewer pixels are not recorded as seen. Movers draw as they did when the
-    episode was made, so the tour ends in the state in which a run begins. made_by: as for `tour_key`. standing: as for
-    `visit.record`. SimulatorError if the simulator refuses.
+    Movers draw as they did when the episode was made, so the tour ends in the state in which a run begins.
+
+    Args:
+        session: On the episode's scene, with the benchmark's body.
+        episode: The episode.
+        which: "first" or "second".
+        directory: Folder of the scene's tours.
+        min_mask_px: Masks of fewer pixels are not recorded.
+        made_by: As for `tour_key`.
+        place_view: From a waypoint's view to the view that is recorded; None for the view itself.
+
+    Raises:
+        SimulatorError: The simulator refuses.
     """
-    alterations, name = episode.alterations(which), episode.visits[which]
+    alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
     rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
     world = World(session, alterations, episode.protocol.mover, rng, dynamic)
-    views = visit.views(episode.tours[which])
     key = tour_key(episode, which, min_mask_px, made_by)
-    tour = episode.tours[which]
-    at = directory / name
-    return visit.record(session, world, name, alterations, views, min_mask_px, at, key, tour.light, tour.sensors, standing)
+    views, folder = visit.views(tour), directory / name
+    return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors, place_view)
+
+
+def tour_key(episode: Episode, which: str, min_mask_px: int, made_by: str = "") -> str:
+    """Return the key of the recording of an episode's visit. made_by: What else the recording depends on."""
+    alterations = [alteration.to_json() for alteration in episode.alterations(which)]
+    return digest(episode.scene, episode.visits[which], alterations, min_mask_px, *filter(None, [made_by]))
+
+
+def recording_key(episode: Episode, which: str) -> str:
+    """Return a digest of everything that the recording of a visit of an episode depends on, code included.
+
+    The question is not part of it, so episodes with one visit in common have one recording. A visit in which something moves is
+    the episode's own, since movers draw by its id.
+    """
+    alterations = [alteration.to_json() for alteration in episode.alterations(which)]
+    moving = episode.id if any(alteration["kind"] == "motion" for alteration in alterations) else None
+    protocol = episode.protocol.model_dump(mode="json", exclude={"success"})
+    tour = episode.tours[which].model_dump(mode="json")
+    world = [episode.backend, episode.scene, episode.visits[which], episode.provenance.seed]
+    return digest(*world, protocol, tour, alterations, moving, _digest_own_code())
+
+
+class TourCache:
+    """Recorded tours below `directory`, one folder per scene and key. Processes may share it."""
+
+    def __init__(self, directory: Path, say: Callable[[str], None]) -> None:
+        """Open the cache. say: Told of each tour before it is recorded."""
+        self.directory, self._tours, self._say = directory, directory / "tours", say
+
+    def places(self, session: Session, episode: Episode) -> Mapping[str, Path]:
+        """Return the directories of the tours of an episode by the names of its visits; record those that are missing or damaged.
+
+        session: On the episode's scene, with the benchmark's body. SimulatorError if the simulator refuses.
+        """
+        return {episode.visits[which]: self._record_if_missing(session, episode, which) for which in VISITS}
+
+    def _record_if_missing(self, session: Session, episode: Episode, which: str) -> Path:
+        key = recording_key(episode, which)
+        above = self._tours / episode.scene / key
+        place = above / episode.visits[which]
+        with hold_lock(above.with_name(f".{key}.lock")):
+            if not kept(place, tour_key(episode, which, MIN_MASK_PX, key)):
+                self._say(f"recording the {which} tour of {episode.id}")
+                session.with_restarts(partial(record_tour, session, episode, which, above, MIN_MASK_PX, key))
+        return place
+
+
+@cache
+def _digest_own_code() -> str:
+    return digest_code(__name__, ENGINE)

@@ -13,7 +13,7 @@ from ovman import seeds
 from ovman.agents.interface import Visit
 from ovman.agents.oracle import Oracle
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.rollout import alias, roll_out
+from ovman.env import Env, Terms, alias
 from ovman.progress import Units
 from ovman.records.certification import Certification, OracleRun
 from ovman.records.change import Alteration, MoverStart
@@ -23,6 +23,7 @@ from ovman.records.record import lines
 from ovman.records.relation import Relation
 from ovman.records.run import Measured
 from ovman.records.trial import Trial, Verdict
+from ovman.runner import drive
 from ovman.sim.session import Session
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
@@ -79,18 +80,10 @@ def oracle_run(session: Session, trial: Trial, seed: int, constants: StageSettin
     agent = Oracle(Pilot(constants.primitives, paths), episode.answer, name_of(episode.target) if moving else None)
     second = trial.candidate.tours.second
     sensors = None if second.sensors is None else second.sensors.model_copy(update={"seed": seed})
-    return roll_out(
-        session,
-        episode,
-        agent,
-        None,
-        lambda cells: Visit((), cells),
-        name_of,
-        mover,
-        constants,
-        light=second.light,
-        sensors=sensors,
-    )
+    env = Env(session, constants)
+    env.reset(episode, Terms(mover, light=second.light, sensors=sensors, name_of=name_of), looks=False)
+    drive(env, agent, lambda which, reachable: Visit((), reachable), episode.query)
+    return env.measured
 
 
 def certify(session: Session, trial: Trial, constants: StageSettings) -> Certification:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from ovman import seeds
-from ovman.evaluation.scoring import judged
+from ovman.evaluation.scores import is_success
 from ovman.generation.audit import COLUMNS, audit
 from ovman.generation.independence import independent, left_out, tour_pair
 from ovman.generation.selection import select, size
@@ -25,7 +25,7 @@ from ovman.records.rejection import Rejection
 from ovman.records.relation import Relation
 from ovman.records.sighting import Sightings
 from ovman.records.trial import Trial, Verdict
-from ovman.settings import MAIN, Settings
+from ovman.settings import MAIN, Settings, scenes_of
 from ovman.settings.benchmark import Success
 
 T = TypeVar("T")
@@ -41,7 +41,7 @@ def rejection(verdict: Verdict, runs: Sequence[OracleRun], success: Success) -> 
     """Why a trial is not certified; None if it is: admissible, feasible, and completed in every certification run."""
     if verdict.rejected is not None:
         return verdict.rejected
-    feasible, *certified = (judged(run, verdict.relation, success) for run in runs)
+    feasible, *certified = (is_success(run, verdict.relation, success) for run in runs)
     if not feasible:
         return Rejection.FEASIBILITY_FAILED
     return None if all(certified) else Rejection.CERTIFICATION_FAILED
@@ -105,7 +105,7 @@ def sightings(trial: Trial) -> Sightings:
 
 def _certified(run: OracleRun, relation: Relation, success: Success) -> CertificationRun:
     terms = {name: getattr(run, name) for name in CertificationRun.model_fields if name != "success"}
-    return CertificationRun(**terms, success=judged(run, relation, success))
+    return CertificationRun(**terms, success=is_success(run, relation, success))
 
 
 def _change(trial: Trial, alteration: Alteration, first: bool) -> Change:
@@ -144,16 +144,19 @@ def run(
     runs = {record.id: record.runs for record in _read(Certification, certified_files)}
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
-    terms, where = settings.splits[split], f"splits.{split}.episodes"
-    names = ("split", *terms.stream)
+    asked, where, draws = settings.benchmark.split, "benchmark.split", "candidates.draws"
+    names: tuple[str, ...] = ("split",)
     targets, sizes = None, None
-    if terms.instances_in_turn:
-        targets = {k: trial.candidate.target for k, trial in trials.items()}
+    if split != MAIN:
+        asked, where, draws = settings.splits[split].episodes, f"splits.{split}.episodes", f"splits.{split}.draws"
+        names = ("split", split)
+        if settings.splits[split].instances_in_turn:
+            targets = {k: trial.candidate.target for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
-    if terms.sizes_in_turn and terms.others is not None:
+    if split != MAIN and settings.splits[split].sizes_in_turn and settings.splits[split].others is not None:
         sizes = {k: size(trials[k]) for k in certified}
-    wishes = {relation: getattr(terms.episodes, relation.value) for relation in Relation}
-    if terms.single:
+    wishes = {relation: getattr(asked, relation.value) for relation in Relation}
+    if split == MAIN or settings.splits[split].single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
         apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
     else:  # a pair of tours with several changes serves several queries
@@ -175,10 +178,10 @@ def run(
             short.append(f"{relation.value} {there} of {wanted}")
         released += chosen
     if short:
-        remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
+        remedy = f"raise {draws}, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
-    order = {scene: i for i, scene in enumerate(terms.scenes)}
+    order = {scene: i for i, scene in enumerate(scenes_of(split, settings.benchmark, settings.splits))}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, SupportsInt
@@ -13,26 +13,25 @@ import gymnasium
 import numpy as np
 from gymnasium.error import InvalidAction, ResetNeeded
 
-from ovman.agents.interface import LETTERS, VISITS, Action, Observation, Visit
+from ovman.agents.interface import VISITS, Observation, Visit
 from ovman.analysis.outcomes import Case, embodied_outcomes
 from ovman.analysis.rates import embodied_rates
 from ovman.entry.beside import set_beside
 from ovman.entry.defaults import CONFIG, DATA
 from ovman.entry.release import Release
 from ovman.entry.tables import of_arm, table
-from ovman.entry.tour_cache import TourCache
-from ovman.evaluation.attempt import Attempt, session_for
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.rollout import Start
-from ovman.evaluation.scores import score
+from ovman.env import Env
+from ovman.evaluation.observations import ObservationStore
+from ovman.evaluation.tours import TourCache
 from ovman.gym.encoding import encoded, encoded_tour
 from ovman.gym.questions import Order, questions, terms, views_of
 from ovman.gym.spaces import ACTIONS, action_space, observation_space
 from ovman.perception.libraries import cache as user_cache
 from ovman.records.episode import Episode
-from ovman.records.run import Measured, Rollout, Score
+from ovman.records.run import Score
 from ovman.remote.host import HostedContext
 from ovman.remote.looking import Looking
+from ovman.runner import Run, open_env, open_session
 from ovman.settings import MAIN, Kind, Need
 from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
@@ -96,8 +95,8 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self.action_space = action_space()
         self.observation_space = observation_space(self._camera, views_of(found[0]), looks, not self._told)
         self._session: Session | None = None
-        self._driving: Generator[Observation, Action, Measured] | None = None
-        self._attempt: Attempt | None = None
+        self._env: Env | None = None
+        self._attempt: Run | None = None
         self._run: Score | None = None
         self._kept: OrderedDict[str, Mapping[str, np.ndarray]] = OrderedDict()
         self._given: Mapping[str, np.ndarray] = {}
@@ -149,7 +148,7 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         self._end()
         self._attempt = self._attempted(episode, int(self.np_random.integers(SEEDS)) if seed is None else seed)
         # A simulator that dies until the first look is replaced; later its run cannot go on.
-        self._attempt.session.with_restarts(self._begin)
+        self._live_session.with_restarts(self._begin)
         visits = self._attempt.tour("first", np.empty((0, 2))), self._attempt.tour("second", self._reachable)
         shown = zip(VISITS, map(self._tour, visits), strict=True)
         self._given = {f"{which}_{part}": array for which, tour in shown for part, array in tour.items()}
@@ -163,21 +162,20 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
 
         ResetNeeded before a reset and after the end; InvalidAction for no action.
         """
-        if self._driving is None or self._attempt is None:
+        if self._env is None or self._attempt is None:
             raise ResetNeeded("no run is under way; call reset")
         if not 0 <= int(action) < len(ACTIONS):
             raise InvalidAction(f"{action!r} is no action; the actions are 0 to {len(ACTIONS) - 1}")
-        driving, self._driving = self._driving, None  # a run that fails is over
-        self._trace += LETTERS[ACTIONS[int(action)]]
-        try:
-            self._see(driving.send(ACTIONS[int(action)]))
-        except StopIteration as ended:
-            self._run = self._judged(self._attempt, ended.value)
+        env, self._env = self._env, None  # a run that fails is over
+        seen, done = env.step(ACTIONS[int(action)])
+        if done:
+            self._run = env.score(self._attempt.arm.name, self._attempt.seed)
             spent = self._run.outcome == "budget"
             told = {"is_success": self._run.success, "spl": self._run.spl, "outcome": self._run.outcome}
             told |= {"actions": self._run.actions, "path_length_m": self._run.path_length_m}
             return self._observed(), float(self._run.success), not spent, spent, told
-        self._driving = driving
+        self._see(seen)
+        self._env = env
         return self._observed(), 0.0, False, False, {}
 
     def render(self) -> np.ndarray | None:
@@ -197,21 +195,26 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
     def _looking(self) -> Looking:
         return Looking(self._release.settings)
 
-    def _attempted(self, episode: Episode, seed: int) -> Attempt:
+    def _attempted(self, episode: Episode, seed: int) -> Run:
         if self._session is None or self._session.scene != episode.scene:
             self.close()
-            self._session = session_for(episode, self._stage.arm, self._stage)
+            self._session = open_session(episode, self._stage.arm, self._stage)
         places = self._tours.places(self._session, episode)
         lens = episode.protocol.camera.field_of_view_deg
         store = ObservationStore(self._stage.arm, self._stage, lens, Path(episode.scene), elsewhere=places)
-        return Attempt(self._session, episode, self._stage.arm, seed, self._stage, store)
+        return Run(episode, self._stage.arm, seed, self._stage, store)
 
     def _begin(self) -> None:
         assert self._attempt is not None, "reset makes it"
-        self._trace, self._run = "", None
-        started: Start = self._attempt.start()
-        self._reachable, self._driving = started.reachable, started.drive(self._looks)
-        self._see(next(self._driving))
+        self._run = None
+        env = open_env(self._live_session, self._attempt)
+        env.looks, self._reachable, self._env = self._looks, env.reachable, env
+        self._see(env.observe())
+
+    @property
+    def _live_session(self) -> Session:
+        assert self._session is not None, "reset makes it"
+        return self._session
 
     def _tour(self, visit: Visit) -> Mapping[str, np.ndarray]:
         """A visit, encoded; read from its files where it is none of the last ones."""
@@ -237,12 +240,5 @@ class Environment(gymnasium.Env[dict[str, Any], np.int64]):
         # The caller may change an observation that it keeps.
         return {key: array.copy() for key, array in self._given.items()} if here else {}
 
-    def _judged(self, attempt: Attempt, measured: Measured) -> Score:
-        arm = attempt.arm
-        run = Rollout(episode=attempt.episode.id, arm=arm.name, seed=attempt.seed, trace=self._trace, **dict(measured))
-        return score(run, attempt.episode, arm.any_instance)
-
     def _end(self) -> None:
-        if self._driving is not None:
-            self._driving.close()
-            self._driving = None
+        self._env = None

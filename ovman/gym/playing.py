@@ -9,7 +9,7 @@ import gymnasium
 import numpy as np
 
 from ovman.agents.interface import AgentContext
-from ovman.evaluation.supervision import function
+from ovman.evaluation.supervision import load_agent
 from ovman.gym.encoding import observation_of, query_of, reachable_of, visit_of
 from ovman.gym.environment import Environment
 from ovman.gym.questions import AGENT
@@ -33,7 +33,7 @@ def play(
     if made is None:
         if bare.arm.agent == AGENT:
             raise ValueError(f"{bare.arm.name} is no arm of config.yaml; make the environment with the name of one, or give made")
-        made = function(bare.arm.name, bare.arm.agent)
+        made = load_agent(bare.arm.name, bare.arm.agent)
     given, info = env.reset(seed=seed, options={"episode": episode})
     context, lens, tours = bare.context(), info["field_of_view_deg"], given | info
     context.visits += [visit_of("first", tours, lens, np.empty((0, 2))), visit_of("second", tours, lens, reachable_of(given))]

@@ -10,12 +10,12 @@ from ovman.agents.interface import LETTERS
 from ovman.entry.manifest import read_manifest
 from ovman.entry.replay import ACTIONS, replay_settings
 from ovman.entry.run_files import read_runs, runs_path
-from ovman.evaluation.attempt import Attempt, session_for
-from ovman.evaluation.observation_store import ObservationStore
 from ovman.records.episode import Episode
 from ovman.records.run import Score
 from ovman.report.show.verdicts import Drive, Pose
+from ovman.runner import Run, open_env, open_session
 from ovman.settings import Settings
+from ovman.sim.session import Session
 from ovman.workflow.parameter import StageSettings
 
 
@@ -26,12 +26,10 @@ def traced(runs: Sequence[tuple[Score, StageSettings]], episode: Episode) -> Ite
         if run.trace is not None:
             by_body.setdefault(settings.arm.embodiment, []).append((run, settings))
     for alike in by_body.values():
-        with session_for(episode, alike[0][1].arm, alike[0][1]) as session:
+        with open_session(episode, alike[0][1].arm, alike[0][1]) as session:
             for run, settings in alike:
-                lens = episode.protocol.camera.field_of_view_deg
-                store = ObservationStore(settings.arm, settings, lens, Path(episode.scene))
-                attempt = Attempt(session, episode, settings.arm, run.seed, settings, store)
-                yield Drive(run, session.with_restarts(partial(_poses, attempt, run.trace or "")))
+                again = Run(episode, settings.arm, run.seed, settings)
+                yield Drive(run, session.with_restarts(partial(_poses, session, again, run.trace or "")))
 
 
 def runs_of_evaluation(directory: Path, episode: Episode, settings: Settings) -> list[tuple[Score, StageSettings]]:
@@ -40,18 +38,15 @@ def runs_of_evaluation(directory: Path, episode: Episode, settings: Settings) ->
     return [(run, of) for _, run in read_runs(runs_path(directory)) if run.episode == episode.id]
 
 
-def _poses(attempt: Attempt, trace: str) -> list[Pose]:
-    driving = attempt.start().drive(False)
-    next(driving)
-    poses = [_pose(attempt)]
+def _poses(session: Session, run: Run, trace: str) -> list[Pose]:
+    env = open_env(session, run)
+    poses = [_pose(session)]
     for letter in trace:
-        try:
-            driving.send(ACTIONS[letter])
-        except StopIteration:
+        _, done = env.step(ACTIONS[letter])
+        if letter not in ENDS:
+            poses.append(_pose(session))
+        if done:
             break
-        finally:
-            if letter not in ENDS:
-                poses.append(_pose(attempt))
     return poses
 
 
@@ -59,6 +54,6 @@ ENDS = frozenset(letter for action, letter in LETTERS.items() if action.value in
 """Letters of actions that move nothing."""
 
 
-def _pose(attempt: Attempt) -> Pose:
-    pose = attempt.session.pose
+def _pose(session: Session) -> Pose:
+    pose = session.pose
     return pose.x, pose.z, pose.yaw_deg

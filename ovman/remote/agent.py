@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from ovman.agents.interface import Action, Observation, Query, Visit
-from ovman.evaluation.attempt import Attempt
 from ovman.remote import wire
 from ovman.remote.line import Line, LineLost
 from ovman.remote.process import AgentProcess
+from ovman.runner import Run
 from ovman.settings.remote import Remote
 
 VISITS_KEPT = 2
@@ -19,14 +19,14 @@ VISITS_KEPT = 2
 
 
 class RemoteAgent:
-    """An `Agent` at the other end of a line, for one run. attempt: the run."""
+    """An `Agent` at the other end of a line, for one run. run: the run."""
 
     looks = True
 
-    def __init__(self, line: Line, attempt: Attempt, limits: Remote, tours: Tours) -> None:
+    def __init__(self, line: Line, run: Run, limits: Remote, tours: Tours) -> None:
         self._line, self._limits, self._tours = line, limits, tours
         self._left_s = limits.run_s
-        self._done(wire.begin(attempt), limits.tour_s)
+        self._done(wire.begin(run), limits.tour_s)
 
     def familiarise(self, visit: Visit) -> None:
         """See `Agent.familiarise`. LineLost, AgentError: as for `Line.ask`."""
@@ -102,12 +102,12 @@ class Remotes:
         self._address, self._limits, self._process, self._tours = address, limits, process, Tours()
         self._line: Line | None = None
 
-    def __call__(self, attempt: Attempt) -> RemoteAgent:
+    def __call__(self, run: Run) -> RemoteAgent:
         """An agent for a run. LineLost, AgentError: as for `Line`."""
         line = self.line()
         if self._process is not None:
             self._process.clean()
-        return RemoteAgent(line, attempt, self._limits, self._tours)
+        return RemoteAgent(line, run, self._limits, self._tours)
 
     def line(self) -> Line:
         """The line, dialled where there is none. AgentError as for `Line`."""

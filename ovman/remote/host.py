@@ -11,8 +11,8 @@ import numpy as np
 
 from ovman.agents.interface import CameraPose, Mapper, Observation, PrivilegedAnswer, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.context import with_sections
-from ovman.evaluation.supervision import AgentError, function
+from ovman.evaluation.context import replace_sections
+from ovman.evaluation.supervision import AgentError, load_agent
 from ovman.perception.detected import Detected
 from ovman.records.prediction import Abstention, Answer
 from ovman.remote.looking import Looking
@@ -85,7 +85,7 @@ def hosted(stage: StageSettings, settings: Settings) -> Callable[[Mapping[str, A
     settings: all of config.yaml, for perception. AgentError where there is no such agent.
     """
     arm, looking = stage.arm, Looking(settings)
-    make = function(arm.name, arm.agent)
+    make = load_agent(arm.name, arm.agent)
     if (absent := lacking(make)) is not None:
         raise AgentError(f"{arm.agent} has no method {absent}; write it (docs/agents.md)")
 
@@ -94,7 +94,7 @@ def hosted(stage: StageSettings, settings: Settings) -> Callable[[Mapping[str, A
         camera, seen = settings.camera, message["camera"]
         if arm.embodiment == DEFAULT:  # a body of its own has another camera than the tours, which section `camera` is of
             camera = Camera(width_px=seen["width"], height_px=seen["height"], field_of_view_deg=seen["field_of_view_deg"])
-        own = with_sections(stage, {"camera": dict(camera), "primitives": dict(primitives)})
+        own = replace_sections(stage, {"camera": dict(camera), "primitives": dict(primitives)})
         drawn = {name: messages.generator(words) for name, words in message["words"].items()}
         context = HostedContext(
             drawn["picks"], own, Pilot(primitives, drawn["paths"]), looking, frozenset(map(Need, arm.needs)), arm.name

@@ -8,20 +8,20 @@ from typing import Any
 import numpy as np
 
 from ovman.agents.interface import Observation, Query, Visit
-from ovman.evaluation.attempt import DRAWS, Attempt
+from ovman.runner import AGENT_DRAWS, Run
 from ovman_client.messages import PICTURES, POSE, POSITIONS
 
 
-def begin(attempt: Attempt) -> dict[str, Any]:
+def begin(run: Run) -> dict[str, Any]:
     """The message `begin`: constants of the protocol, the body's camera, and words from which the agent's draws follow."""
-    body, primitives = attempt.session.embodiment, attempt.episode.protocol.primitives
-    budget = primitives.action_budget if attempt.arm.budget is None else attempt.arm.budget
+    body, primitives = run.embodiment, run.episode.protocol.primitives
+    budget = primitives.action_budget if run.arm.budget is None else run.arm.budget
     return {
         "type": "begin",
         **primitives.model_dump(mode="json"),
         "action_budget": budget,
         "camera": {"width": body.width_px, "height": body.height_px, "field_of_view_deg": body.field_of_view_deg},
-        "words": {name: attempt.words(name) for name in DRAWS},
+        "words": {name: run.words(name) for name in AGENT_DRAWS},
     }
 
 

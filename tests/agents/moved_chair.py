@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Visit
-from ovman.evaluation.recorded_tour import recorded
+from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.backprojection import median_points
 from ovman.perception.clusters import Cluster
 from ovman.perception.detected import Detected, PackedMasks
@@ -118,4 +118,4 @@ def _toured(directory: Path, names: list[str], cells: np.ndarray) -> Toured:
         packed=PackedMasks.of(every),
         content=directory.name,
     )
-    return Toured(recorded(directory, LENS, cells), detected, np.array(instances))
+    return Toured(load_visit(directory, LENS, cells), detected, np.array(instances))

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.evaluation.supervision import function
+from ovman.evaluation.supervision import load_agent
 from ovman.settings import Kind, Source, arms_of, named, of_kind
 from ovman.settings.arms import ArmJob, other_readings
 from ovman.settings.config import ConfigError, load
@@ -57,7 +57,7 @@ def test_kinds_partition_the_arms_which_keep_the_order_of_the_file():
 
 
 def test_the_function_of_every_arm_is_there():
-    assert all(callable(function(arm.name, arm.agent)) for arm in ARMS)
+    assert all(callable(load_agent(arm.name, arm.agent)) for arm in ARMS)
 
 
 def test_an_unknown_arm_is_answered_with_the_known_ones():

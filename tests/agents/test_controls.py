@@ -13,7 +13,7 @@ from ovman.agents.controls.difference import DifferenceAgent, answer
 from ovman.agents.controls.samples import sampled, shown_at
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
-from ovman.evaluation.recorded_tour import recorded
+from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.change import Alteration
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit
@@ -203,7 +203,7 @@ def home(tmp_path_factory):
                 views = [AgentPose(float(x), float(z), 45.0 * k + turned) for x, z in at for k in range(8)]
                 where = directory / f"{name}-{poses}"
                 visit.record(session, world, where.name, alterations, views, 1, where, where.name)
-                tours[name, poses] = recorded(where, CONFIG.camera.field_of_view_deg, cells)
+                tours[name, poses] = load_visit(where, CONFIG.camera.field_of_view_deg, cells)
                 now = position(session.objects[chair])
         yield tours, (old.x, old.z), (now.x, now.z)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.agents.reference.grounding import grounded, similarities
-from ovman.evaluation.privileged_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
+from ovman.evaluation.true_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.labels import NOTHING, Labels
 from ovman.records.sighting import Sighting
 from ovman.settings import Reading

@@ -14,7 +14,7 @@ from ovman.agents.reference import positions_two_visits
 from ovman.agents.reference.grounding import grounded
 from ovman.agents.reference.reasoning import means_of, one_visit, single_visit_pick, two_visits
 from ovman.agents.reference.single_visit import picked
-from ovman.evaluation.scoring import success_probability
+from ovman.evaluation.scores import success_probability
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
 from ovman.settings import Settings

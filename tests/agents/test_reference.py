@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,32 +11,31 @@ import pytest
 from ovman.agents.interface import Action, Agent, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.reference.single_visit import SingleVisitAgent
 from ovman.agents.reference.two_visits import ReferenceAgent
-from ovman.evaluation import rollouts, scores
-from ovman.evaluation.observation_store import MapsByContent, ObservationStore
-from ovman.evaluation.perceived import Perceived
-from ovman.evaluation.rollout import roll_out
-from ovman.evaluation.scoring import judged
+from ovman.evaluation import scores
+from ovman.evaluation.observations import MapsByContent, ObservationStore, Perceived
+from ovman.evaluation.rollouts import rollout_key
+from ovman.evaluation.scores import is_success
 from ovman.perception.records import write_maps, write_nouns
 from ovman.records.episode import Episode
 from ovman.records.run import Rollout
+from ovman.runner import Run, open_session, run_episode
+from ovman.settings import Settings
 from ovman.settings.arms import ArmJob
 from ovman.sim.session import Session
-from ovman.workflow.parameter import StageSettings, canonical, stage_settings
-from tests.arms import CONFIG
 from tests.episodes import of_scene, sightings, true_map
+from tests.runs import job, run_agent
 
 SCENE = "FloorPlan429"
 EPISODES = of_scene(SCENE)
-TWO_VISITS = stage_settings(CONFIG, "rollouts", "two_visits_embodied").arm
+TWO_VISITS = job("two_visits_embodied")[0]
 
 
 def with_fields(arm: ArmJob, **fields: Any) -> ArmJob:
     return arm.model_copy(update=fields)
 
 
-def settings(overrides: dict | None = None, arm: str = "two_visits_embodied") -> StageSettings:
-    text = json.loads(canonical(CONFIG, "rollouts", arm))
-    return StageSettings.parse(json.dumps(text | {"constants": text["constants"] | (overrides or {})}))
+def settings(overrides: dict | None = None, arm: str = "two_visits_embodied") -> Settings:
+    return job(arm)[1].with_values(overrides or {})
 
 
 def of(relation: Relation) -> Episode:
@@ -76,12 +74,12 @@ class TrueMaps:
 
 
 def rollout(session: Session, arm: ArmJob, seed: int, episode: Episode) -> Rollout:
-    return rollouts.run_episode(session, episode, arm, seed, settings(), TrueMaps(episode))
+    return run_episode(session, Run(episode, arm, seed, settings(), TrueMaps(episode)))
 
 
 @pytest.fixture(scope="module")
 def session():
-    with rollouts.session_for(EPISODES[0], TWO_VISITS, settings()) as made:
+    with open_session(EPISODES[0], TWO_VISITS, settings()) as made:
         yield made
 
 
@@ -98,14 +96,14 @@ def test_with_true_maps_it_gets_there_and_draws_nothing(session, monkeypatch, re
     chosen = of(relation)
     run = rollout(session, TWO_VISITS, 0, chosen)
     assert run.outcome == "stopped" and run.arm == "two_visits_embodied" and run.episode == chosen.id
-    assert judged(run, relation, chosen.protocol.success)
+    assert is_success(run, relation, chosen.protocol.success)
     # Frames are drawn for the look-down sweep at the stop alone.
     assert {action for action, image in drawn if image} <= {"TeleportFull"}
     assert rollout(session, TWO_VISITS, 0, chosen) == run
 
 
 def test_the_single_visit_draws_by_its_seed(session):
-    arm = stage_settings(CONFIG, "rollouts", "single_visit_embodied").arm
+    arm = job("single_visit_embodied")[0]
     one, again, other = (rollout(session, arm, seed, of(Relation.FORMER)) for seed in (0, 0, 1))
     assert one == again and one.stop != other.stop
 
@@ -116,9 +114,9 @@ def test_a_run_that_is_cut_is_the_run_under_that_budget(session, budget):
     whole = rollout(session, with_fields(TWO_VISITS, marks=(budget,)), 0, chosen)
     assert whole.outcome == "stopped" and 7 < whole.actions < 300
     short = rollout(session, with_fields(TWO_VISITS, budget=budget), 0, chosen)
-    cut = scores.cut(whole, with_fields(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
+    cut = scores.cut_rollout(whole, with_fields(TWO_VISITS, name="short", cut_from="two_visits_embodied", budget=budget))
     assert cut.model_copy(update={"path_at_m": None}) == short.model_copy(update={"arm": "short"})
-    assert scores.cut(whole, TWO_VISITS) is whole
+    assert scores.cut_rollout(whole, TWO_VISITS) is whole
 
 
 def test_a_run_that_left_no_mark_cannot_be_cut():
@@ -137,10 +135,10 @@ def test_a_run_that_left_no_mark_cannot_be_cut():
     )
     short = with_fields(TWO_VISITS, name="short", cut_from="long", budget=9)
     with pytest.raises(ValueError, match="e: long was not run for short; make its rollouts again"):
-        scores.cut(whole, short)
+        scores.cut_rollout(whole, short)
     for actions, outcome in ((8, "stopped"), (9, "stalled"), (9, "budget")):
         ended = whole.model_copy(update={"actions": actions, "outcome": outcome})
-        assert scores.cut(ended, short) == ended.model_copy(update={"arm": "short"})
+        assert scores.cut_rollout(ended, short) == ended.model_copy(update={"arm": "short"})
 
 
 class Watcher:
@@ -169,9 +167,7 @@ class Watcher:
 def test_frames_are_drawn_unless_an_agent_says_that_it_does_not_look(session, says, looks):
     agent = Watcher(says)
     assert isinstance(agent, Agent)
-    nowhere = Visit((), np.empty((0, 2)))
-    chosen = EPISODES[0]
-    roll_out(session, chosen, agent, nowhere, lambda cells: nowhere, None, np.random.default_rng(0), chosen.settings)
+    run_agent(session, EPISODES[0], agent)
     (frame,) = agent.frames
     assert frame.positions is None and (frame.rgb is not None) == (frame.depth is not None) == looks
 
@@ -265,7 +261,7 @@ def test_a_threshold_that_changes_no_answer_is_no_new_run():
     store = TrueMaps(chosen)
 
     def key(settings, seed=0, episode=chosen, store=store):
-        return rollouts.cache_key(TWO_VISITS, seed, episode, settings, store)
+        return rollout_key(Run(episode, TWO_VISITS, seed, settings, store))
 
     usual = key(settings())
     assert key(settings({"association.gate_m": 1.2501, "grounding.similarity_margin": 0.031})) == usual
@@ -279,7 +275,7 @@ def test_what_judges_an_episode_is_no_part_of_its_runs():
     chosen = EPISODES[0]
 
     def key(episode):
-        return rollouts.cache_key(TWO_VISITS, 0, episode, settings(), TrueMaps(chosen))
+        return rollout_key(Run(episode, TWO_VISITS, 0, settings(), TrueMaps(chosen)))
 
     usual = key(chosen)
     assert key(with_success(chosen, radius_m=0.3, visible_px=7)) == usual
@@ -300,15 +296,12 @@ def test_what_judges_an_episode_is_no_part_of_its_runs():
 
 def test_an_arm_that_executes_nobodys_answer_is_run_again_when_what_it_sees_or_reads_changes(tmp_path):
     chosen = EPISODES[0]
-    arm = with_fields(TWO_VISITS, executes=None)
+    arm = with_fields(TWO_VISITS, executes=None, executed=None)
     files = {"maps": tmp_path / f"{SCENE}.npz", "nouns": tmp_path / "nouns.npz"}
     perceived = TrueMaps(chosen).perceived
 
     def key(overrides=None, seed=0):
-        stage = json.loads(settings(overrides).canonical)
-        del stage["arm"]["executed"]
-        alone = StageSettings.parse(json.dumps(stage))
-        return rollouts.cache_key(arm, seed, chosen, alone, ObservationStore(arm, alone, 90.0, tmp_path, files))
+        return rollout_key(Run(chosen, arm, seed, settings(overrides), ObservationStore(arm, settings(), 90.0, tmp_path, files)))
 
     write_nouns(files["nouns"], perceived.nouns)
     write_maps(files["maps"], perceived.maps)

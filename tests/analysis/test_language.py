@@ -12,8 +12,7 @@ from ovman.analysis import frames, language
 from ovman.analysis.language import LanguageRate, What, language_rates
 from ovman.analysis.statistics import wilson_interval
 from ovman.evaluation.held_out_queries import Asked, answer
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.perceived import Perceived
+from ovman.evaluation.observations import ObservationStore, Perceived
 from ovman.evaluation.predictions import predict
 from ovman.language import noun
 from ovman.language.parser import Parsed, ParseFailure

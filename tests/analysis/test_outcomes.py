@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.analysis.outcomes import Case, EmbodiedOutcome, StaticOutcome, embodied_outcomes, static_outcomes
-from ovman.evaluation.scoring import success_probability
+from ovman.evaluation.scores import success_probability
 from ovman.records.episode import Episode
 from ovman.records.prediction import Abstention, AbstentionReason, Answer, Prediction, UniformBox, UniformPick
 from ovman.records.relation import Relation

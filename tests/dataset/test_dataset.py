@@ -22,7 +22,7 @@ from pyarrow import parquet
 
 from ovman.agents.controls import difference
 from ovman.agents.controls.depth_difference import nearer
-from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.agents.interface import VISITS, CameraPose, Observation, Visit
 from ovman.cli import main
 from ovman.dataset.about import responsible
 from ovman.dataset.answers import PREDICTIONS, RUNS
@@ -31,9 +31,9 @@ from ovman.dataset.episodes import tour_id
 from ovman.dataset.making import SUMS, TABLES, read_sums
 from ovman.dataset.tours import TABLE as TOURS
 from ovman.dataset.tours import intrinsics
-from ovman.entry.tour_cache import VISITS, TourCache
 from ovman.evaluation.context import agent_settings
-from ovman.evaluation.recorded_tour import recorded
+from ovman.evaluation.recorded_tours import load_visit
+from ovman.evaluation.tours import TourCache
 from ovman.perception.backprojection import Camera, pixel_points
 from ovman.processes import HOST
 from ovman.records.episode import Episode, episode_lines
@@ -194,7 +194,7 @@ def test_tours_are_what_an_agent_is_given(small, loaded):
     by_tour = {key: row for of in rows.values() for key, row in of.items()}
     seen, sensed = set(), 0
     for tour, place, lens in tours_of(small):
-        for number, view in enumerate(recorded(place, lens, np.empty((0, 2))).observations):
+        for number, view in enumerate(load_visit(place, lens, np.empty((0, 2))).observations):
             row = by_tour[tour, number]
             seen.add((tour, number))
             assert (np.asarray(Image.open(io.BytesIO(row["rgb"]["bytes"]))) == view.rgb).all()

@@ -24,7 +24,7 @@ from ovman.entry.evaluation import asked
 from ovman.entry.manifest import Manifest, Where, manifest_of
 from ovman.entry.release import Release
 from ovman.entry.summary import as_json, as_text, summary_of
-from ovman.entry.tour_cache import recording_key
+from ovman.evaluation.tours import recording_key
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.run import Score

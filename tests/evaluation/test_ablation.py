@@ -7,9 +7,7 @@ from functools import partial
 
 import pytest
 
-from ovman.evaluation.ablated_tours import nearest_free
-from ovman.evaluation.ablated_tours import run as record_all
-from ovman.evaluation.ablation import run, variant
+from ovman.evaluation.ablation import make_variant, nearest_free, record_tours, write_variants
 from ovman.evaluation.tours import record_tour
 from ovman.records.change import Change
 from ovman.records.episode import Episode
@@ -23,7 +21,6 @@ from ovman.records.variant import VARIANTS, Setting
 from ovman.records.visit import Visit
 from ovman.records.visit_files import VisitManifest
 from ovman.sim.session import Session, SimulatorError
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES
 
@@ -65,12 +62,12 @@ def full(plain) -> Episode:
 
 
 def test_without_any_setting_it_is_the_paper_s_episode(plain, full):
-    assert variant(full, frozenset()) == plain
+    assert make_variant(full, frozenset()) == plain
 
 
 @pytest.mark.parametrize("setting", Setting)
 def test_a_setting_alone_is_what_it_is_and_no_more(plain, full, setting):
-    alone = variant(full, {setting})
+    alone = make_variant(full, {setting})
     differs = {
         Setting.OTHERS: alone.others != (),
         Setting.SECOND_TOUR: alone.tours.second.first_yaw_deg == 20.0,
@@ -86,37 +83,38 @@ def test_a_setting_alone_is_what_it_is_and_no_more(plain, full, setting):
 def test_a_variant_of_a_variant_keeps_what_both_keep(full):
     for one in VARIANTS.values():
         for other in VARIANTS.values():
-            assert variant(variant(full, one), other) == variant(full, one & other)
+            assert make_variant(make_variant(full, one), other) == make_variant(full, one & other)
 
 
 def test_every_variant_is_recorded_once_and_kept(full, tmp_path):
     source = tmp_path / "episodes.jsonl"
     source.write_text(lines([full]))
     files = {name: tmp_path / f"{name}.jsonl" for name in VARIANTS}
-    run(source, files)
-    constants, manifest = stage_settings(CONFIG, "ablated_tours"), tmp_path / "visits.json"
-    record_all(SCENE, [*files.values()], constants, tmp_path / "visits", manifest)
+    write_variants(source, files)
+    settings = CONFIG.partial({"measurement.min_mask_px": 50, "benchmark.backend": "embedded"})
+    manifest = tmp_path / "visits.jsonl"
+    record_tours(settings, [*files.values()], tmp_path / "visits", manifest)
     (made,) = VisitManifest.read(manifest)
     wanted = {name for file in files.values() for one in Episode.load(file) for name in (one.visits.first, one.visits.second)}
-    assert {*made.visits} == wanted == {path.name for path in (tmp_path / "visits").iterdir()}
+    assert {*made.visits} == wanted == {path.name for path in (tmp_path / "visits" / SCENE).iterdir()}
     taken = full.others[0].instance
     for name, file in files.items():
         (episode,) = Episode.load(file)
-        seen = Visit.load(tmp_path / "visits" / episode.visits.second)
+        seen = Visit.load(tmp_path / "visits" / SCENE / episode.visits.second)
         assert (taken in seen.present) == (name not in ("others", "all"))
         assert (seen.views[0].sensed is not None) == (name in ("sensors", "all"))
     stamps = {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")}
-    record_all(SCENE, [*files.values()], constants, tmp_path / "visits", manifest)
+    record_tours(settings, [*files.values()], tmp_path / "visits", manifest)
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "visits").rglob("*.png")} == stamps
 
 
 def test_a_waypoint_on_which_a_thing_now_stands_gives_way(tmp_path):
     everyday = Episode.load(DATA / "episodes" / "everyday.jsonl")
-    plain = variant(next(one for one in everyday if one.id == "FloorPlan215/former/everyday-0011"), frozenset())
+    plain = make_variant(next(one for one in everyday if one.id == "FloorPlan215/former/everyday-0011"), frozenset())
     with Session(plain.scene, plain.settings) as session:
         with pytest.raises(SimulatorError, match="Collided with"):
             record_tour(session, plain, "second", tmp_path)
-        made = record_tour(session, plain, "second", tmp_path, standing=partial(nearest_free, session))
+        made = record_tour(session, plain, "second", tmp_path, place_view=partial(nearest_free, session))
     planned = plain.tours.second.poses
     assert len(made.views) == len(planned)
     ways = [math.dist((view.pose.x, view.pose.z), (pose.x, pose.z)) for view, pose in zip(made.views, planned, strict=True)]

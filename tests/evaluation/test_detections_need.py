@@ -9,17 +9,16 @@ import pytest
 
 from ovman.agents.interface import Visit
 from ovman.evaluation.context import EpisodeContext, RolloutContext
-from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.observations import ObservationStore
 from ovman.perception.detected import Detected, PackedMasks
 from ovman.perception.records import write_detections, write_nouns
 from ovman.settings import Kind, Need, Withheld
 from ovman.settings.arms import ArmJob
-from ovman.workflow.parameter import stage_settings
-from tests.arms import CONFIG
 from tests.episodes import released
+from tests.runs import job
 
 EPISODE = released()[0]
-STAGE = stage_settings(CONFIG, "predictions", "two_visits")
+STAGE = job("two_visits")[1]
 NAMES = (EPISODE.visits.first, EPISODE.visits.second)
 
 

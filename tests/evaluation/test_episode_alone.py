@@ -8,19 +8,19 @@ from pathlib import Path
 
 import pytest
 
-from ovman.evaluation.attempt import run_episode, session_for
-from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.predictions import predict
-from ovman.evaluation.scores import score
+from ovman.evaluation.scores import score_rollout
 from ovman.evaluation.tours import record_tour
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.relation import Relation
 from ovman.records.run import Rollout, Score
 from ovman.records.sighting import Sighting, Sightings, VisitPair
-from ovman.workflow.parameter import stage_settings
+from ovman.runner import Run, open_session, run_episode
 from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, ROOT, SIGHTINGS
+from tests.runs import job
 
 SCENES = ("FloorPlan318", "FloorPlan7")
 MEASURED_PX = CONFIG.measurement.min_mask_px
@@ -36,11 +36,9 @@ def alone(tmp_path, monkeypatch) -> Path:
 
 
 def runs(arm: str, episodes: list[Episode], sightings: dict[str, Sightings]) -> list[Rollout]:
-    settings = stage_settings(CONFIG, "rollouts", arm)
-    with session_for(episodes[0], settings.arm, settings) as session:
-        return [
-            run_episode(session, episode, settings.arm, 0, settings, sightings=sightings.get(episode.id)) for episode in episodes
-        ]
+    of_arm, settings = job(arm)
+    with open_session(episodes[0], of_arm, settings) as session:
+        return [run_episode(session, Run(one, of_arm, 0, settings, sightings=sightings.get(one.id))) for one in episodes]
 
 
 def traced(runs):
@@ -58,7 +56,7 @@ def released(arm: str, scene: str) -> list[Score]:
 def test_the_oracle_runs_an_episode_from_its_record_as_it_was_released(alone, scene):
     episodes = [episode for episode in Episode.load(Path("episodes.jsonl")) if episode.scene == scene]
     assert any(episode.relation is Relation.MOVING for episode in episodes)
-    made = [score(run, episode) for run, episode in zip(runs("oracle_check", episodes, {}), episodes, strict=True)]
+    made = [score_rollout(run, episode) for run, episode in zip(runs("oracle_check", episodes, {}), episodes, strict=True)]
     assert traced(made) == released("oracle_check", scene)
     assert [path.name for path in alone.iterdir()] == ["episodes.jsonl"]
 
@@ -71,7 +69,7 @@ def test_an_arm_that_is_given_positions_needs_the_sightings_and_nothing_else(alo
     shutil.copy(SIGHTINGS, alone / "sightings.jsonl")
     seen = {record.episode: record for record in Sightings.read(Path("sightings.jsonl"))}
     made = runs("two_visits_oracle_positions", episodes, seen)
-    scored = [score(run, episode) for run, episode in zip(made, episodes, strict=True)]
+    scored = [score_rollout(run, episode) for run, episode in zip(made, episodes, strict=True)]
     assert traced(scored) == released("two_visits_oracle_positions", scene)
 
 
@@ -86,8 +84,7 @@ def test_the_page_on_agents_runs_an_episode(monkeypatch, capsys):
 @pytest.mark.parametrize("relation", [Relation.MOVING, pytest.param(Relation.REMOVED, marks=pytest.mark.soak)])
 def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, relation):
     episode = next(e for e in Episode.load(Path("episodes.jsonl")) if (e.scene, e.relation) == (SCENES[0], relation))
-    settings = stage_settings(CONFIG, "rollouts", "oracle_check")
-    with session_for(episode, settings.arm, settings) as session:
+    with open_session(episode, *job("oracle_check")) as session:
         first, second = (record_tour(session, episode, which, alone, MEASURED_PX) for which in ("first", "second"))
     seen = Sightings(
         episode=episode.id,
@@ -98,7 +95,7 @@ def test_a_tour_that_is_recorded_from_an_episode_shows_what_was_released(alone, 
     assert seen == next(record for record in Sightings.read(SIGHTINGS) if record.episode == episode.id)
     assert tuple(mover.start for mover in second.movers) == episode.movers
     for arm in ("positions_single_visit", "positions_two_visits"):
-        given = stage_settings(CONFIG, "predictions", arm)
-        outcome, _ = predict(given.arm, episode, given, ObservationStore(given.arm, given, 90.0, alone), seen)
+        of_arm, settings = job(arm)
+        outcome, _ = predict(of_arm, episode, settings, ObservationStore(of_arm, settings, 90.0, alone), seen)
         (answered,) = [p for p in Prediction.read(DATA / "predictions" / f"{arm}.jsonl") if p.episode == episode.id]
         assert Prediction.of(episode.id, arm, 0, outcome) == answered

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Action, Agent, Answer, Visit
-from ovman.evaluation.observation_store import ObservationStore
+from ovman.evaluation.observations import ObservationStore
 from ovman.evaluation.predictions import predict
-from ovman.evaluation.supervision import AgentError, Supervised, failures, function
+from ovman.evaluation.supervision import AgentError, SupervisedAgent, load_agent, name_failures
 from ovman.settings import Arm, Kind
 from ovman.settings.arms import ArmJob
 from ovman.task import Query, Relation
-from ovman.workflow.parameter import stage_settings
-from tests.arms import BY_NAME, CONFIG
+from tests.arms import BY_NAME
 from tests.episodes import released
+from tests.runs import job
 
 MODULE = """
 def whole(query, context):
@@ -38,7 +38,7 @@ def elsewhere(tmp_path, monkeypatch):
     (tmp_path / "elsewhere_a" / "deep.py").write_text(MODULE)
     (tmp_path / "elsewhere_b.py").write_text("import not_there_at_all\n")
     monkeypatch.syspath_prepend(str(tmp_path))
-    function.cache_clear()
+    load_agent.cache_clear()
     yield
     for name in [name for name in sys.modules if name.startswith("elsewhere_")]:
         del sys.modules[name]
@@ -50,7 +50,7 @@ def said(caught) -> str:
 
 
 def test_a_function_of_a_package_of_somebody_elses_is_found():
-    assert function("mine", "elsewhere_a.deep:whole").__module__ == "elsewhere_a.deep"
+    assert load_agent("mine", "elsewhere_a.deep:whole").__module__ == "elsewhere_a.deep"
 
 
 @pytest.mark.parametrize(
@@ -65,7 +65,7 @@ def test_a_function_of_a_package_of_somebody_elses_is_found():
 )
 def test_what_is_not_there_is_one_line(agent, line):
     with pytest.raises(AgentError) as caught:
-        function("mine", agent)
+        load_agent("mine", agent)
     assert line in said(caught)
 
 
@@ -74,7 +74,7 @@ def static(function_name: str, **fields) -> Arm:
 
 
 def predicted(arm: Arm, tmp_path):
-    view = stage_settings(CONFIG, "predictions", "two_visits")
+    view = job("two_visits")[1]
     return predict(arm, EPISODE, view, ObservationStore(arm, view, 90.0, tmp_path))
 
 
@@ -109,7 +109,7 @@ def test_without_tours_and_maps_there_are_no_frames_and_draws_hang_on_the_run(tm
     text = "from ovman.agents.interface import Answer\n\n\ndef ask(query, context):\n"
     text += "    assert len(context.tour('first').observations) == 0\n    return Answer(*context.rng.random(2)), None\n"
     (tmp_path / "elsewhere_e.py").write_text(text)
-    view = stage_settings(CONFIG, "predictions", "two_visits")
+    view = job("two_visits")[1]
     store = ObservationStore(arm, view, 90.0, tmp_path)
     one, again, other = (predict(arm, EPISODE, view, store, run=run) for run in (0, 0, 1))
     assert one == again != other and isinstance(one[0], Answer)
@@ -140,7 +140,7 @@ class Wrong:
 
 
 def driven(agent) -> Action:
-    supervised = Supervised(agent, BY_NAME["oracle_check"], "FloorPlan1/moved/0000, seed 2")
+    supervised = SupervisedAgent(agent, BY_NAME["oracle_check"], "FloorPlan1/moved/0000, seed 2")
     assert isinstance(supervised, Agent)
     visit = Visit((), np.empty((0, 2)))
     supervised.familiarise(visit)
@@ -168,5 +168,5 @@ def test_an_agent_acts_in_actions_and_has_all_methods():
 
 def test_a_failure_that_was_told_is_not_told_again():
     assert AgentError.says_all
-    with pytest.raises(AgentError, match="^once$"), failures("outer"):
+    with pytest.raises(AgentError, match="^once$"), name_failures("outer"):
         raise AgentError("once")

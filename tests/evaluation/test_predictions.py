@@ -18,19 +18,17 @@ from ovman.perception.labels import Labels, write_labels
 from ovman.perception.records import write_maps, write_nouns
 from ovman.records.prediction import Prediction
 from ovman.task.world import recorded_world
-from ovman.workflow.parameter import StageSettings, canonical
-from tests.arms import CONFIG
 from tests.episodes import DATA, EPISODES, SIGHTINGS, released, sightings
+from tests.runs import job
 
 
-def predicted(arm: str, output: Path, maps: list[Path], nouns: Path, seen: Path | None = SIGHTINGS) -> None:
-    files = {"maps": maps, "nouns": [nouns], "labels": sorted((nouns.parent / "labels").iterdir())}
-    settings = StageSettings.parse(canonical(CONFIG, "predictions", arm))
-    predictions.run(settings.arm, EPISODES, settings, output, seen, DATA / "visits", files)
+def predicted(arm: str, output: Path, maps: Path, nouns: Path, seen: Path | None = SIGHTINGS) -> None:
+    files = {"maps": maps, "nouns": nouns, "labels": nouns.parent / "labels"}
+    predictions.run(*job(arm), EPISODES, output, files, seen, visits=DATA / "visits")
 
 
 @pytest.fixture(scope="module")
-def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
+def perceived(tmp_path_factory) -> tuple[Path, Path]:
     """Maps with one cluster an instance, where it was last recorded, with a feature for each category; and the nouns.
 
     Beside the nouns lie labels that say of each detection what it shows.
@@ -45,11 +43,10 @@ def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
             for k in recorded_world(sightings()[episode.id].sightings[which], episode.category, 300):
                 place, track = np.array(k.position), np.array(k.track)
                 found[k.id] = Cluster(place, feature[episode.category], track, np.arange(len(track)))
-    files = []
-    (directory / "labels").mkdir()
+    for name in ("maps", "labels"):
+        (directory / name).mkdir()
     categories = tuple(sorted(nouns))
     for scene, visits in scenes.items():
-        files.append(directory / f"{scene}.npz")
         numbered, labels = {}, {}
         for name, found in visits.items():
             ends = np.cumsum([len(one.track) for one in found.values()])
@@ -58,10 +55,10 @@ def perceived(tmp_path_factory) -> tuple[list[Path], Path]:
             ]
             shown = np.concatenate([np.zeros(0, int), *(np.full(len(one.track), one.feature.argmax()) for one in found.values())])
             labels[name] = Labels(categories, shown, np.full(len(shown), 500))
-        write_maps(files[-1], numbered)
+        write_maps(directory / "maps" / f"{scene}.npz", numbered)
         write_labels(directory / "labels" / f"{scene}.npz", labels)
     write_nouns(directory / "nouns.npz", {nouns[category]: vector for category, vector in feature.items()})
-    return files, directory / "nouns.npz"
+    return directory / "maps", directory / "nouns.npz"
 
 
 @pytest.mark.parametrize("arm", ["two_visits", *(f"grounding_two_visits{reading}" for reading in ("", "_any", "_nearest"))])
@@ -87,12 +84,14 @@ def test_true_maps_leave_a_single_visit_what_positions_handed_over_leave_it(perc
 
 
 def test_a_scene_without_maps_and_a_visit_without_a_map_are_named(perceived, tmp_path):
-    files, nouns = perceived
-    with pytest.raises(AgentError, match="FloorPlan"):
-        predicted("two_visits", tmp_path / "out.jsonl", files[1:], nouns)
-    write_maps(tmp_path / files[0].name, {"elsewhere": ()})
+    maps, nouns = shutil.copytree(perceived[0], tmp_path / "maps"), perceived[1]
+    first = min(maps.iterdir())
+    write_maps(first, {"elsewhere": ()})
     with pytest.raises(AgentError, match="make the stage maps again"):
-        predicted("two_visits", tmp_path / "out.jsonl", [tmp_path / files[0].name, *files[1:]], nouns)
+        predicted("two_visits", tmp_path / "out.jsonl", maps, nouns)
+    first.unlink()
+    with pytest.raises(AgentError, match=f"needs maps, and {first.stem} has none; make them"):
+        predicted("two_visits", tmp_path / "out.jsonl", maps, nouns)
 
 
 @pytest.mark.parametrize("arm", ["positions_two_visits", "grounding_two_visits_nearest"])

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.evaluation.scoring import success_probability
+from ovman.evaluation.scores import success_probability
 from ovman.records.prediction import UniformBox, UniformPick
 
 RADIUS = 1.0

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 import pytest
 
-from ovman.evaluation.recorded_tour import content, recorded
+from ovman.evaluation.recorded_tours import digest_tour, load_visit
 from ovman.records.visit_files import seal
 
 FOV_DEG = 90.0
@@ -36,7 +36,7 @@ def tour(directory, shade: int = 0, alterations=(), x: float = 1.0):
 
 def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
     directory = tour(tmp_path / "tour")
-    visit = recorded(directory, FOV_DEG, REACHABLE)
+    visit = load_visit(directory, FOV_DEG, REACHABLE)
     (directory / "00_rgb.png").unlink()
     assert len(visit.observations) == 3
     last = visit.observations[2]
@@ -54,7 +54,7 @@ def test_frames_are_as_recorded_and_read_when_looked_at(tmp_path):
 
 
 def test_a_recorded_frame_is_replaced_in_as_any_other(tmp_path):
-    frame = recorded(tour(tmp_path / "tour"), FOV_DEG, REACHABLE).observations[1]
+    frame = load_visit(tour(tmp_path / "tour"), FOV_DEG, REACHABLE).observations[1]
     other = replace(frame, depth=None)
     assert other.depth is None and (other.rgb == frame.rgb).all() and other.pose == frame.pose
     copied = pickle.loads(pickle.dumps(frame))
@@ -62,18 +62,18 @@ def test_a_recorded_frame_is_replaced_in_as_any_other(tmp_path):
 
 
 def test_content_is_what_the_tour_shows(tmp_path):
-    one = content(tour(tmp_path / "untouched"), FOV_DEG)
-    same = content(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG)
+    one = digest_tour(tour(tmp_path / "untouched"), FOV_DEG)
+    same = digest_tour(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG)
     assert same == one
     others = [
-        content(tour(tmp_path / "b", shade=1), FOV_DEG),
-        content(tour(tmp_path / "c", x=1.1), FOV_DEG),
-        content(tmp_path / "untouched", 80.0),
+        digest_tour(tour(tmp_path / "b", shade=1), FOV_DEG),
+        digest_tour(tour(tmp_path / "c", x=1.1), FOV_DEG),
+        digest_tour(tmp_path / "untouched", 80.0),
     ]
     assert len({one, *others}) == 4
 
 
 def test_nothing_says_what_was_changed(tmp_path):
-    visit = recorded(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
+    visit = load_visit(tour(tmp_path / "displace-Chair", alterations=["a chair"]), FOV_DEG, REACHABLE)
     public = {name for name in dir(visit.observations) if not name.startswith("_")}
-    assert public == {"count", "index"} and "Chair" not in repr(visit)
+    assert public == {"content", "count", "index"} and "Chair" not in repr(visit)

@@ -9,20 +9,19 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, Answer, Query, Relation
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.perceived import Perceived
-from ovman.evaluation.predictions import predict
+from ovman.evaluation.observations import ObservationStore, Perceived
+from ovman.evaluation.predictions import predict, query_of
 from ovman.evaluation.supervision import AgentError
-from ovman.evaluation.withheld import asked, categories_in
 from ovman.language import noun
 from ovman.language.vocabulary import nouns
 from ovman.perception.clusters import Cluster
+from ovman.perception.labels import categories_of
+from ovman.records.scene import Scene
 from ovman.records.sighting import VisitPair
 from ovman.settings import Need, Withheld
-from ovman.settings.arms import ArmJob
-from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, released
+from tests.runs import job
 
 ARMS = {arm.withheld: arm.name for arm in CONFIG.arms.values() if arm.withheld is not None and Need.MAPS in arm.needs}
 EPISODES = {relation: next(e for e in released() if e.relation is relation) for relation in Relation}
@@ -54,15 +53,15 @@ class Maps(dict):
 
 def answered(arm: str, query: Query, maps: Maps | None = None, run: int = 0, **categories):
     """What an arm answers to an episode of the query's relation with a category and maps of ours."""
-    job = stage_settings(CONFIG, "predictions", arm)
+    of_arm, settings = job(arm)
     episode = EPISODES[query.relation].model_copy(
         update={"category": query.category, "visits": VisitPair[str](first="before", second="after")}
     )
-    store = ObservationStore(job.arm, job, 90.0, Path("no such directory"))
+    store = ObservationStore(of_arm, settings, 90.0, Path("no such directory"))
     store.__dict__["perceived"] = Perceived(maps or Maps(None, before=FIRST, after=SECOND), FEATURES)
     store.__dict__["_nouns"] = FEATURES
     store._files = {"nouns": Path("read already")}
-    return predict(job.arm, episode, job, store, run=run, **categories)[0]
+    return predict(of_arm, episode, settings, store, run=run, **categories)[0]
 
 
 @pytest.mark.parametrize("relation", Relation)
@@ -103,27 +102,30 @@ def test_frames_of_a_withheld_visit_are_not_read_and_files_of_both_visits_are_re
 
             return Visit((None, None, None), reachable)
 
-    job = stage_settings(CONFIG, "predictions", ARMS[withheld])
-    arm = ArmJob.model_validate(dict(job.arm) | {"needs": ("tours", "maps")})
-    monkeypatch.setattr("ovman.evaluation.predictions.function", lambda *_: reading)
-    store = Store(arm, job, 90.0, Path("no such directory"))
+    of_arm, settings = job(ARMS[withheld])
+    arm = of_arm.model_copy(update={"needs": (Need.TOURS, Need.MAPS)})
+    monkeypatch.setattr("ovman.evaluation.predictions.load_agent", lambda *_: reading)
+    store = Store(arm, settings, 90.0, Path("no such directory"))
     expected = Answer(0.0, 3.0) if lacking == "first" else Answer(3.0, 0.0)
-    assert predict(arm, EPISODES[Relation.MOVED], job, store)[0] == expected
+    assert predict(arm, EPISODES[Relation.MOVED], settings, store)[0] == expected
     with pytest.raises(AgentError, match=f"arms.{arm.name} is withheld the {lacking} visit; ask for its map or its tour"):
-        predict(arm, EPISODES[Relation.STABLE].model_copy(update={"visits": VisitPair[str](first="a", second="b")}), job, store)
+        predict(
+            arm, EPISODES[Relation.STABLE].model_copy(update={"visits": VisitPair[str](first="a", second="b")}), settings, store
+        )
 
 
 def test_a_relation_is_drawn_from_all_six_and_the_noun_is_kept():
     for relation, episode in EPISODES.items():
-        drawn = [asked(episode, Withheld.RELATION, run) for run in RUNS]
+        drawn = [query_of(episode, Withheld.RELATION, run) for run in RUNS]
         assert {query.relation for query in drawn} == set(Relation), relation
         assert {query.category for query in drawn} == {episode.category}
 
 
 def test_a_wrong_noun_is_of_another_thing_in_the_scene_and_no_synonym():
     for episode in EPISODES.values():
-        categories = categories_in(DATA / "scenes" / f"{episode.scene}.json")
-        drawn = [asked(episode, Withheld.NOUN_WRONG, run, categories) for run in RUNS]
+        scene = Scene.parse((DATA / "scenes" / f"{episode.scene}.json").read_text())
+        categories = {*categories_of(scene).values()}
+        drawn = [query_of(episode, Withheld.NOUN_WRONG, run, categories) for run in RUNS]
         assert {query.relation for query in drawn} == {episode.relation}
         names = {query.category for query in drawn}
         assert len(names) > 3 and names <= categories and episode.category in categories
@@ -133,13 +135,13 @@ def test_a_wrong_noun_is_of_another_thing_in_the_scene_and_no_synonym():
 def test_a_scene_with_nothing_else_to_name_is_one_line():
     episode = EPISODES[Relation.MOVED]
     with pytest.raises(ValueError, match=f"^{episode.id}: {episode.scene} has nothing but .* to name; leave the arm out$"):
-        asked(episode, Withheld.NOUN_WRONG, 0, [episode.category, "NoCategory"])
+        query_of(episode, Withheld.NOUN_WRONG, 0, [episode.category, "NoCategory"])
 
 
 @pytest.mark.parametrize("withheld", [None, *Withheld])
 def test_a_draw_is_of_the_episode_and_the_run_and_what_is_not_withheld_is_asked(withheld):
     for episode in EPISODES.values():
-        first, again = (asked(episode, withheld, 1, ("Chair", "Vase", "Sofa", "Lamp")) for _ in range(2))
+        first, again = (query_of(episode, withheld, 1, ("Chair", "Vase", "Sofa", "Lamp")) for _ in range(2))
         assert first == again
         if withheld is None or withheld.visit is not None:
             assert first == episode.query

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ovman.evaluation.attempt import session_for
 from ovman.evaluation.tours import record_tour
 from ovman.generation.candidates import candidates
 from ovman.generation.certification import oracle_run
@@ -20,6 +19,7 @@ from ovman.records.relation import Relation
 from ovman.records.trial import Trial
 from ovman.records.visit import Visit
 from ovman.records.visit_files import VisitFiles
+from ovman.runner import open_session
 from ovman.sim.session import Session
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
@@ -63,7 +63,7 @@ def test_the_record_alone_gives_the_tours_that_were_measured_to_the_byte(measure
     directory, found = measured
     one, settings = episode_of(found[relation]), stage_settings(CONFIG, "rollouts", "oracle_check")
     assert one.tours.first != one.tours.second and not {*one.tours.first.poses} & {*one.tours.second.poses}
-    with session_for(one, settings.arm, settings) as session:
+    with open_session(one, settings.arm, settings) as session:
         for which in ("first", "second"):
             made = record_tour(session, one, which, tmp_path, CONFIG.measurement.min_mask_px)
             was = Visit.load(directory / one.visits[which])

@@ -10,7 +10,7 @@ import pytest
 
 from ovman.agents.dualmap.observation_records import Taken, read_walks, write_walks
 from ovman.agents.dualmap.shot import Shot
-from ovman.evaluation.supervision import failures
+from ovman.evaluation.supervision import name_failures
 from ovman.perception.array_file import ArrayFileError, read_array, read_arrays, write_arrays
 from ovman.perception.records import read_maps, read_nouns, write_maps, write_nouns
 
@@ -131,6 +131,6 @@ def test_every_kind_of_file_is_checked(tmp_path, kind):
 
 def test_a_damaged_file_is_not_blamed_on_the_agent_that_asked_for_it(file):
     file.write_bytes(b"PK")
-    with pytest.raises(ArrayFileError, match="make it again") as caught, failures("arms.mine: it"):
+    with pytest.raises(ArrayFileError, match="make it again") as caught, name_failures("arms.mine: it"):
         read_arrays(file, SCHEMA)
     assert caught.value.says_all and "mend the agent" not in str(caught.value)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Action, Visit
-from ovman.evaluation.rollout import roll_out
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.sensors import Light
@@ -17,6 +16,7 @@ from ovman.sim import visit
 from ovman.sim.change import World
 from ovman.sim.session import AgentPose, Session
 from tests.episodes import of_scene
+from tests.runs import run_agent
 
 SCENE = "FloorPlan16"
 NOTHING = Visit((), np.empty((0, 2)))
@@ -59,8 +59,7 @@ def toured(session: Session, episode: Episode, directory: Path, light: Light | N
 def run(session: Session, episode: Episode, light: Light | None) -> np.ndarray:
     """What a run shows at the spawn."""
     agent = FirstGlance()
-    rng = np.random.default_rng(0)
-    roll_out(session, episode, agent, NOTHING, lambda _: NOTHING, None, rng, episode.settings, light=light)
+    run_agent(session, episode, agent, light=light)
     return agent.rgb
 
 

@@ -11,9 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.interface import Action, Visit
-from ovman.evaluation.recorded_tour import recorded
-from ovman.evaluation.rollout import roll_out
+from ovman.agents.interface import Action
+from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.sensors import Light, Sensors
@@ -26,6 +25,7 @@ from ovman.sim.session import AgentPose, Session
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import EPISODES
+from tests.runs import run_agent
 
 GOOD = CONFIG.sensors.good
 EXACT = GOOD.model_copy(update={name: 0.0 for name in Errors.model_fields if name != "depth_nearest_m"})
@@ -154,7 +154,7 @@ def test_truth_is_true_and_what_an_agent_is_given_is_sensed(tours):
     assert all((a != b).any() for a, b in zip(read(tours["exact"], "depth"), read(tours["errs"], "depth"), strict=True))
     assert [view.pose for view in exact.views] == [view.pose for view in errs.views]
     assert exact.positions == errs.positions
-    given = recorded(tours["errs"], 90.0, np.empty((0, 2))).observations
+    given = load_visit(tours["errs"], 90.0, np.empty((0, 2))).observations
     for view, seen in zip(errs.views, given, strict=True):
         assert view.sensed is not None
         assert (seen.pose.x, seen.pose.z, seen.pose.yaw_deg) == (
@@ -194,11 +194,8 @@ def test_a_run_is_sensed_by_the_agent_and_measured_truly():
 
     def run(**conditions):
         agent = Onlooker()
-        nothing = Visit((), np.empty((0, 2)))
         with Session(SCENE, chosen.settings) as session:
-            measured = roll_out(
-                session, chosen, agent, nothing, lambda _: nothing, None, np.random.default_rng(0), chosen.settings, **conditions
-            )
+            measured = run_agent(session, chosen, agent, **conditions)
         return agent.seen, measured
 
     exact, truth = run()

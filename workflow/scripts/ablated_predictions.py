@@ -8,9 +8,9 @@ from ovman.workflow.job import job
 with job(snakemake) as work:
     predictions.run(
         work.constants.arm,
-        work.input("episodes"),
         work.constants,
+        work.input("episodes"),
         work.output("predictions"),
+        {"maps": work.inputs("maps")[0].parent, "nouns": work.inputs("nouns")[0]},
         visits=Path("results", "ablation", work.split, "visits"),
-        files={name: work.inputs(name) for name in ("maps", "nouns")},
     )

@@ -2,14 +2,10 @@
 
 from pathlib import Path
 
-from ovman.evaluation import ablated_tours
+from ovman.evaluation import ablation
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    ablated_tours.run(
-        work.scene,
-        work.inputs("episodes"),
-        work.constants,
-        Path("results", "ablation", work.split, "visits", work.scene),
-        work.output("visits"),
-    )
+    visits = Path("results", "ablation", work.split, "visits")
+    line = ablation.record_scene(work.constants, work.inputs("episodes"), visits, work.constants.canonical, work.scene)
+    work.output("visits").write_text(line)

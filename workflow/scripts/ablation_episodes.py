@@ -5,4 +5,4 @@ from ovman.records.variant import VARIANTS
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    ablation.run(work.input("episodes"), {variant: directory / f"{variant}.jsonl" for variant in VARIANTS})
+    ablation.write_variants(work.input("episodes"), {variant: directory / f"{variant}.jsonl" for variant in VARIANTS})

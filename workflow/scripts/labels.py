@@ -6,4 +6,5 @@ from ovman.evaluation import labels
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    labels.run(work.inputs("scenes"), work.inputs("detections"), Path("results", "visits"), work.outputs("labels"))
+    for scene, detections, output in zip(work.inputs("scenes"), work.inputs("detections"), work.outputs("labels"), strict=True):
+        labels.label_scene(detections.parent, Path("results", "visits"), output.parent, scene.read_text())

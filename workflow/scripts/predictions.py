@@ -3,15 +3,16 @@
 from ovman.evaluation import predictions
 from ovman.workflow.job import job
 
+DIRECTORIES = ("maps", "maintained", "dualmap", "detections", "segments", "labels")
+
 with job(snakemake) as work:
+    perceived = {name: files[0].parent for name in DIRECTORIES if (files := work.inputs(name))}
     predictions.run(
         work.constants.arm,
-        work.input("episodes"),
         work.constants,
+        work.input("episodes"),
         work.output("predictions"),
+        perceived | ({"nouns": work.input("nouns")} if work.inputs("nouns") else {}),
         next(iter(work.inputs("sightings")), None),
-        files={
-            name: work.inputs(name)
-            for name in ("maps", "maintained", "dualmap", "detections", "segments", "labels", "scenes", "nouns")
-        },
+        work.inputs("scenes"),
     )

@@ -4,5 +4,5 @@ from ovman.evaluation import predictions
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    files = {name: work.inputs(name) for name in ("maps", "nouns")}
-    predictions.run(work.constants.arm, work.input("episodes"), work.constants, work.output("predictions"), files=files)
+    perceived = {"maps": work.inputs("maps")[0].parent, "nouns": work.inputs("nouns")[0]}
+    predictions.run(work.constants.arm, work.constants, work.input("episodes"), work.output("predictions"), perceived)

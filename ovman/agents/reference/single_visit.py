@@ -1,7 +1,7 @@
 """The single-visit baseline: the reference agent without the first visit.
 
 It is a stochastic pick, not a realised policy: the static arm says what it picks from and the evaluator computes the probability
-of success (`ovman.evaluation.scoring.success_probability`). The embodied arm draws once. Source: the single-visit baseline of the
+of success (`ovman.evaluation.scores.success_probability`). The embodied arm draws once. Source: the single-visit baseline of the
 paper's problem formulation.
 """
 

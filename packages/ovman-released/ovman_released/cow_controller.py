@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ovman import seeds
-from ovman.evaluation.rollout import begin, measure_at_stop
+from ovman.env import measure_at_stop, prepare_world
 from ovman.records.episode import Episode, root_seed
 from ovman.records.record import Text
 from ovman.records.run import InstanceTerms, Terms
@@ -108,7 +108,7 @@ class EpisodeController:
         session = self._session
         session.scene = episode.scene
         rng = seeds.generator(self._root, "mover", ARM, episode.id, self._seed)
-        self._world = begin(session, episode, episode.settings, rng, every_object=True)
+        self._world = prepare_world(session, episode, episode.settings, rng, every_object=True)
         self._running, self._stopped = episode, False
         self._event = session.step("Pass", image=True)
         return self._event

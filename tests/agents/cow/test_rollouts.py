@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 
-from ovman.agents.interface import Action, Visit
-from ovman.evaluation.attempt import session_for
+from ovman.agents.interface import Action
 from ovman.evaluation.context import run_settings
-from ovman.evaluation.driving import Limits
-from ovman.evaluation.rollout import roll_out
-from ovman.evaluation.scores import cut, score
-from ovman.evaluation.scoring import any_instance
+from ovman.evaluation.scores import cut_rollout, is_at_any_instance, score_rollout
 from ovman.records.run import InstanceTerms, Measured, Rollout
+from ovman.runner import open_session
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import CONFIG, with_overlay
 from tests.episodes import of_scene
+from tests.runs import run_agent
 
 SCENE = "FloorPlan429"
 SETTINGS = StageSettings.parse(canonical(CONFIG, "rollouts", "cow"))
@@ -47,24 +44,13 @@ class Scripted:
 
 @pytest.fixture(scope="module")
 def session():
-    with session_for(EPISODES[SOME], SETTINGS.arm, SETTINGS) as made:
+    with open_session(EPISODES[SOME], SETTINGS.arm, SETTINGS) as made:
         yield made
 
 
 def executed(session, name, agent, noise=1, marks=()) -> Measured:
-    nowhere = Visit((), np.empty((0, 2)))
-    return roll_out(
-        session,
-        EPISODES[name],
-        agent,
-        nowhere,
-        lambda cells: Visit((), cells),
-        None,
-        np.random.default_rng(0),
-        run_settings(EPISODES[name], SETTINGS),
-        Limits(marks=marks, any_instance=True),
-        noise,
-    )
+    settings = run_settings(EPISODES[name], SETTINGS)
+    return run_agent(session, EPISODES[name], agent, settings, actuation_seed=noise, marks=marks, any_instance=True)
 
 
 SOME = next(iter(EPISODES))
@@ -117,9 +103,9 @@ def test_the_smaller_budget_is_the_same_run_cut(session):
 
     late = run(Scripted(*[Action.ROTATE_LEFT] * 260, looks=False))
     early = run(Scripted(Action.ROTATE_LEFT))
-    assert cut(late, arm).outcome == "budget" and cut(late, arm).actions == arm.budget == 250
-    assert score(cut(late, arm), EPISODES[SOME], own_task=True).own_success is False
-    assert cut(early, arm) == early.model_copy(update={"arm": "cow"})
+    assert cut_rollout(late, arm).outcome == "budget" and cut_rollout(late, arm).actions == arm.budget == 250
+    assert score_rollout(cut_rollout(late, arm), EPISODES[SOME], any_instance=True).own_success is False
+    assert cut_rollout(early, arm) == early.model_copy(update={"arm": "cow"})
 
 
 def test_every_instance_that_is_there_is_measured_as_the_target_is(session):
@@ -141,7 +127,7 @@ def test_its_own_task_is_any_instance_that_is_near_and_seen(session):
     run = executed(session, SOME, Scripted())
 
     def reached(outcome="stopped", **instances):
-        return any_instance(run.model_copy(update={"outcome": outcome, "instances": instances}), TASK)
+        return is_at_any_instance(run.model_copy(update={"outcome": outcome, "instances": instances}), TASK)
 
     assert reached(a=far, b=near)
     assert not reached(a=far, b=hidden)

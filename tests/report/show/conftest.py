@@ -30,8 +30,8 @@ from ovman.records.visit import Present, View, ViewPose, Visit
 from ovman.records.visit_files import seal
 from ovman.records.world_state import Instance, WorldState
 from ovman.settings import Kind, Need, Settings, config, of_kind
+from ovman.settings.jobs import arm_job, settings_of_arm
 from ovman.task import Relation
-from ovman.workflow.parameter import stage_settings
 from tests.arms import REFERENCE
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -242,20 +242,18 @@ def made(tmp_path_factory: pytest.TempPathFactory, settings: Settings) -> Path:
     (root / "episodes" / "sightings.jsonl").write_text(lines(map(_sightings, episodes)))
     write_detections(root / "detections" / f"{SCENE}.npz", found)
     maps.run([root / "detections" / f"{SCENE}.npz"], constants, [root / "maps" / f"{SCENE}.npz"])
-    tours = [root / "scenes" / f"{SCENE}.json"], [root / "detections" / f"{SCENE}.npz"], root / "visits"
-    labels.run(*tours, [root / "labels" / f"{SCENE}.npz"])
+    labels.run([root / "scenes" / f"{SCENE}.json"], root / "detections", root / "visits", root / "labels")
     known = {noun(CATEGORY): np.array([1.0, 0.0]), noun("FloorLamp"): np.array([0.0, 1.0])}
     write_nouns(root / "nouns.npz", dict.fromkeys(all_nouns(), np.array([-1.0, 0.0])) | known)
     files = []
     for arm in of_kind(REFERENCE, Kind.STATIC):
-        perceived = {"maps": [root / "maps" / f"{SCENE}.npz"], "nouns": [root / "nouns.npz"]} if Need.MAPS in arm.needs else {}
-        perceived |= {"labels": [root / "labels" / f"{SCENE}.npz"]} if arm.reads_labels else {}
-        perceived |= {"scenes": [root / "scenes" / f"{SCENE}.json"]}
+        perceived = {"maps": root / "maps", "nouns": root / "nouns.npz"} if Need.MAPS in arm.needs else {}
+        perceived |= {"labels": root / "labels"} if arm.reads_labels else {}
         files.append(root / "predictions" / f"{arm.name}.jsonl")
         main = root / "episodes" / "main.jsonl"
-        stage = stage_settings(settings, "predictions", arm.name)
-        sightings = root / "episodes" / "sightings.jsonl"
-        predictions.run(arm, main, stage, files[-1], sightings, root / "visits", perceived)
+        sightings, scene_files = root / "episodes" / "sightings.jsonl", [root / "scenes" / f"{SCENE}.json"]
+        of_arm = arm_job(settings, arm.name), settings_of_arm(settings, arm.name)
+        predictions.run(*of_arm, main, files[-1], perceived, sightings, scene_files, root / "visits")
     runs = []
     for arm in of_kind(REFERENCE, Kind.EMBODIED):
         for seed in range(3):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+import os
 from pathlib import Path
 
 import numpy as np
@@ -28,10 +28,12 @@ from ovman.agents.interface import (
 from ovman.agents.pilot import Pilot
 from ovman.agents.react import answers as react
 from ovman.agents.reference import positions_two_visits, single_visit, two_visits
+from ovman.cache import Cache
 from ovman.evaluation import rollouts
 from ovman.evaluation.context import RolloutContext
-from ovman.evaluation.observation_store import ObservationStore
-from ovman.evaluation.recorded_tour import recorded
+from ovman.evaluation.observations import ObservationStore
+from ovman.evaluation.recorded_tours import load_visit
+from ovman.processes import WorkerDied
 from ovman.records.prediction import Prediction, as_recorded
 from ovman.records.query import Query
 from ovman.records.record import lines
@@ -39,9 +41,10 @@ from ovman.records.relation import Relation
 from ovman.records.run import Rollout
 from ovman.records.visit_files import TourError
 from ovman.settings.arms import arms_of
-from ovman.workflow.parameter import StageSettings, canonical
+from ovman.sim import controller
 from tests.arms import CONFIG
-from tests.episodes import EPISODES, of_scene
+from tests.episodes import SIGHTINGS, of_scene
+from tests.runs import job
 
 SCENE = "FloorPlan429"
 SIDE, STEP_M = 5, CONFIG.primitives.step_m
@@ -98,10 +101,11 @@ def test_what_drives_to_the_offered_answer_does_what_decides_itself(outcome, see
 
 def context(answered: Answer | Abstention | None) -> RolloutContext:
     """Without an observation to look at."""
-    stage = StageSettings.parse(canonical(CONFIG, "rollouts", "two_visits_embodied"))
+    arm, settings = job("two_visits_embodied")
     pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
-    store = ObservationStore(stage.arm, stage, 90.0, NOWHERE)
-    return RolloutContext(np.random.default_rng(0), stage, pilot, store, answered=answered)
+    return RolloutContext(
+        np.random.default_rng(0), settings, pilot, ObservationStore(arm, settings, 90.0, NOWHERE), None, answered
+    )
 
 
 TAKING = (dynamem, depth_difference, pixel_difference)
@@ -124,7 +128,6 @@ def test_an_arm_of_one_answer_takes_it_or_decides_itself():
     assert f"{single_visit.__name__}:agent" not in once
 
 
-HERE = __name__
 PLACE = Answer(0.123456789, 0.987654321)
 
 
@@ -146,69 +149,104 @@ def offered_alone(context: AgentContext) -> Driver:
     return made
 
 
-@dataclass
-class Made:
-    """Runs of a scene, and the keys that they are kept under."""
-
-    runs: bytes
-    keys: set[str]
-
-
-def made(directory: Path, agent: str, predictions: Path | None) -> Made:
-    """The runs of an arm of this module that executes `static`. It needs nothing, and nothing is there."""
-    text = json.loads(canonical(CONFIG, "rollouts", "two_visits_embodied"))
-    for entry, function in ((text["arm"], agent), (text["arm"]["executed"], "static")):
-        entry |= {"agent": f"{HERE}:{function}", "needs": [], "constants": []}
-    stage, name = StageSettings.parse(json.dumps(text)), f"{agent}{'_offered' if predictions else ''}"
-    output, journal = directory / f"{name}.jsonl", directory / "journal" / f"{name}.jsonl"
-    rollouts.run(stage.arm, EPISODES, stage, {SCENE: {0: output}}, {SCENE: journal}, visits=NOWHERE, predictions=predictions)
-    return Made(output.read_bytes(), {json.loads(line)["key"] for line in journal.read_text().splitlines()})
+def rollouts_of(directory: Path, agent: str, predictions: Path | None) -> tuple[bytes, set[str]]:
+    """Return the rollouts of an arm of this module that executes `static` and needs nothing, and their keys in the cache."""
+    arm, settings = job("two_visits_embodied")
+    executed = arm.executed.model_copy(update={"agent": f"{__name__}:static", "needs": (), "constants": ()})
+    arm = arm.model_copy(update={"agent": f"{__name__}:{agent}", "needs": (), "constants": (), "executed": executed})
+    name = f"{agent}{'_offered' if predictions else ''}"
+    cache, output = Cache(directory / name), directory / f"{name}.jsonl"
+    rollouts.run(arm, settings, directory / "episodes.jsonl", [0], output, cache, {}, None, predictions, NOWHERE)
+    return output.read_bytes(), {path.parent.name + path.stem for path in cache.directory.rglob("*.json")}
 
 
 @pytest.fixture
-def predictions(tmp_path) -> Path:
-    """What `static` answered, as the workflow's predictions have it."""
-    file = tmp_path / "static.jsonl"
+def directory(tmp_path) -> Path:
+    """A folder with the episodes of a scene."""
+    (tmp_path / "episodes.jsonl").write_text(lines(of_scene(SCENE)))
+    return tmp_path
+
+
+@pytest.fixture
+def predictions(directory) -> Path:
+    """The answers of `static`, as the workflow's predictions have them."""
+    file = directory / "static.jsonl"
     file.write_text(lines(Prediction.of(episode.id, "static", 0, PLACE) for episode in of_scene(SCENE)))
     return file
 
 
-def test_a_scene_is_run_alike_with_the_offer_without_it_and_by_an_agent_that_ignores_it(tmp_path, predictions):
-    decided, offered = (made(tmp_path, "taking", file) for file in (None, predictions))
-    assert len(offered.keys) == len(of_scene(SCENE)) and b'"trace"' in decided.runs
-    assert decided.runs == offered.runs == made(tmp_path, "offered_alone", predictions).runs
-    assert decided.runs == made(tmp_path, "ignoring", predictions).runs == made(tmp_path, "ignoring", None).runs
+def test_a_scene_is_run_alike_with_the_offer_without_it_and_by_an_agent_that_ignores_it(directory, predictions):
+    decided, offered = (rollouts_of(directory, "taking", file) for file in (None, predictions))
+    assert len(offered[1]) == len(of_scene(SCENE)) and b'"trace"' in decided[0]
+    for agent, file in (("taking", predictions), ("offered_alone", predictions), ("ignoring", predictions), ("ignoring", None)):
+        assert rollouts_of(directory, agent, file)[0] == decided[0]
 
 
-def test_an_arm_that_takes_the_offer_opens_no_tour_and_nothing_that_was_made_of_it(tmp_path, predictions):
-    stage = StageSettings.parse(canonical(CONFIG, "rollouts", "dynamem_current_embodied"))
-    output = tmp_path / "runs.jsonl"
+def test_an_arm_that_takes_the_offer_opens_no_tour_and_nothing_that_was_made_of_it(directory, predictions):
+    arm, settings = job("dynamem_current_embodied")
+    output = directory / "runs.jsonl"
     rollouts.run(
-        stage.arm,
-        EPISODES,
-        stage,
-        {SCENE: {0: output}},
-        {SCENE: tmp_path / "journal.jsonl"},
-        visits=NOWHERE,
-        predictions=predictions,
+        arm, settings, directory / "episodes.jsonl", [0], output, Cache(directory / "cache"), {}, None, predictions, NOWHERE
     )
     assert {run.episode: run.outcome for run in Rollout.read(output)} == {one.id: "stopped" for one in of_scene(SCENE)}
-    visit = recorded(NOWHERE, 90.0, FLOOR)
+    visit = load_visit(NOWHERE, 90.0, FLOOR)
     assert visit.reachable is FLOOR
     for first_use in (lambda: visit.content, lambda: len(visit.observations)):
         with pytest.raises(TourError, match="no such directory"):
             first_use()
 
 
-def test_a_run_is_keyed_by_the_offered_answer_whoever_drives(tmp_path, predictions):
-    before = {agent: made(tmp_path / "a", agent, predictions).keys for agent in ("taking", "ignoring")}
+def test_a_run_is_keyed_by_the_offered_answer(directory, predictions):
+    before = rollouts_of(directory, "taking", predictions)[1]
     *others, last = predictions.read_text().splitlines(keepends=True)
     changed = json.loads(last) | {"x": 0.2}
     predictions.write_text("".join(others) + json.dumps(changed) + "\n")
-    after = {agent: made(tmp_path / "b", agent, predictions).keys for agent in before}
-    assert {agent: len(before[agent] & after[agent]) for agent in before} == dict.fromkeys(before, len(others))
+    after = rollouts_of(directory, "taking", predictions)[1]
+    assert before < after and len(after) == len(before) + 1
 
 
-def test_an_episode_without_a_prediction_is_decided_by_the_agent(tmp_path, predictions):
+def test_an_episode_without_a_prediction_is_decided_by_the_agent(directory, predictions):
     predictions.write_text("".join(predictions.read_text().splitlines(keepends=True)[1:]))
-    assert made(tmp_path, "taking", predictions).runs == made(tmp_path, "ignoring", None).runs
+    assert rollouts_of(directory, "taking", predictions)[0] == rollouts_of(directory, "ignoring", None)[0]
+
+
+@pytest.fixture
+def started(monkeypatch) -> list[str]:
+    """The scenes on which this process started simulators."""
+    scenes: list[str] = []
+    start = controller.start
+    monkeypatch.setattr(controller, "start", lambda *how: scenes.append(how[1]) or start(*how))
+    return scenes
+
+
+def test_rows_are_seed_by_seed_whatever_the_workers_and_finished_runs_start_no_simulator(tmp_path, started):
+    arm, settings = job("oracle_check")
+    episodes = [episode for scene in ("FloorPlan318", "FloorPlan7") for episode in of_scene(scene)[:2]]
+    (tmp_path / "episodes.jsonl").write_text(lines(episodes))
+
+    def run(name: str, workers: int) -> bytes:
+        output, cache = tmp_path / f"{name}.jsonl", Cache(tmp_path / name)
+        rollouts.run(arm, settings, tmp_path / "episodes.jsonl", [1, 0], output, cache, sightings_file=SIGHTINGS, workers=workers)
+        return output.read_bytes()
+
+    alone = run("alone", 1)
+    assert started == ["FloorPlan318", "FloorPlan7"]
+    rows = [(row.seed, row.episode) for row in Rollout.read(tmp_path / "alone.jsonl")]
+    assert rows == [(seed, episode.id) for seed in (1, 0) for episode in episodes]
+    assert run("alone", 1) == run("shared", 2) == alone and len(started) == 2
+
+
+def test_an_agent_that_ends_its_process_is_named_in_the_log(tmp_path, capfd):
+    arm, settings = job("oracle_check")
+    arm = arm.model_copy(update={"agent": f"{__name__}:deadly"})
+    episodes = [of_scene(scene)[0] for scene in ("FloorPlan318", "FloorPlan7")]
+    (tmp_path / "episodes.jsonl").write_text(lines(episodes))
+    with pytest.raises(WorkerDied, match=r"^oracle_check: a worker process was killed; the log's last lines name its work; "):
+        rollouts.run(
+            arm, settings, tmp_path / "episodes.jsonl", [0], tmp_path / "out.jsonl", Cache(tmp_path / "cache"), workers=2
+        )
+    assert f"{episodes[0].id} oracle_check: under seeds 0" in capfd.readouterr().out
+
+
+def deadly(context: AgentContext) -> None:
+    os._exit(9)

@@ -19,7 +19,7 @@ from ovman.settings import Reading
 def grounding_by_labels(
     category: str, members: Sequence[np.ndarray], labels: Sequence[Labels], reading: Reading
 ) -> tuple[int, ...]:
-    """The sorted indices of the map objects that the category means by what their detections truly show.
+    """Return the sorted indices of the map objects that the category means by what their detections truly show.
 
     members: of each object the numbers of its detections, counted through the tours of `labels` one after the other. MAJORITY:
     the objects of whose detections, of those that show an instance at all, most show this category; ties go to the category with
@@ -38,7 +38,7 @@ def grounding_by_labels(
 
 
 def commonest(names: np.ndarray, pixels: np.ndarray) -> str | None:
-    """The category that most of an object's detections show; None where none shows an instance.
+    """Return the category that most of an object's detections show; None where none shows an instance.
 
     names (T,): the category of each, "" for none; pixels (T,): sizes of their masks.
     """
@@ -51,7 +51,7 @@ def commonest(names: np.ndarray, pixels: np.ndarray) -> str | None:
 
 
 def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tuple[int, ...]:
-    """The sorted indices of the map objects that stand for true instances.
+    """Return the sorted indices of the map objects that stand for true instances.
 
     recorded (T, 2): every floor-plane position, metres, at which an instance of the category was recorded in a visit; p (N, 2):
     positions of the objects of that visit's map. Each recorded position names the object nearest to it, if that is at most
@@ -68,7 +68,7 @@ def grounding_by_truth(recorded: ArrayLike, p: ArrayLike, radius_m: float) -> tu
 
 
 def recorded_positions(sightings: Sequence[Sighting], min_mask_px: int) -> np.ndarray:
-    """(T, 2) floor-plane positions in metres at which a tour recorded the instances, with masks of at least min_mask_px.
+    """Return the (T, 2) positions in metres at which a tour recorded the instances, with masks of at least min_mask_px.
 
     sightings: those of one category in one visit (`ovman.records.visit.Visit.sightings`).
     """

@@ -5,40 +5,40 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import overload
+from typing import cast, overload
 
 import numpy as np
 
 from ovman.agents.interface import CameraPose, Observation, Visit
+from ovman.perception import tour_files
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour_files import cameras, depth, digest, rgb
 from ovman.records.visit_files import VisitFiles
 
 
 class RecordedFrame(Observation):
-    """A frame that was recorded. Each picture is read at its first use: who looks at depth alone pays for no colours."""
+    """A recorded frame. Each picture is read at its first use: an agent that uses only depth reads no colours."""
 
-    _of: tuple[Path, int, VisitFiles]
+    _source: tuple[Path, int, VisitFiles]
 
     @staticmethod
     def of(directory: Path, number: int, files: VisitFiles, camera: Camera) -> RecordedFrame:
-        """Frame of that number of the tour in a directory. files: the tour's."""
+        """Return the frame of that number of the tour in a directory. files: Those of the tour."""
         pose = CameraPose(*camera.position, camera.yaw_deg, camera.horizon_deg)
         frame = RecordedFrame(None, None, pose, camera.field_of_view_deg)
-        read_later = vars(frame)
-        del read_later["rgb"], read_later["depth"]
-        read_later["_of"] = directory, number, files
+        attributes = vars(frame)
+        del attributes["rgb"], attributes["depth"]
+        attributes["_source"] = directory, number, files
         return frame
 
     @cached_property
     def rgb(self) -> np.ndarray:
-        """(H, W, 3) uint8. TourError that names the file where it cannot be read; so has depth."""
-        return rgb(*self._of)
+        """(H, W, 3) uint8. TourError that names the file if it cannot be read; so has depth."""
+        return tour_files.rgb(*self._source)
 
     @cached_property
     def depth(self) -> np.ndarray:
         """(H, W) float32, metres along the optical axis."""
-        return depth(*self._of)
+        return tour_files.depth(*self._source)
 
 
 class RecordedTour(Sequence[Observation]):
@@ -49,11 +49,16 @@ class RecordedTour(Sequence[Observation]):
 
     @cached_property
     def _cameras(self) -> list[Camera]:
-        return cameras(self._directory, self._field_of_view_deg)
+        return tour_files.cameras(self._directory, self._field_of_view_deg)
 
     @cached_property
     def _files(self) -> VisitFiles:
         return VisitFiles.load(self._directory)
+
+    @property
+    def content(self) -> str:
+        """Digest of frames and cameras. TourError if no tour is recorded."""
+        return digest_tour(self._directory, self._field_of_view_deg)
 
     def __len__(self) -> int:
         return len(self._cameras)
@@ -71,7 +76,7 @@ class RecordedTour(Sequence[Observation]):
 
 
 class RecordedVisit(Visit):
-    """A visit that was recorded. Nothing of it is read before its first use: an agent that asks for nothing costs nothing."""
+    """A recorded visit. Nothing of it is read before its first use: an agent that asks for nothing costs nothing."""
 
     __slots__ = ()
 
@@ -81,20 +86,19 @@ class RecordedVisit(Visit):
 
     @property
     def content(self) -> str:
-        """See `Visit`. TourError where no tour is recorded."""
-        assert isinstance(self.observations, RecordedTour)
-        return content(self.observations._directory, self.observations._field_of_view_deg)
+        """See `Visit`. TourError if no tour is recorded."""
+        return cast(RecordedTour, self.observations).content
 
 
-def recorded(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
-    """The visit that was recorded in a directory (``ovman.sim.visit``), with the positions (K, 2) that can be reached in it.
+def load_visit(directory: Path, field_of_view_deg: float, reachable: np.ndarray) -> Visit:
+    """Return the visit that was recorded in a directory, with the positions (K, 2) that can be reached in it.
 
-    Its first use raises TourError where no tour is recorded.
+    Its first use raises TourError if no tour is recorded there.
     """
     return RecordedVisit(RecordedTour(directory, field_of_view_deg), reachable)
 
 
 @lru_cache(maxsize=256)
-def content(directory: Path, field_of_view_deg: float) -> str:
-    """Digest of a recorded tour's frames and cameras: equal for tours that look the same."""
-    return digest(directory, field_of_view_deg, "")
+def digest_tour(directory: Path, field_of_view_deg: float) -> str:
+    """Return the digest of a recorded tour's frames and cameras, which is equal for tours that look the same."""
+    return tour_files.digest(directory, field_of_view_deg, "")
