@@ -78,7 +78,7 @@ def growth(target: str) -> None:
     for scenes in (*([scene] for scene in GROWING), GROWING):
         with tempfile.TemporaryDirectory() as directory:
             change = Path(directory, "scenes.yaml")
-            change.write_text(f"benchmark: {{scenes: [{', '.join(scenes)}], allow_short_split: true}}\n")
+            change.write_text(f"benchmark: {{allow_short_split: true}}\nsplits: {{main: {{scenes: [{', '.join(scenes)}]}}}}\n")
             wall, cpu, _ = snakemake(directory, [TINY, change], target=target)
         together = len(scenes) > 1
         note = f"{cpu / sum(alone):.2f} of what they cost one by one" if together else ""

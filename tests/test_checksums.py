@@ -11,7 +11,6 @@ import pytest
 from ovman.cli import main
 from ovman.doctor.results import PER_SCENE, Results, check
 from ovman.records.visit_files import VisitManifest, seal
-from ovman.settings import job_scenes
 from ovman.settings.config import load
 from ovman.workflow import checksums
 from ovman.workflow.job import job
@@ -20,6 +19,7 @@ from tests.test_job import Named, rule
 
 ROOT = Path(__file__).parents[1]
 SETTINGS = load(ROOT / "config.yaml")
+SCENES = SETTINGS.splits["main"].scenes
 TRIALS, MAPS = "results/trials/FloorPlan1.jsonl", "results/maps/FloorPlan1.npz"
 AGAIN = "make it again: snakemake --cores 2 --force -- "
 
@@ -109,9 +109,9 @@ def test_files_outside_the_results_are_the_users_own():
 
 def results(directory: Path) -> None:
     """A small results/ for the default settings, whole."""
-    for scene in SETTINGS.benchmark.scenes:
+    for scene in SCENES:
         make(f"results/scenes/{scene}.json", "{}")
-    lines = [json.dumps({"relation": relation}) for relation, count in SETTINGS.benchmark.split for _ in range(count)]
+    lines = [json.dumps({"relation": relation}) for relation, count in SETTINGS.splits["main"].episodes for _ in range(count)]
     make("results/episodes/main.jsonl", "\n".join(lines) + "\n")
     make("results/tables", "1", "results/episodes/main.jsonl")
     journal = Journal(directory / "results/journal/trials/FloorPlan1.jsonl")
@@ -125,7 +125,7 @@ def test_whole_results_are_whole(directory, capsys):
     line = capsys.readouterr().out
     assert line.startswith("results: whole; not made: ") and "detections" in line and "scenes" not in line
     for folder, suffix in ({"visits": ".json"} | PER_SCENE).items():
-        for scene in job_scenes(SETTINGS.benchmark, SETTINGS.splits):
+        for scene in SCENES:
             made = VisitManifest(scene=scene, visits={}).to_line() if folder == "visits" else "{}"
             make(f"results/{folder}/{scene}{suffix}", made)
     assert main(["check", "--config", str(ROOT / "config.yaml")]) == 0
@@ -143,13 +143,13 @@ def test_every_fault_is_one_line_and_the_exit_status_tells(directory, capsys):
     assert main(["check", "--config", str(ROOT / "config.yaml")]) == 1
     *lines, last = capsys.readouterr().out.splitlines()
     assert last.partition(";")[0] == f"results: {len(lines)} faults"
-    remedy = "raise candidates.draws or lower benchmark.split, then `make tables`"
+    remedy = "raise splits.main.draws or lower splits.main.episodes, then `make tables`"
     expected = [
         "results/scenes/FloorPlan7.json: is missing; make it: snakemake --cores 2 -- results/scenes/FloorPlan7.json",
         f"results/episodes/main.jsonl: has changed since the rule scenes wrote it; {AGAIN}results/episodes/main.jsonl",
         f"results/tables: is stale, it was made from another results/episodes/main.jsonl; {AGAIN}results/tables",
         f"{journal}, line 1: its content does not match its digest; the next run of its job makes the unit again",
-        f"results/episodes/main.jsonl: has fewer episodes than benchmark.split asks for (moved 32 of 33); {remedy}",
+        f"results/episodes/main.jsonl: has fewer episodes than splits.main.episodes asks for (moved 32 of 33); {remedy}",
     ]
     assert lines[:5] == expected
     assert len(lines) == 5 + 19 and all("has no checksums in results/checksums/scenes/" in line for line in lines[5:])

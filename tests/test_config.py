@@ -155,7 +155,6 @@ def test_the_order_of_a_mapping_counts():
 
 def test_sequences_count():
     assert affected(changed(CONFIG, {"success.sweep_deg": (0, 60)})) == owners("success.sweep_deg")
-    assert affected(changed(CONFIG, {"benchmark.scenes": VALUES["benchmark.scenes"][::-1]})) == owners("benchmark.scenes")
     assert affected(changed(CONFIG, {"benchmark.backend": "thor"})) == owners("benchmark.backend")
 
 
@@ -250,10 +249,10 @@ def test_a_view_is_made_of_the_very_parameter_and_frozen():
         ("tour.waypoints", 2.5, "config.yaml: tour.waypoints is 2.5; it must be a valid integer "),
         ("tour.waypoints", True, "config.yaml: tour.waypoints is true; it must be a valid integer "),
         ("association.gate_m", None, "config.yaml: association.gate_m (metres, gamma) is missing; add it"),
-        ("benchmark.split", 3, "config.yaml: benchmark.split is 3; it must be a section "),
+        ("splits.main.draws", 3, "config.yaml: splits.main.draws is 3; it must be a section "),
         ("benchmark.backend", "unity", "config.yaml: benchmark.backend is \"unity\"; it must be 'embedded' or 'thor' "),
-        ("benchmark.scenes", ["FloorPlan31"], "config.yaml: benchmark.scenes: FloorPlan31 is not a floor plan; there are "),
-        ("benchmark.scenes", ["FloorPlan1"] * 2, "config.yaml: benchmark.scenes: FloorPlan1 is there twice"),
+        ("splits.main.scenes", ["FloorPlan31"], "config.yaml: splits.main.scenes: FloorPlan31 is not a floor plan; there are "),
+        ("splits.main.scenes", ["FloorPlan1"] * 2, "config.yaml: splits.main.scenes: FloorPlan1 is there twice"),
         ("evaluation.seeds", [], "config.yaml: evaluation.seeds is []; it must have at least 1 item"),
         (
             "admissibility.min_mask_px",
@@ -338,13 +337,16 @@ def test_a_mark_of_the_byte_order_and_json_with_tabs_are_read_as_snakemake_reads
     [
         ({"tour.waypoints": 10**9}, "config.yaml: tour.waypoints is 1000000000; it must be less than or equal to 1000 (W, "),
         (
-            {"benchmark.split.moved": 10**6},
-            "config.yaml: benchmark.split.moved is 1000000, but candidates.draws.moved x scenes are 4 x 20 = 80; lower it or ",
+            {"splits.main.episodes.moved": 10**6},
+            "config.yaml: splits.main.episodes.moved is 1000000, but splits.main.draws.moved x scenes are 4 x 20 = 80; lower ",
         ),
-        ({"candidates.draws.moved": 1}, "config.yaml: benchmark.split.moved is 33, but candidates.draws.moved x scenes are 1 x "),
         (
-            {f"benchmark.split.{name}": 0 for name in ("moved", "former", "moving", "stable", "appeared", "removed")},
-            "config.yaml: benchmark.split asks for no episode; give at least one relation a number above 0",
+            {"splits.main.draws.moved": 1},
+            "config.yaml: splits.main.episodes.moved is 33, but splits.main.draws.moved x scenes are ",
+        ),
+        (
+            {f"splits.main.episodes.{name}": 0 for name in ("moved", "former", "moving", "stable", "appeared", "removed")},
+            "config.yaml: splits.main.episodes asks for no episode; give at least one relation a number above 0",
         ),
         ({"primitives.turn_deg": 37}, "config.yaml: primitives.turn_deg is 37.0, which does not divide 360; write a divisor of "),
         (

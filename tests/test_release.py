@@ -20,7 +20,6 @@ from ovman.records.run import Score
 from ovman.records.trial import Trial, Verdict
 from ovman.settings import MAIN, Arm, Kind, Source, of_kind
 from ovman.settings.config import load
-from ovman.settings.splits import in_main_job
 from ovman.task import referents, spl
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.arms import ARMS
@@ -63,12 +62,12 @@ def test_every_file_has_its_checksum():
 def test_the_split_is_the_papers(released):
     counts = Counter(e.relation.value for e in released)
     assert counts == {"moved": 33, "former": 38, "moving": 36, "stable": 32, "appeared": 40, "removed": 40}
-    assert len({e.scene for e in released}) == 20 == len(CONFIG.benchmark.scenes)
+    assert len({e.scene for e in released}) == 20 == len(CONFIG.splits[MAIN].scenes)
 
 
 def test_every_episode_was_completed_four_times_and_its_referent_is_unique(released_in):
     task = constants("admissible")
-    assert {*released_in} == {MAIN, *CONFIG.splits}
+    assert {*released_in} == {*CONFIG.splits}
     for episode in (episode for episodes in released_in.values() for episode in episodes.values()):
         assert len(episode.certification) == 1 + CONFIG.admissibility.runs
         assert all(run.success for run in episode.certification), episode.id
@@ -81,7 +80,7 @@ def test_predictions_and_judgements_follow_from_the_released_records(tmp_path, r
         predictions.run(*job(arm.name), EPISODES, tmp_path / f"{arm.name}.jsonl", sightings_file=SIGHTINGS)
         assert (tmp_path / f"{arm.name}.jsonl").read_bytes() == (DATA / "predictions" / f"{arm.name}.jsonl").read_bytes()
     embodied = {arm.name for arm in of_kind(ARMS, Kind.EMBODIED)}
-    wanted = {MAIN: embodied} | {name: embodied & {*CONFIG.splits[name].arms} for name in in_main_job(CONFIG.splits)}
+    wanted = {name: embodied & {*split.arms} for name, split in CONFIG.splits.items() if split.in_main_job}
     of_splits = {episode.id: episode for episodes in released_in.values() for episode in episodes.values()}
     runs: dict[str, list[tuple[str, int, str]]] = {name: [] for name in wanted}
     for file in sorted((DATA / "runs").rglob("*.jsonl")):

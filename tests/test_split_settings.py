@@ -8,7 +8,7 @@ import pytest
 
 from ovman.analysis.registry import in_split_tables, in_tables, of_split
 from ovman.report.tables.splits import differs
-from ovman.settings import MAIN, all_scenes, arms_of, in_main_job, job_scenes, scenes_of
+from ovman.settings import MAIN, arms_of
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
 from ovman.training.floorplans import floor_plans
@@ -37,11 +37,11 @@ def with_entry(name: str = "own", **entry) -> dict:
         ({"changes": [1, 2]}, r"splits.own.changes: one change and several are drawn in different ways; write \[1\]"),
         ({"scenes": []}, r"splits.own.scenes is \[\]; it must have at least 1 item"),
         ({"scenes": ["FloorPlan31"]}, "splits.own.scenes: FloorPlan31 is not a floor plan"),
-        ({"scenes": ["FloorPlan6", "FloorPlan6"]}, "splits.own.scenes: one of them is there twice"),
+        ({"scenes": ["FloorPlan6", "FloorPlan6"]}, "splits.own.scenes: FloorPlan6 is there twice"),
         ({"second_tour": {"other_waypoints": True, "first_yaw_deg": 360.0}}, "first_yaw_deg is 360.0; it must be less than 360"),
-        ({"main_job": False}, "splits.own.main_job is false, but FloorPlan1 is a scene of the main job; name other scenes"),
+        ({"in_main_job": False}, "splits.own.in_main_job is false, but FloorPlan1 is a scene of the main job; name other scenes"),
         ({"scenes": ["FloorPlan6"], "episodes": COUNTS | {"moved": 2}}, r"draws.moved x scenes are 1 x 1 = 1; lower it or draw"),
-        ({"arms": ["cow", "dualmap_two_visits"]}, "is dualmap_two_visits, whose records are made of benchmark.split alone"),
+        ({"arms": ["cow", "dualmap_two_visits"]}, "is dualmap_two_visits, whose records are made of split main alone"),
     ],
 )
 def test_a_split_that_makes_no_sense_is_refused_in_one_line(entry, expected):
@@ -50,7 +50,7 @@ def test_a_split_that_makes_no_sense_is_refused_in_one_line(entry, expected):
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("name", ["main", "static", "embodied", "Own", "two__words", "a1"])
+@pytest.mark.parametrize("name", ["static", "embodied", "Own", "two__words", "a1"])
 def test_a_name_that_files_cannot_bear_is_refused(name):
     with pytest.raises(ConfigError, match="cannot name a split; write small letters, with _ between words"):
         load(with_entry(name))
@@ -68,13 +68,10 @@ def test_each_setting_of_a_split_can_be_switched_on_alone():
 
 
 def test_a_split_that_is_no_part_of_the_main_job_has_its_own_scenes_and_no_table_there():
-    own = load(with_entry(main_job=False, scenes=["FloorPlan6"], arms=["single_visit", "oracle_check"]))
-    assert "own" not in in_main_job(own.splits)
-    assert scenes_of("own", own.benchmark, own.splits) == ("FloorPlan6",)
-    assert "FloorPlan6" in all_scenes(own.benchmark, own.splits) and "FloorPlan6" not in job_scenes(own.benchmark, own.splits)
-    assert scenes_of(MAIN, own.benchmark, own.splits) == own.benchmark.scenes
+    own = load(with_entry(in_main_job=False, scenes=["FloorPlan6"], arms=["single_visit", "oracle_check"]))
+    assert own.splits["own"].scenes == ("FloorPlan6",)
     arms = arms_of(own.arms)
-    asked = [own.splits[name] for name in in_main_job(own.splits)]
+    asked = [split for split in own.splits.values() if split.in_main_job and split.name != MAIN]
     assert not {*in_tables(arms, asked)} & {one.name for one in of_split("own")}
     assert in_split_tables(arms, own.splits["own"]) == ("own_rates", "own_embodied_rates", "own_rejections")
     static = load(with_entry()).splits["own"]
@@ -82,10 +79,16 @@ def test_a_split_that_is_no_part_of_the_main_job_has_its_own_scenes_and_no_table
 
 
 def test_what_is_chosen_on_is_neither_of_the_benchmark_nor_learned_from():
-    taught = {*floor_plans(CONFIG.benchmark.scenes).taught}
-    apart = [split for split in CONFIG.splits.values() if not split.main_job]
+    taught = {*floor_plans(CONFIG.splits[MAIN].scenes).taught}
+    apart = [split for split in CONFIG.splits.values() if not split.in_main_job]
     assert len(apart) >= 2
     for split in apart:
         assert split.scenes is not None and len(split.scenes) >= 8
-        assert not {*split.scenes} & ({*CONFIG.benchmark.scenes} | taught)
+        assert not {*split.scenes} & ({*CONFIG.splits[MAIN].scenes} | taught)
         assert sum(count for _, count in split.episodes) >= 60
+
+
+def test_a_split_without_scenes_has_those_of_main_and_all_arms_answer_main():
+    split = load(with_entry(scenes=None)).splits["own"]
+    assert split.scenes == CONFIG.splits[MAIN].scenes and CONFIG.splits[MAIN].arms == tuple(CONFIG.arms)
+    assert CONFIG.splits[MAIN].stream == () and CONFIG.splits["multi"].stream == ("multi",)

@@ -176,13 +176,11 @@ def _enter(options: argparse.Namespace) -> int:
     def work() -> int:
         from ovman.entry.defaults import CONFIG
         from ovman.leaderboard import command
-        from ovman.settings import MAIN
         from ovman.settings.config import load
-        from ovman.settings.splits import in_main_job
 
         directory = command.enter(options)
         print(directory, flush=True)
-        tested = (MAIN, *in_main_job(load(Path(options.config or CONFIG)).splits))
+        tested = [name for name, split in load(Path(options.config or CONFIG)).splits.items() if split.in_main_job]
         if directory.name not in tested:
             print(
                 f"{directory.name} is a split for tuning. Its table on the leaderboard is separate from those of"

@@ -16,9 +16,7 @@ from ovman.entry.release import Release
 from ovman.evaluation.tours import TourCache
 from ovman.perception.libraries import cache as user_cache
 from ovman.records.episode import Episode
-from ovman.settings import MAIN, splits_of
 from ovman.settings.config import load
-from ovman.settings.splits import in_main_job
 
 
 def run(options: argparse.Namespace, say: Callable[[str], None]) -> list[str]:
@@ -43,9 +41,9 @@ def splits_in(release: Release, names: Sequence[str] | None) -> list[SplitOf]:
 
     What the main job does not judge is for development.
     """
-    every = splits_of(release.settings.splits)
+    every = release.settings.splits
     there = [name for name in every if (release.directory / "episodes" / f"{name}.jsonl").is_file()]
     if not there:
         raise EntryError(f"{release.directory / 'episodes'}: no episodes of any split; name a release with --release")
-    test = {MAIN, *in_main_job(release.settings.splits)}
+    test = {name for name, split in every.items() if split.in_main_job}
     return [SplitOf(name, Episode.load(release.episodes(name)), name not in test) for name in dict.fromkeys(names or there)]

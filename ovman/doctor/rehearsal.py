@@ -18,7 +18,7 @@ from typing import Any
 from ovman import __version__, seeds
 from ovman.generation.candidates import candidates
 from ovman.generation.certification import oracle_run
-from ovman.generation.protocol import main_drawing
+from ovman.generation.protocol import Drawing
 from ovman.generation.scenes import survey
 from ovman.generation.trials import Trials
 from ovman.sim import controller
@@ -44,7 +44,8 @@ def work(scene: str, views: Mapping[str, StageSettings], start: controller.Start
         found = survey(session, views["scenes"].tour.waypoints, views["scenes"].primitives.step_m)
         yield Result("survey", found.to_json())
         constants = views["candidates"]
-        drawn = [c for c in candidates(found, main_drawing(found, constants), constants) if c.refused is None]
+        drawing = Drawing.of(constants.splits["main"], found, constants)
+        drawn = [c for c in candidates(found, drawing, constants) if c.refused is None]
         first = {relation: next((c for c in drawn if c.relation is relation), None) for relation in WORK}
         trials = Trials(session, found, views["trials"], Path(visits))
         for relation, candidate in first.items():

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ovman.records.visit_files import check_visits
-from ovman.settings import Settings, job_scenes, splits_of
+from ovman.settings import Settings
 from ovman.workflow import checksums, journal
 
 Check = Callable[["Results", Path], Iterator[str]]
@@ -58,7 +58,7 @@ def check_output(results: Results, path: Path) -> Iterator[str]:
 
 def check_split(results: Results, path: Path) -> Iterator[str]:
     """Relations of which the split has fewer episodes than the settings ask for."""
-    if path.stem not in splits_of(results.settings.splits):
+    if path.stem not in results.settings.splits:
         return
     found: Counter[str] = Counter()
     try:
@@ -67,13 +67,10 @@ def check_split(results: Results, path: Path) -> Iterator[str]:
     except (ValueError, KeyError, TypeError):
         yield f"{path}: is torn; make it again: snakemake --cores 2 --force -- {path}"
         return
-    benchmark, splits = results.settings.benchmark, results.settings.splits
-    asked, where, draws = benchmark.split, "benchmark.split", "candidates.draws"
-    if path.stem in splits:
-        asked, where, draws = splits[path.stem].episodes, f"splits.{path.stem}.episodes", f"splits.{path.stem}.draws"
+    asked, where = results.settings.splits[path.stem].episodes, f"splits.{path.stem}.episodes"
     short = [f"{relation} {found[relation]} of {wanted}" for relation, wanted in asked if found[relation] < wanted]
-    if short and not benchmark.allow_short_split:
-        remedy = f"raise {draws} or lower {where}, then `make tables`"
+    if short and not results.settings.benchmark.allow_short_split:
+        remedy = f"raise splits.{path.stem}.draws or lower {where}, then `make tables`"
         yield f"{path}: has fewer episodes than {where} asks for ({', '.join(short)}); {remedy}"
 
 
@@ -114,7 +111,8 @@ def missing_scenes(results: Results) -> Iterator[str]:
     """Scenes of the settings of which a file of a stage is not there, while other scenes' are."""
     for folder, suffix in PER_SCENE.items():
         there = {path.stem for path in (results.directory / checksums.MADE / folder).glob(f"*{suffix}")}
-        for scene in job_scenes(results.settings.benchmark, results.settings.splits):
+        splits = results.settings.splits.values()
+        for scene in dict.fromkeys(scene for split in splits if split.in_main_job for scene in split.scenes):
             path = checksums.MADE / folder / f"{scene}{suffix}"
             recorded = (results.directory / checksums.path_of(path)).exists()  # then `damages` has it
             if there and scene not in there and not recorded:

@@ -18,7 +18,7 @@ from ovman.entry.manifest import FILE, Manifest, read_manifest
 from ovman.entry.run_files import read_runs, runs_path
 from ovman.records.episode import Episode
 from ovman.records.run import Score
-from ovman.settings import MAIN, Kind, Settings, splits_of
+from ovman.settings import MAIN, Kind, Settings
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class Release:
 
     def episodes(self, split: str) -> Path:
         """The episodes of a split. EntryError for a name that is no split's, and where the release has none of it."""
-        if split not in (names := splits_of(self.settings.splits)):
+        if split not in (names := self.settings.splits):
             raise EntryError(f"--split: {split} is no split; write one of {', '.join(names)}")
         path = self.directory / "episodes" / f"{split}.jsonl"
         if not path.is_file():
@@ -40,7 +40,7 @@ class Release:
 
     def split_of(self, episodes: bytes) -> str | None:
         """The split whose released file of episodes has these bytes, None where there is none."""
-        files = {split: self.directory / "episodes" / f"{split}.jsonl" for split in splits_of(self.settings.splits)}
+        files = {split: self.directory / "episodes" / f"{split}.jsonl" for split in self.settings.splits}
         return next((split for split, file in files.items() if file.is_file() and file.read_bytes() == episodes), None)
 
     def runs(self, arm: str, split: str) -> list[Score]:

@@ -11,7 +11,7 @@ from ovman.records.scene import Scene
 from ovman.records.sensors import Light, Sensors
 from ovman.records.sighting import VisitPair
 from ovman.records.tour import Tour
-from ovman.settings import MAIN, Lighting, Others, SecondTour, Settings
+from ovman.settings import Lighting, Others, SecondTour, Settings, Split
 from ovman.settings.benchmark import PerRelation
 from ovman.settings.sensors import Errors
 
@@ -22,12 +22,13 @@ LIGHT_DECIMALS = 3
 class Drawing:
     """How the candidates of a split are drawn in a scene.
 
-    tours: of the visits, as all candidates have them; light, errors: what a candidate's have besides. draws: candidates by
-    relation. tries: how many instances are tried at most for each candidate that is not refused; None where a candidate
-    counts that is refused, too. changes, others: as `Split` has them.
+    names: of the split in random streams and ids. tours: of the visits of every candidate; light, errors: each candidate draws
+    its own of these. draws: candidates per relation. tries: attempts per draw that is not refused; None counts refused candidates
+    as drawn. changes, others: as `Split` has them.
     """
 
     split: str
+    names: tuple[str, ...]
     tours: VisitPair[Tour]
     draws: PerRelation
     tries: int | None = None
@@ -56,10 +57,12 @@ class Drawing:
             second=second.model_copy(update={"sensors": sensors("second"), "light": light}),
         )
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """What the random numbers of the split are called after; the benchmark's own have no name of a split."""
-        return () if self.split == MAIN else (self.split,)
+    @staticmethod
+    def of(split: Split, scene: Scene, constants: Settings) -> Drawing:
+        """Return how a split draws in a scene. constants: sensors and tour.headings."""
+        both = tours(scene, constants.tour.headings, split.second_tour)
+        errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
+        return Drawing(split.name, split.stream, both, split.draws, split.tries, split.changes, split.others, split.light, errors)
 
     def id(self, scene: str, relation: str, number: int) -> str:
         """The id of a candidate."""
@@ -82,21 +85,8 @@ def keeps_free(scene: Scene, both: VisitPair[Tour]) -> tuple[Point, ...]:
     return both.second.waypoints if again else (*both.second.waypoints, scene.start)
 
 
-def main_drawing(scene: Scene, constants: Settings) -> Drawing:
-    """The benchmark's own split in a scene. constants: candidates.draws and tour.headings."""
-    return Drawing(MAIN, tours(scene, constants.tour.headings, None), constants.candidates.draws)
-
-
 def drawings(scene: Scene, constants: Settings) -> Iterator[Drawing]:
-    """The splits that have the scene, the benchmark's own first. constants: candidates.draws, splits and tour.headings.
-
-    The benchmark's scenes are those that no split keeps for itself, so that nothing is drawn anew where another scene is added.
-    """
-    kept = any(not split.main_job and scene.scene in (split.scenes or ()) for split in constants.splits.values())
-    if not kept:
-        yield main_drawing(scene, constants)
-    for name, split in constants.splits.items():
-        if not kept if split.scenes is None else scene.scene in split.scenes:
-            both = tours(scene, constants.tour.headings, split.second_tour)
-            errors = None if split.sensors is None else getattr(constants.sensors, split.sensors)
-            yield Drawing(name, both, split.draws, split.tries, split.changes, split.others, split.light, errors)
+    """Return the splits that have a scene. constants: splits, sensors and tour.headings."""
+    for split in constants.splits.values():
+        if scene.scene in split.scenes:
+            yield Drawing.of(split, scene, constants)

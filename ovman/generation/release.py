@@ -25,7 +25,7 @@ from ovman.records.rejection import Rejection
 from ovman.records.relation import Relation
 from ovman.records.sighting import Sightings
 from ovman.records.trial import Trial, Verdict
-from ovman.settings import MAIN, Settings, scenes_of
+from ovman.settings import MAIN, Settings
 from ovman.settings.benchmark import Success
 
 T = TypeVar("T")
@@ -144,19 +144,16 @@ def run(
     runs = {record.id: record.runs for record in _read(Certification, certified_files)}
     rejections = {k: rejection(verdicts[k], runs.get(k, ()), settings.success) for k in trials}
     relation_of = {k: trial.candidate.relation for k, trial in trials.items()}
-    asked, where, draws = settings.benchmark.split, "benchmark.split", "candidates.draws"
-    names: tuple[str, ...] = ("split",)
+    terms, where = settings.splits[split], f"splits.{split}.episodes"
+    names = ("split", *terms.stream)
     targets, sizes = None, None
-    if split != MAIN:
-        asked, where, draws = settings.splits[split].episodes, f"splits.{split}.episodes", f"splits.{split}.draws"
-        names = ("split", split)
-        if settings.splits[split].instances_in_turn:
-            targets = {k: trial.candidate.target for k, trial in trials.items()}
+    if terms.instances_in_turn:
+        targets = {k: trial.candidate.target for k, trial in trials.items()}
     certified = [k for k, against in rejections.items() if against is None]
-    if split != MAIN and settings.splits[split].sizes_in_turn and settings.splits[split].others is not None:
+    if terms.sizes_in_turn and terms.others is not None:
         sizes = {k: size(trials[k]) for k in certified}
-    wishes = {relation: getattr(asked, relation.value) for relation in Relation}
-    if split == MAIN or settings.splits[split].single:
+    wishes = {relation: getattr(terms.episodes, relation.value) for relation in Relation}
+    if terms.single:
         pairs = {k: tour_pair(trials[k]) for k in certified}
         apart = independent(pairs, relation_of, wishes, seeds.generator(settings.benchmark.seed, *names, "pairs"))
     else:  # a pair of tours with several changes serves several queries
@@ -178,10 +175,10 @@ def run(
             short.append(f"{relation.value} {there} of {wanted}")
         released += chosen
     if short:
-        remedy = f"raise {draws}, lower {where}, or set benchmark.allow_short_split to true"
+        remedy = f"raise splits.{split}.draws, lower {where}, or set benchmark.allow_short_split to true"
         raise ShortSplitError(f"{where} asks for more episodes than were certified ({', '.join(short)}); {remedy}")
     rejections |= dict.fromkeys(left_out(pairs, released) if pairs else (), Rejection.SHARED_TOURS)
-    order = {scene: i for i, scene in enumerate(scenes_of(split, settings.benchmark, settings.splits))}
+    order = {scene: i for i, scene in enumerate(terms.scenes)}
     released.sort(key=lambda k: (order[trials[k].candidate.scene], list(Relation).index(relation_of[k]), k))
     episodes_out.write_text(lines(episode(trials[k], runs[k], settings) for k in released), encoding="utf-8")
     sightings_out.write_text(lines(sightings(trials[k]) for k in released), encoding="utf-8")

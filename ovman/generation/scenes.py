@@ -40,7 +40,7 @@ def survey(session: Session, waypoints: int, step_m: float) -> Scene:
     spawn = grid.nearest(start.x, start.z)
     component = grid.component(spawn)
     if len(component) < waypoints:
-        says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of benchmark.scenes"
+        says = f"{session.scene} has {len(component)} cells to stand on; lower it, or leave the scene out of its splits"
         raise SceneError(f"tour.waypoints is {waypoints}, but {says}")
     first = farthest_points(grid, component, waypoints, spawn)
 

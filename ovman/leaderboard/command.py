@@ -20,7 +20,6 @@ from ovman.leaderboard.entry import FILE, NAME, PREDICTIONS, Entry, Role, Submis
 from ovman.leaderboard.page import TITLE, as_html, as_markdown
 from ovman.leaderboard.standing import Refusal, barred, standings
 from ovman.records.record import printable
-from ovman.settings import splits_of
 from ovman.settings.config import load
 from ovman.workflow.journal import Journal
 
@@ -82,7 +81,7 @@ def render(options: argparse.Namespace, say: Callable[[str], None]) -> bool:
         _check_own(directory / name)
     journal = None if options.cache is None else Journal(Path(options.cache) / JOURNAL)
     found = list(standings(directory, release, say, checked_workers(options.workers), journal))
-    splits = splits_of(release.settings.splits)
+    splits = tuple(release.settings.splits)
     for name, text in zip(
         PAGES, (as_markdown(found, splits, journal is not None), as_html(found, splits, journal is not None)), strict=True
     ):

@@ -21,8 +21,7 @@ from ovman.report.show.index import index
 from ovman.report.show.page import page
 from ovman.report.show.results import Results, ShowError
 from ovman.report.show.verdicts import Drive
-from ovman.settings import Settings, arms_of, config
-from ovman.settings.splits import in_main_job
+from ovman.settings import MAIN, Settings, arms_of, config
 from ovman.shipped import EMBEDDED, HOME
 from ovman.sim.session import Session
 from ovman.workflow.provenance import module_digest
@@ -83,8 +82,8 @@ def places(
     """Return the settings, the results, and where pages go, with the defaults of `show`. ConfigError."""
     released = results_dir is None and not Path(RESULTS, "episodes").is_dir()
     settings = config.load(Path(config_file) if config_file else Path(CONFIG) if Path(CONFIG).is_file() else HOME / CONFIG)
-    splits = {name: split.arms for name, split in settings.splits.items()}
-    apart = {*splits} - {*in_main_job(settings.splits)}
+    splits = {name: split.arms for name, split in settings.splits.items() if name != MAIN}
+    apart = {name for name, split in settings.splits.items() if not split.in_main_job}
     directory_of_results = HOME / EMBEDDED if released else Path(results_dir or RESULTS)
     results = Results(directory_of_results, arms_of(settings.arms), splits, apart)
     directory = Path(output) if output is not None else Path() / PAGES if released else results.directory / PAGES

@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
-from ovman.settings import Settings, splits_of
+from ovman.settings import Settings
 from ovman.settings.config import load_files
 from ovman.shipped import EMBEDDED, HOME
 from ovman.workflow import made
@@ -34,7 +34,7 @@ def compare(results: Path, release: Path, settings: Settings) -> Iterator[str]:
     then = _constants(release)
     changed = [f"{name} {then[name]} -> {now}" for name, now in _short(settings.constants()) if then.get(name, now) != now]
     yield f"constants: {', '.join(changed) or 'as released'}"
-    if episodes := [_episodes(name, results, release) for name in splits_of(settings.splits) if _both(name, results, release)]:
+    if episodes := [_episodes(name, results, release) for name in settings.splits if _both(name, results, release)]:
         yield f"episodes: {', '.join(episodes)}"
     same, others = 0, []
     for path in sorted(path for folder in TABLES for path in (results / folder).glob("*.csv")):

@@ -10,11 +10,6 @@ from ovman.settings.splits import (
     Others,
     SecondTour,
     Split,
-    all_scenes,
-    in_main_job,
-    job_scenes,
-    scenes_of,
-    splits_of,
 )
 
 __all__ = [
@@ -35,12 +30,7 @@ __all__ = [
     "Source",
     "Split",
     "Withheld",
-    "all_scenes",
     "arms_of",
-    "in_main_job",
-    "job_scenes",
     "named",
     "of_kind",
-    "scenes_of",
-    "splits_of",
 ]

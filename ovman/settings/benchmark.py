@@ -30,25 +30,11 @@ class PerRelation(Section):
 
 
 class Benchmark(Section):
-    """What is released."""
+    """Settings of all splits."""
 
     seed: Count = Field(description="root of every random number")
     backend: Literal["embedded", "thor"] = Field(description="simulator: the engine of this project, or AI2-THOR's Unity build")
-    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(description="iTHOR floor plans")
-    split: PerRelation = Field(description="episodes released per relation")
-    allow_short_split: bool = Field(
-        description="whether fewer certified episodes than `split` asks for are released all the same"
-    )
-
-    @field_validator("scenes")
-    @classmethod
-    def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
-        seen: set[str] = set()
-        for scene in scenes:
-            if floor_plan(scene) in seen:
-                raise ValueError(f"{scene} is there twice")
-            seen.add(scene)
-        return scenes
+    allow_short_split: bool = Field(description="whether a split is released with fewer episodes than it asks for")
 
 
 class Camera(Section):
@@ -89,7 +75,6 @@ class Mover(Section):
 class Candidates(Section):
     """What is drawn."""
 
-    draws: PerRelation = Field(description="candidates per relation and scene")
     delta_min_m: Metres = Field(description="metres, Delta_min")
     spawn_clearance_m: Annotated[float, Field(ge=0)] = Field(description="metres")
     spawn_beyond_m: Annotated[float, Field(ge=0)] = Field(description="metres, from the spawn to whatever a stop is judged by")

@@ -15,7 +15,7 @@ from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from ovman.settings import Arm, Kind, Need, Settings, job_scenes, scenes_of
+from ovman.settings import MAIN, Arm, Kind, Need, Settings
 from ovman.settings.arms import contradictions as of_withheld
 from ovman.settings.comparisons import contradictions as of_comparisons
 from ovman.settings.plugins import PluginError, plugin, with_sections
@@ -64,20 +64,14 @@ def _of_measurement(settings: Settings) -> Iterator[Contradiction]:
 
 def _of_counts(settings: Settings) -> Iterator[Contradiction]:
     """No more episodes than candidates; at least one episode."""
-    benchmark, scenes = settings.benchmark, len(settings.benchmark.scenes)
-    for relation, episodes in benchmark.split:
-        draws = getattr(settings.candidates.draws, relation)
-        if episodes > draws * scenes:
-            says = f"candidates.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
-            yield ("benchmark", "split", relation), f"is {episodes}, but {says}"
     for name, split in settings.splits.items():
-        scenes = len(scenes_of(name, benchmark, settings.splits))
+        scenes = len(split.scenes)
         for relation, episodes in split.episodes:
             if episodes > (draws := getattr(split.draws, relation)) * scenes:
                 says = f"splits.{name}.draws.{relation} x scenes are {draws} x {scenes} = {draws * scenes}; lower it or draw more"
                 yield ("splits", name, "episodes", relation), f"is {episodes}, but {says}"
-    if not any(episodes for _, episodes in benchmark.split):
-        yield ("benchmark", "split"), "asks for no episode; give at least one relation a number above 0"
+    if not any(episodes for _, episodes in settings.splits[MAIN].episodes):
+        yield ("splits", MAIN, "episodes"), "asks for no episode; give at least one relation a number above 0"
 
 
 def _of_motion(settings: Settings) -> Iterator[Contradiction]:
@@ -102,21 +96,20 @@ def _of_appearance(agent: str, arms: Mapping[str, Arm]) -> Iterator[Contradictio
 
 
 def _of_splits(settings: Settings) -> Iterator[Contradiction]:
-    """Arms of a split answer from what is made for all splits. An arm that does not exist is left out of its splits, too.
+    """Some arms answer split main alone. An arm that does not exist is left out of its splits, too.
 
-    A scene's tours are looked at together, so what is no part of the main job has scenes of its own.
+    A scene's tours are looked at together, so a split outside the main job has scenes of its own.
     """
     arms = settings.arms
-    job = set(job_scenes(settings.benchmark, settings.splits))
+    job = {scene for split in settings.splits.values() if split.in_main_job for scene in split.scenes}
     for name, split in settings.splits.items():
-        for number, arm in enumerate(split.arms):
+        for number, arm in enumerate(split.arms if name != MAIN else ()):
             place = ("splits", name, "arms", str(number))
             if arm in arms and (arms[arm].made_by is not None or Need.DUALMAP in arms[arm].needs):
-                yield place, f"is {arm}, whose records are made of benchmark.split alone; name another arm"
-        shared = sorted(job & {*scenes_of(name, settings.benchmark, settings.splits)})
-        if not split.main_job and shared:
-            says = f"but {shared[0]} is a scene of the main job; name other scenes, or set main_job to true"
-            yield ("splits", name, "main_job"), f"is false, {says}"
+                yield place, f"is {arm}, whose records are made of split {MAIN} alone; name another arm"
+        if not split.in_main_job and (shared := sorted(job & {*split.scenes})):
+            says = f"but {shared[0]} is a scene of the main job; name other scenes, or set in_main_job to true"
+            yield ("splits", name, "in_main_job"), f"is false, {says}"
 
 
 def _of_arms(arms: Mapping[str, Arm], plugins: Iterable[str], names: Iterable[str]) -> Iterator[Contradiction]:

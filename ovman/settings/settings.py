@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Self
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, Field, model_validator
 
 from ovman.agents.cow.settings import Cow, Locobot
 from ovman.agents.dualmap.settings import Dualmap
@@ -37,7 +37,7 @@ from ovman.settings.networks import Perception, Training
 from ovman.settings.remote import Remote
 from ovman.settings.sensitivity import GateSweep, Sensitivity
 from ovman.settings.sensors import Levels
-from ovman.settings.splits import Splits
+from ovman.settings.splits import Splits, complete_splits
 
 
 class Settings(Section):
@@ -76,6 +76,8 @@ class Settings(Section):
     arms: Arms
     comparisons: Comparisons
     paper: PaperRows
+
+    _complete_splits = model_validator(mode="before")(complete_splits)
 
     @classmethod
     def partial(cls, constants: Mapping[str, Any], holder: str = "this job") -> Self:

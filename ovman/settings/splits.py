@@ -1,4 +1,4 @@
-"""Section `splits`: what is released beside the benchmark's own split, and in what each differs from the paper's protocol."""
+"""Section `splits`: what each split releases, and in what it differs from the paper's protocol."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from ovman.section import Listed, Section, Some, Whole
-from ovman.settings.benchmark import Benchmark, PerRelation, floor_plan
+from ovman.settings.benchmark import PerRelation, floor_plan
 from ovman.settings.sensors import Level
 
 MAIN = "main"
-"""The split of section `benchmark`."""
+"""The split that is always there. Random streams, ids and files of metrics do not have its name."""
 NAME = r"[a-z]+(_[a-z]+)*"
 """Names of splits."""
 TAKEN = frozenset({"static", "embodied"})
-"""What files of metrics are called after already."""
+"""Names that files of metrics have already."""
 
 
 class Others(Section):
@@ -85,9 +85,9 @@ class Split(Section):
     """A split. What its entry does not switch on is as the paper has it: one change, the same tour twice."""
 
     name: str = Field(description="the key of its entry, in file names and ids")
-    main_job: bool = Field(True, description="whether results/tables has it; results/splits/NAME is made of any split")
-    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] | None = Field(
-        None, description="iTHOR floor plans; those of benchmark.scenes if not given"
+    in_main_job: bool = Field(True, description="whether results/all has its tables; results/splits/NAME has those of any split")
+    scenes: Annotated[tuple[str, ...], Listed, Field(min_length=1)] = Field(
+        description="iTHOR floor plans; those of split main if not given"
     )
     changes: Annotated[tuple[Annotated[Whole, Field(ge=1, le=3)], ...], Listed, Field(min_length=1)] = Field(
         (1,), description="how many instances of the queried category change in a pair of tours, each under another relation"
@@ -107,22 +107,23 @@ class Split(Section):
         description="whether the scripted change is the largest of those that are alike as often as chance has it, beside others",
     )
     draws: PerRelation = Field(description="candidates per relation and scene")
-    tries: Some = Field(
-        description="how often a relation chooses at most what changes in a scene, for each candidate that is asked for"
+    tries: Some | None = Field(
+        None, description="attempts per draw to choose what changes in a scene; null counts refused candidates as drawn"
     )
-    arms: Annotated[tuple[str, ...], Listed] = Field(description="static and embodied arms that answer its queries")
+    arms: Annotated[tuple[str, ...], Listed] = Field(description="arms that answer its queries; on main all if not given")
 
     @field_validator("changes", "arms", "scenes")
     @classmethod
-    def _distinct(cls, values: tuple[Any, ...] | None) -> tuple[Any, ...] | None:
-        if values is not None and len(set(values)) < len(values):
-            raise ValueError("one of them is there twice")
+    def _distinct(cls, values: tuple[Any, ...]) -> tuple[Any, ...]:
+        for number, value in enumerate(values):
+            if value in values[:number]:
+                raise ValueError(f"{value} is there twice")
         return values
 
     @field_validator("scenes")
     @classmethod
-    def _floor_plans(cls, scenes: tuple[str, ...] | None) -> tuple[str, ...] | None:
-        for scene in scenes or ():
+    def _floor_plans(cls, scenes: tuple[str, ...]) -> tuple[str, ...]:
+        for scene in scenes:
             floor_plan(scene)
         return scenes
 
@@ -140,6 +141,11 @@ class Split(Section):
         return self
 
     @property
+    def stream(self) -> tuple[str, ...]:
+        """The name of the split in random streams and ids. Split main has none there."""
+        return () if self.name == MAIN else (self.name,)
+
+    @property
     def plain(self) -> bool:
         """Whether it differs from the paper's protocol in the scripted changes alone: its tours are like the main split's."""
         return self.others is None and self.second_tour is None
@@ -154,9 +160,11 @@ def _named(value: Any) -> Any:
     if not isinstance(value, dict):
         return value
     for name in value:
-        if name in {MAIN, *TAKEN} or not re.fullmatch(NAME, str(name)):
-            taken = f"not {MAIN}, which is that of section benchmark, static or embodied"
+        if name in TAKEN or not re.fullmatch(NAME, str(name)):
+            taken = f"not {' or '.join(sorted(TAKEN))}"
             raise ValueError(f"{name!r} cannot name a split; write small letters, with _ between words, and {taken}")
+    if value.get(MAIN) is None:
+        raise ValueError(f"there is no split {MAIN}; add it")
     return {
         name: entry | {"name": name} if isinstance(entry, dict) else entry for name, entry in value.items() if entry is not None
     }
@@ -166,28 +174,19 @@ Splits = Annotated[dict[str, Split], BeforeValidator(_named)]
 """By name; an entry that is null is left out."""
 
 
-def splits_of(splits: Mapping[str, Split]) -> tuple[str, ...]:
-    """The names of all splits, the benchmark's own first."""
-    return MAIN, *splits
+def complete_splits(tree: Any) -> Any:
+    """Return all sections with complete splits: those without scenes have the scenes of main, and all arms answer main."""
+    if not isinstance(tree, Mapping) or not isinstance(splits := tree.get("splits"), Mapping):
+        return tree
+    arms, main = tree.get("arms"), splits.get(MAIN)
+    if not isinstance(main, Mapping):
+        return tree
+    complete = {name: _with(entry, "scenes", main.get("scenes")) for name, entry in splits.items()}
+    if isinstance(arms, Mapping):
+        complete[MAIN] = _with(complete[MAIN], "arms", [name for name, arm in arms.items() if arm is not None])
+    return {**tree, "splits": complete}
 
 
-def scenes_of(split: str, benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
-    """The floor plans of a split, in their order. KeyError for a name that is no split's."""
-    own = None if split == MAIN else splits[split].scenes
-    return benchmark.scenes if own is None else own
-
-
-def in_main_job(splits: Mapping[str, Split]) -> tuple[str, ...]:
-    """The splits beside the benchmark's own that results/tables has."""
-    return tuple(name for name, split in splits.items() if split.main_job)
-
-
-def job_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
-    """The floor plans of the main job, each once, those of the benchmark first."""
-    names = (MAIN, *in_main_job(splits))
-    return tuple(dict.fromkeys(scene for split in names for scene in scenes_of(split, benchmark, splits)))
-
-
-def all_scenes(benchmark: Benchmark, splits: Mapping[str, Split]) -> tuple[str, ...]:
-    """The floor plans of all splits, each once, those of the benchmark first."""
-    return tuple(dict.fromkeys(scene for split in splits_of(splits) for scene in scenes_of(split, benchmark, splits)))
+def _with(entry: Any, name: str, value: Any) -> Any:
+    lacks = isinstance(entry, Mapping) and entry.get(name) is None and value is not None
+    return {**entry, name: value} if lacks else entry

@@ -24,5 +24,5 @@ def floor_plans(benchmark: Collection[str], every: Sequence[str] = FLOOR_PLANS) 
     rest = [scene for scene in every if scene not in benchmark]
     held_out = tuple(rest[4::HELD_OUT_EVERY])
     if not held_out:
-        raise ValueError("the benchmark uses all floor plans and leaves none for training; name fewer in benchmark.scenes")
+        raise ValueError("the benchmark uses all floor plans and leaves none for training; name fewer in splits.main.scenes")
     return FloorPlans(tuple(scene for scene in rest if scene not in held_out), held_out)

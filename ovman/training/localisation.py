@@ -104,7 +104,7 @@ def main() -> None:
     eyes.look_for("Floor")
     share = settings.perception.detector.min_mask_px / (settings.camera.width_px * settings.camera.height_px)
     looked: list[Looked] = []
-    scenes = floor_plans(settings.benchmark.scenes).held_out
+    scenes = floor_plans(settings.splits["main"].scenes).held_out
     for scene in scenes:
         with Session(scene, settings, body) as session:
             texts: dict[str, np.ndarray] = {}

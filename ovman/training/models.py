@@ -35,7 +35,7 @@ def run(
     for name in ("detector_first_curve", "detector_curve", "encoder_true_curve", "encoder_curve"):
         shutil.copyfile(files[name], output / f"{name}.jsonl")
     (output / "encoder.json").write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
-    plans = floor_plans(constants.benchmark.scenes)
+    plans = floor_plans(constants.splits["main"].scenes)
     counts = {folder.name: len(recorded([folder])) for folder in pictures}
     shown: dict[str, int] = {}
     for path in crops:

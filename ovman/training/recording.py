@@ -26,7 +26,7 @@ from ovman.training.pictures import Picture, pictures
 def run(scene: str, constants: Settings, output: Path) -> None:
     """Records the pictures of a scene into the directory `output`: training.views of them, or training.held_out_views."""
     training = constants.training
-    taught = scene in floor_plans(constants.benchmark.scenes).taught
+    taught = scene in floor_plans(constants.splits["main"].scenes).taught
     views = training.views if taught else training.held_out_views
     simulator = controller.start(constants.benchmark.backend, scene, Embodiment.of(constants))
     try:

@@ -138,7 +138,7 @@ def main() -> None:
     min_mask_px, padding = perception.detector.min_mask_px, perception.encoder.crop_padding
     looked: list[Looked] = []
     of_plans: list[tuple[Looks, Looks]] = []
-    scenes = floor_plans(settings.benchmark.scenes).held_out
+    scenes = floor_plans(settings.splits["main"].scenes).held_out
     for scene in scenes:
         halves: tuple[list[Detection], list[Detection]] = ([], [])
         nouns: dict[str, np.ndarray] = {}

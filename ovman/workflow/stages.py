@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from ovman.settings.settings import matching
 
 # "a.b" is one constant, "a.*" is all of a section. A change reruns the stages that own the constant and all that follow them.
-# benchmark.scenes and evaluation.seeds decide which files exist; stages own them only if they write them into records.
+# evaluation.seeds decides which files exist; no stage owns it.
 # evaluation.scenes_per_job decides which job makes a file; no stage owns it.
 _SIMULATOR = ("benchmark.backend", "camera.*", "primitives.step_m", "primitives.turn_deg")
 _RUNNING = ("benchmark.seed", "benchmark.backend", "camera.*", "primitives.*", "success.sweep_deg") + (
@@ -61,8 +61,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "episodes": (
         "benchmark.seed",
         "benchmark.backend",
-        "benchmark.scenes",
-        "benchmark.split.*",
         "splits",
         "camera.*",
         "primitives.*",
@@ -78,7 +76,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "training.seed",
         "training.views",
         "training.held_out_views",
-        "benchmark.scenes",
+        "splits",
     ),
     "crops": ("perception.encoder.crop_padding", "training.encoder.crop_px"),
     "detector": (
@@ -94,7 +92,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "encoder": ("training.seed", "training.encoder.*"),
     "graphs": ("perception.detector.architecture",),
-    "models": ("training.*", "benchmark.scenes"),
+    "models": ("training.*", "splits"),
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "cues": (
         "camera.field_of_view_deg",
@@ -244,9 +242,11 @@ def owned(stage: str, names: Iterable[str]) -> tuple[str, ...]:
     return matching(STAGES[stage], names)
 
 
-_DRAWN = ("name", "main_job", "scenes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
+_DRAWN = ("name", "in_main_job", "scenes", "changes", "others", "second_tour", "light", "sensors", "draws", "tries")
 ENTRIES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     "candidates": {"splits": _DRAWN},
+    "pictures": {"splits": ("name", "scenes")},
+    "models": {"splits": ("name", "scenes")},
     "episodes": {"splits": (*_DRAWN, "episodes", "instances_in_turn", "sizes_in_turn")},
 }
 """Of the entries of these sections a stage owns these fields only: who answers a split changes no episode of it."""

@@ -65,7 +65,7 @@ def test_what_no_arm_needs_is_not_made():
 
 @pytest.mark.parametrize("take", (in_tables, in_all_tables))
 def test_the_tables_have_the_splits_that_are_asked_for(take):
-    splits = [*CONFIG.splits.values()]
+    splits = [split for split in CONFIG.splits.values() if split.name != "main"]
     assert {*take(ARMS, splits)} - {*take(ARMS)} == {name for split in splits for name in in_split_tables(ARMS, split)}
     for split in splits:
         assert set(in_split_tables([], split)) == {f"{split.name}_rates", f"{split.name}_rejections"}

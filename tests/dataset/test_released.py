@@ -12,12 +12,11 @@ from ovman.dataset.making import CROISSANT, SUMS, ZENODO, read_sums
 from ovman.records.episode import Episode
 from ovman.records.prediction import Prediction
 from ovman.records.run import Score
-from ovman.settings import splits_of
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
 
 DATASET = ROOT / "dataset"
-SPLITS = splits_of(CONFIG.splits)
+SPLITS = tuple(CONFIG.splits)
 
 
 @pytest.fixture(scope="module")

@@ -247,7 +247,7 @@ def ill(asked):
 def in_sickness_and_in_health():
     """Episodes of one scene, no two asked alike, each with the name of an illness or none: as far as they reach, every illness is
     followed by an episode in which the agent is well."""
-    by_scene = [{(one.relation, one.category): one for one in of_scene(scene)} for scene in CONFIG.benchmark.scenes]
+    by_scene = [{(one.relation, one.category): one for one in of_scene(scene)} for scene in CONFIG.splits[MAIN].scenes]
     some = [*max(by_scene, key=len).values()]
     pairs = itertools.zip_longest(zip(some, ILLS, strict=False), ((one, None) for one in some[len(ILLS) :]))
     return [one for pair in pairs for one in pair if one is not None]

@@ -540,8 +540,8 @@ def test_the_audit_counts_what_was_drawn_rejected_certified_and_released() -> No
 
 def write_split(folder: Path, split: str = MAIN, seed: int = 0, allow_short_split: bool = False, **wanted: int) -> None:
     """Releases a split of so many episodes of each relation, and of none where it is not named."""
-    asked = CONFIG.benchmark.split.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
-    benchmark = CONFIG.benchmark.model_copy(update={"seed": seed, "split": asked, "allow_short_split": allow_short_split})
+    asked = CONFIG.splits[MAIN].episodes.model_copy(update={r.value: wanted.get(r.value, 0) for r in Relation})
+    benchmark = CONFIG.benchmark.model_copy(update={"seed": seed, "allow_short_split": allow_short_split})
     splits = {name: one.model_copy(update={"episodes": asked}) for name, one in CONFIG.splits.items()}
     verdicts = [folder / f"{scene}.jsonl" for scene in SCENES]
     for scene, file in zip(SCENES, verdicts, strict=True):
@@ -565,7 +565,9 @@ def test_a_split_takes_all_that_is_certified_and_an_error_names_each_relation_th
     write_split(tmp_path, moved=moved, stable=stable)
     assert len((tmp_path / "main.jsonl").read_text().splitlines()) == moved + stable
     lack = rf"moved {moved} of {moved + 1}, stable {stable} of {stable + 9}"
-    says = rf"^benchmark\.split asks for more .* \({lack}\); raise candidates\.draws, lower benchmark\.split, or set benchmark"
+    says = (
+        rf"^splits\.main\.episodes asks for more .* \({lack}\); raise splits\.main\.draws, lower splits\.main\.episodes, or set"
+    )
     with pytest.raises(ShortSplitError, match=says):
         write_split(tmp_path, moved=moved + 1, stable=stable + 9)
     write_split(tmp_path, allow_short_split=True, moved=moved + 1, stable=stable + 9)
@@ -594,7 +596,7 @@ def test_a_split_is_drawn_under_its_seed_and_name_and_written_scene_after_scene(
         pool = {scene: [k for k in apart if relation_of[k] is relation and scene_of[k] == scene] for scene in SCENES}
         pool = {scene: ids for scene, ids in pool.items() if ids}
         released += select(pool, wanted[relation], seeds.generator(seed, *names, relation.value), in_turn, sizes)
-    released.sort(key=lambda k: (CONFIG.benchmark.scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
+    released.sort(key=lambda k: (CONFIG.splits[split].scenes.index(scene_of[k]), list(Relation).index(relation_of[k]), k))
     shared = [] if split == "multi" else left_out(pairs, released)
     against |= dict.fromkeys(shared, Rejection.SHARED_TOURS)
 

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from ovman.generation.candidates import candidates, eligible, targets
 from ovman.generation.placement import FreeFloor
-from ovman.generation.protocol import main_drawing
+from ovman.generation.protocol import Drawing
 from ovman.generation.spawning import spawn_away
 from ovman.records.rejection import Rejection
 from ovman.records.relation import Relation
 from ovman.records.scene import Scene
+from ovman.settings import MAIN
 from tests.arms import CONFIG
 from tests.generation.test_placement import thing
 
@@ -30,7 +31,7 @@ def room(*objects, cells=12) -> Scene:
 
 
 def of_main(scene, constants):
-    return candidates(scene, main_drawing(scene, constants), constants)
+    return candidates(scene, Drawing.of(constants.splits[MAIN], scene, constants), constants)
 
 
 def test_the_clearance_of_a_spawn_is_inclusive_from_every_point():
@@ -67,7 +68,7 @@ def test_stable_takes_categories_of_two_and_moves_the_other():
     three = [thing(f"b|{k}", "B", 1.0 + k, 0.5) for k in range(3)]
     drawn = of_main(room(*pair, *three), CONFIG)
     stable = [c for c in drawn if c.relation is Relation.STABLE]
-    assert len(stable) == CONFIG.candidates.draws.stable
+    assert len(stable) == CONFIG.splits[MAIN].draws.stable
     assert {c.category for c in stable} == {"A"} and {(c.target, c.distractor) for c in stable} == {
         ("a|1", "a|2"),
         ("a|2", "a|1"),
@@ -113,8 +114,9 @@ def test_appeared_and_removed_draw_an_instance_once_each_in_an_order_of_its_own(
 
 def drawing(**draws):
     """The settings with other draws, none of the relations that are not named."""
-    drawn = CONFIG.candidates.draws.model_copy(update={r.value: draws.get(r.value, 0) for r in Relation})
-    return CONFIG.model_copy(update={"candidates": CONFIG.candidates.model_copy(update={"draws": drawn})})
+    main = CONFIG.splits[MAIN]
+    drawn = main.draws.model_copy(update={r.value: draws.get(r.value, 0) for r in Relation})
+    return CONFIG.model_copy(update={"splits": {MAIN: main.model_copy(update={"draws": drawn})}})
 
 
 @settings(max_examples=6)

@@ -35,7 +35,7 @@ from tests.arms import CONFIG
 from tests.episodes import DATA
 from tests.generation.test_placement import thing
 
-SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.main_job)
+SPLIT = next(split for split in CONFIG.splits.values() if split.others is not None and split.in_main_job)
 TERMS, APART_M = SPLIT.others, CONFIG.candidates.apart_m
 SCENES = ("FloorPlan204", "FloorPlan322")
 CONSTANTS = stage_settings(CONFIG, "candidates")

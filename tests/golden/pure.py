@@ -72,7 +72,7 @@ def _generate(given: Path, made: Path) -> None:
         verdict.run(trial, stage_settings(CONFIG, "admissible"), made / "admissible" / trial.name)
     for split in ("main", *SPLITS, "dev", "dev_everyday"):
         stem = "" if split == "main" else f"{split}_"
-        scenes = CONFIG.benchmark.scenes if split in ("main", *SPLITS) else CONFIG.splits[split].scenes
+        scenes = CONFIG.splits[split].scenes
         release.run(
             [given / "trials" / f"{scene}.jsonl" for scene in scenes],
             [made / "admissible" / f"{scene}.jsonl" for scene in scenes],
@@ -87,7 +87,7 @@ def _generate(given: Path, made: Path) -> None:
         if not (given / "admissible" / file.name).exists():  # the release leaves out those of dev
             file.unlink()
     readmission.run(
-        [given / "trials" / f"{scene}.jsonl" for scene in CONFIG.benchmark.scenes],
+        [given / "trials" / f"{scene}.jsonl" for scene in CONFIG.splits["main"].scenes],
         given / "episodes" / "main.jsonl",
         stage_settings(CONFIG, "readmitted"),
         made / "readmitted" / "episodes.jsonl",

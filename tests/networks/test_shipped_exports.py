@@ -94,13 +94,13 @@ def same(scenes: list[str], each: int) -> None:
 
 
 def test_detections_are_ultralytics_own():
-    same(list(floor_plans(CONFIG.benchmark.scenes).held_out[:1]), 6)
+    same(list(floor_plans(CONFIG.splits["main"].scenes).held_out[:1]), 6)
 
 
 @pytest.mark.soak
 @pytest.mark.timeout(3600)
 def test_detections_are_ultralytics_own_on_300_held_out_views():
-    plans = list(floor_plans(CONFIG.benchmark.scenes).held_out)
+    plans = list(floor_plans(CONFIG.splits["main"].scenes).held_out)
     same(plans, -(-300 // len(plans)))
 
 

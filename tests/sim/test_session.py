@@ -21,7 +21,7 @@ from ovman.workflow.parameter import StageSettings, canonical
 from tests.workflow.test_reruns import TREE, merged
 
 SCENE = "FloorPlan429"
-CONFIG = load(merged(TREE, {"benchmark": {"scenes": [SCENE]}}))
+CONFIG = load(merged(TREE, {"splits": {"main": {"scenes": [SCENE]}}}))
 NOTICED_S = 5.0
 
 

@@ -16,18 +16,19 @@ from tests.workflow.test_reruns import CONFIG
 SCENES = ["FloorPlan227", "FloorPlan204", "FloorPlan7"]
 DRIVING = [arm for arm in CONFIG.arms.values() if arm.kind is Kind.EMBODIED and arm.cut_from is None]
 LOOKING = [arm.name for arm in DRIVING if Need.NETWORKS in arm.needs]
-OF_SPLITS = [name for split in CONFIG.splits.values() if split.main_job for name in split.arms]
+FURTHER = {name: split for name, split in CONFIG.splits.items() if split.in_main_job and name != "main"}
+OF_SPLITS = [name for split in FURTHER.values() for name in split.arms]
 BATCHED = sum(1 + OF_SPLITS.count(arm.name) for arm in DRIVING if arm.name not in LOOKING)
 """How many arms without networks drive, each split apart."""
 
 
 def planned(world: World, size: int) -> dict[str, int]:
     """Count the jobs of each rule for all runs. The runs are named, because the tables wait for the episodes."""
-    splits = {name: {*split.arms} for name, split in CONFIG.splits.items() if split.main_job}
+    splits = {name: {*split.arms} for name, split in FURTHER.items()}
     of = ["", *(f"{name}/" for name in splits)]
     arms = {"": {arm.name for arm in DRIVING}} | {f"{name}/": {arm.name for arm in DRIVING} & splits[name] for name in splits}
     runs = [f"results/rollouts/{one}{arm}/seed0/{scene}.jsonl" for one in of for arm in sorted(arms[one]) for scene in SCENES]
-    found = world.planned({"benchmark": {"scenes": SCENES}, "evaluation": {"scenes_per_job": size}}, runs)
+    found = world.planned({"splits": {"main": {"scenes": SCENES}}, "evaluation": {"scenes_per_job": size}}, runs)
     return {rule: jobs for rule, jobs in found.items() if rule.startswith("rollouts")}
 
 
@@ -42,7 +43,7 @@ def test_a_job_takes_so_many_scenes_as_the_settings_say(tmp_path):
 
 def test_a_batch_asks_a_cluster_for_what_its_stage_asks(tmp_path):
     overlay = tmp_path / "overlay.yaml"
-    overlay.write_text(yaml.safe_dump({"benchmark": {"scenes": SCENES}}))
+    overlay.write_text(yaml.safe_dump({"splits": {"main": {"scenes": SCENES}}}))
     asked = yaml.safe_load(PROFILE.read_text())["set-resources"]["rollouts"]
     arguments = ["--profile", "profiles/slurm", "--dry-run", "--directory", str(tmp_path)]
     targets = [f"results/rollouts/{arm}/seed0/FloorPlan204.jsonl" for arm in ("oracle_check", "two_visits_oracle_positions")]

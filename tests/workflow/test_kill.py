@@ -22,7 +22,7 @@ FINISHED_S = 900
 ENDED_S = 20.0
 KEPT_S = 120.0
 """For a stage to keep its first unit, on a busy machine."""
-SCENE = CONFIG.benchmark.scenes[0]
+SCENE = CONFIG.splits["main"].scenes[0]
 WITH_MAPS = next(arm.name for arm in of_kind(arms_of(CONFIG.arms), Kind.EMBODIED) if Need.MAPS in arm.needs)
 RUNS = f"results/scores/{WITH_MAPS}/seed0/{SCENE}.jsonl"
 TRIALS = f"results/trials/{SCENE}.jsonl"

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from ovman.settings import Arm, Kind, in_main_job
+from ovman.settings import Arm, Kind
 from ovman.settings.config import load
 from ovman.settings.settings import matching
 from ovman.settings.settings_files import read_merged, with_parts
@@ -163,7 +163,7 @@ def merged(base: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
 TREE = merged(read_merged(with_parts(ROOT / "config.yaml")), yaml.safe_load(TINY.read_text()))
 CONFIG = load(TREE)
 VALUES = CONFIG.constants()
-IN_SPLITS = {arm for name in in_main_job(CONFIG.splits) for arm in CONFIG.splits[name].arms}
+IN_SPLITS = {arm for name, split in CONFIG.splits.items() if split.in_main_job and name != "main" for arm in split.arms}
 OF_ARMS = {"static": "predictions", "embodied": "rollouts"}
 ASKED_AGAIN = {CONFIG.comparisons.agent, CONFIG.comparisons.memory.baseline, CONFIG.appearance.agent}
 """Static arms whose agents other stages ask as well."""
@@ -177,7 +177,6 @@ ANOTHER = {"drift_tolerance_m": 0.4, "tau_m": 0.9, "delta_min_m": 1.9, "motion_m
 OTHER = {
     "arms": {"two_visits": {"system": "another"}},
     "benchmark.backend": "thor",
-    **{f"benchmark.split.{relation}": 0 for relation in ("moved", "former", "moving", "stable", "appeared", "removed")},
     "benchmark.allow_short_split": True,
     "primitives.turn_deg": 20.0,
     "success.sweep_deg": [0, 30],
@@ -270,7 +269,7 @@ def kinds() -> list[list[str]]:
     """Constants that rerun the same stages, together; without those that say which files there are or count others."""
     found: dict[frozenset[str], list[str]] = {}
     for name in VALUES:
-        if name not in ("benchmark.scenes", "evaluation.seeds", "evaluation.scenes_per_job", "sensitivity.combinations"):
+        if name not in ("evaluation.seeds", "evaluation.scenes_per_job", "sensitivity.combinations"):
             found.setdefault(frozenset(and_what_follows(owners(name))), []).append(name)
     return list(found.values())
 
@@ -311,7 +310,7 @@ def test_a_further_seed_reruns_the_rollouts_and_what_follows(world):
 
 
 def test_a_further_scene_runs_its_own_stages_once_and_what_gathers_all(world):
-    planned = world.planned({"benchmark": {"scenes": ["FloorPlan227", "FloorPlan230"]}})
+    planned = world.planned({"splits": {"main": {"scenes": ["FloorPlan227", "FloorPlan230"]}}})
     assert planned == dict.fromkeys(planned_for({"scenes"}), 1)
 
 

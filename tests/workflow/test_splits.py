@@ -50,7 +50,7 @@ def test_its_table_has_the_arms_that_its_entry_names(world):
 
 
 def test_its_episodes_are_shown_with_what_arms_answered(world):
-    results = Results(world.directory / "results", arms_of(CONFIG.arms), CONFIG.splits)
+    results = Results(world.directory / "results", arms_of(CONFIG.arms), {"multi": (), "everyday": ()})
     (chosen,) = results.chosen(["*/multi-*"])
     assert {*results.predictions(chosen)} == {*STATIC}
     assert all(results.static_verdict(arm, 0, chosen) for arm in STATIC)

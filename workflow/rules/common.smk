@@ -10,11 +10,6 @@ from ovman.settings import (
     named,
     of_kind,
     arms_of,
-    all_scenes,
-    in_main_job,
-    job_scenes,
-    scenes_of,
-    splits_of,
 )
 from ovman.records.variant import VARIANTS
 from ovman.workflow.batches import batches
@@ -37,21 +32,22 @@ try:
 except ConfigError as error:
     raise SystemExit(str(error))
 
-SCENES = settings.benchmark.scenes
-# Those of the main job, and those of splits that are no part of it.
-JOB_SCENES = job_scenes(settings.benchmark, settings.splits)
-OTHER_SCENES = [one for one in all_scenes(settings.benchmark, settings.splits) if one not in JOB_SCENES]
+# The splits, main first, and their scenes.
+SPLITS = tuple(settings.splits)
+SCENES_OF = {name: split.scenes for name, split in settings.splits.items()}
+SCENES = SCENES_OF["main"]
+# The splits of results/all, and those of results/tables: the paper's, whose tours are like those of split main.
+JOB_SPLITS = [name for name, split in settings.splits.items() if split.in_main_job]
+PAPER_SPLITS = [name for name in JOB_SPLITS if settings.splits[name].plain]
+# The scenes of the main job, and those of other splits.
+JOB_SCENES = tuple(dict.fromkeys(scene for name in JOB_SPLITS for scene in SCENES_OF[name]))
+OTHER_SCENES = sorted({scene for scenes in SCENES_OF.values() for scene in scenes} - {*JOB_SCENES})
 SEEDS = settings.evaluation.seeds
 ARMS = arms_of(settings.arms)
 STATIC = [arm.name for arm in of_kind(ARMS, Kind.STATIC)]
 EMBODIED = [arm.name for arm in of_kind(ARMS, Kind.EMBODIED)]
-SPLITS = splits_of(settings.splits)
-# The splits beside the benchmark's own, whose files bear no name of a split.
-FURTHER = list(settings.splits)
-SCENES_OF = {name: scenes_of(name, settings.benchmark, settings.splits) for name in SPLITS}
-# The splits of results/all, and those of results/tables: the paper's, whose tours are like those of the benchmark's own split.
-JOB_SPLITS = [SPLITS[0], *in_main_job(settings.splits)]
-PAPER_SPLITS = [name for name in JOB_SPLITS if name == SPLITS[0] or settings.splits[name].plain]
+# The splits whose files bear the name of a split.
+FURTHER = [name for name in SPLITS if name != "main"]
 OF_OTHER_SCENES = "|".join(OTHER_SCENES) or "none"
 PLUGINS = plugins_of(settings)
 # The rules `predictions` and `rollouts` make the records of these arms; rules of plug-ins make the others'.

@@ -14,7 +14,7 @@ from ovman.report.tables.constants import constants_table
 from ovman.report.tables.position import POSITION, position_table
 from ovman.report.tables.specs import SPECS, spec_of
 from ovman.report.tables.table import Table, csv_text, latex, markdown
-from ovman.settings import Kind, Settings, arms_of
+from ovman.settings import MAIN, Kind, Settings, arms_of
 
 
 def run(
@@ -32,7 +32,7 @@ def run(
     made their arms' records, each called after its plug-in; the tables of these arms say which did not.
     Raises ValueError in one line for a file that no table shows or whose rows contradict themselves, naming the file.
     """
-    splits = list(constants.splits)
+    splits = [name for name in constants.splits if name != MAIN]
     made = {
         table_of(path.stem, splits): noted(table(path, constants), spec_of(path.stem, splits).kind, notes, constants)
         for path in metrics_files
@@ -42,7 +42,7 @@ def run(
 
 def run_split(metrics_files: Sequence[Path], constants: Settings, output_dir: Path) -> None:
     """Write the table of each file of metrics of a split into output_dir, made if need be. Else as `run`."""
-    splits = list(constants.splits)
+    splits = [name for name in constants.splits if name != MAIN]
     write({table_of(path.stem, splits): table(path, constants) for path in metrics_files}, output_dir)
 
 
@@ -59,7 +59,7 @@ def run_static(episodes: Path, predictions: Sequence[Path], constants: Settings,
 
 def table(path: Path, constants: Settings) -> Table:
     """The table of a file of metrics. Raises ValueError, one line that names the file, where its rows contradict themselves."""
-    spec = spec_of(path.stem, () if path.stem in SPECS else constants.splits)
+    spec = spec_of(path.stem, () if path.stem in SPECS else [name for name in constants.splits if name != MAIN])
     rows = frames.read(path, spec.rows)
     try:
         return spec.make(rows, constants)

@@ -190,7 +190,7 @@ def run(
     installation = Installation(Path(chosen.root).absolute(), Path(chosen.python))
     policy, turn_deg = policy_of(constants), constants.dualmap.walk.turn_deg
     if not of:
-        raise ValueError(f"{scene}: no episode is in this scene; take it out of benchmark.scenes")
+        raise ValueError(f"{scene}: no episode is in this scene; take it out of splits.main.scenes")
     benchmark = next(iter(of.values())).episode.settings
     with Session(scene, benchmark, embodiment(benchmark, chosen.side_px)) as session:
 

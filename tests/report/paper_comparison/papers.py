@@ -13,7 +13,6 @@ from ovman.report.paper_comparison.comparison import RELATIONS
 from ovman.report.paper_comparison.metrics import ALL, Metrics, arms_by_row
 from ovman.report.paper_comparison.paper import Figure, Paper
 from ovman.settings.sensitivity import THRESHOLDS
-from ovman.settings.splits import in_main_job
 from tests.arms import CONFIG
 
 Files = dict[str, list[dict[str, str]]]
@@ -405,7 +404,7 @@ def controls() -> list[dict[str, str]]:
             least="",
             greatest="",
         )
-        for split in ("main", *in_main_job(CONFIG.splits))
+        for split in [name for name, one in CONFIG.splits.items() if one.in_main_job]
         for arm, entry in CONFIG.comparisons.controls.items()
         for relation in EVERY
     ]
@@ -415,7 +414,7 @@ def compared_on_splits() -> list[dict[str, str]]:
     """Every pair that is tested on every split, as a clear difference."""
     return [
         _row(split=split, arm=pair.arm, baseline=pair.baseline, seed=seed, n=10, wins=9, losses=0, p=1e-9)
-        for split in ("main", *in_main_job(CONFIG.splits))
+        for split in [name for name, one in CONFIG.splits.items() if one.in_main_job]
         for pair in CONFIG.comparisons.pairs.values()
         if pair.every_split
         for seed in (SEEDS if CONFIG.arms[pair.arm].kind == "embodied" else SEEDS[:1])
