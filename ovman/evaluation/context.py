@@ -21,7 +21,7 @@ from ovman.records.prediction import Abstention, Answer
 from ovman.records.sighting import Sighting, Sightings, VisitPair
 from ovman.records.world_state import WorldState
 from ovman.settings import Arm, Need, Settings, Source
-from ovman.task.world import recorded_world
+from ovman.task import recorded_world
 
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector

@@ -14,8 +14,7 @@ from ovman.records.rejection import Rejection
 from ovman.records.trial import Trial, TrialMeasurement, Verdict
 from ovman.records.world_state import WorldState
 from ovman.settings import Settings
-from ovman.task import admissible, category_pick, crowding
-from ovman.task.world import recorded_world, true_world
+from ovman.task import admissible, category_pick, crowding, recorded_world, true_world
 
 
 def reasons(trial: Trial, constants: Settings) -> Iterator[Rejection]:

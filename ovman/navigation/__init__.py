@@ -1,9 +1,7 @@
 """The grid of reachable cells, shortest paths on it, and the navigator that follows them with primitives."""
 
-from ovman.navigation.grid import DIRECTIONS, Cell, Grid
+from ovman.navigation.grid import DIRECTIONS, Cell, Edge, Grid, farthest_points, geodesic_m, shortest_path, steps_from
 from ovman.navigation.navigator import Navigator
-from ovman.navigation.plan import Edge, geodesic_m, shortest_path, steps_from
-from ovman.navigation.waypoints import farthest_points
 
 __all__ = [
     "DIRECTIONS",

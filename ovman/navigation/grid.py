@@ -1,13 +1,18 @@
-"""The grid of reachable positions: cells of a square lattice on the floor plane, joined to their four neighbours."""
+"""The grid of reachable positions, shortest paths on it (A*), and waypoints of tours."""
 
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from heapq import heappop, heappush
 
 Cell = tuple[int, int]
 """Lattice indices (i, j), along x and along z."""
+
+Edge = frozenset[Cell]
+"""Two neighbouring cells, unordered."""
 
 DIRECTIONS: tuple[Cell, ...] = ((1, 0), (0, 1), (-1, 0), (0, -1))
 """The four neighbours, in the default order of expansion."""
@@ -23,7 +28,10 @@ _MAY_WIN = (1.0 + 1e-12, 1e-6)
 
 @dataclass(frozen=True)
 class Grid:
-    """Cells with centres at origin + step_m * (i, j); origin is an (x, z) in metres, world frame."""
+    """Cells of a square lattice on the floor plane, joined to their four neighbours.
+
+    Centres are at origin + step_m * (i, j); origin is an (x, z) in metres, world frame.
+    """
 
     step_m: float
     origin: tuple[float, float]
@@ -31,7 +39,7 @@ class Grid:
 
     @staticmethod
     def from_positions(points: Iterable[Collection[float]], step_m: float) -> Grid:
-        """The grid of `points`, (x, z) or (x, y, z) in metres, which lie on a square lattice of spacing `step_m`.
+        """Build the grid of `points`, (x, z) or (x, y, z) in metres, which lie on a square lattice of spacing `step_m`.
 
         The origin depends on the lattice alone, so grids of one scene before and after a change share their indices. Raises
         ValueError for a point farther than LATTICE_TOLERANCE_M from the lattice through the smallest point.
@@ -53,25 +61,25 @@ class Grid:
         return Grid(step_m, origin, frozenset(cells))
 
     def centre(self, cell: Cell) -> tuple[float, float]:
-        """(x, z) of a cell's centre, metres. The cell need not be in the grid."""
+        """Return (x, z) of a cell's centre, metres. The cell need not be in the grid."""
         return self.origin[0] + self.step_m * cell[0], self.origin[1] + self.step_m * cell[1]
 
     def cell_at(self, x: float, z: float) -> Cell | None:
-        """The cell of the grid whose square contains (x, z), or None; on a border the smaller cell."""
+        """Return the cell of the grid whose square contains (x, z), or None; on a border the smaller cell."""
         u, v = self._lattice(x, z)
         cell = (math.ceil(u - 0.5), math.ceil(v - 0.5))
         return cell if cell in self.cells else None
 
     def neighbours(self, cell: Cell, directions: Iterable[Cell] = DIRECTIONS) -> tuple[Cell, ...]:
-        """The neighbours of a cell that are in the grid, in the order of `directions`."""
+        """Return the neighbours of a cell that are in the grid, in the order of `directions`."""
         i, j = cell
         return tuple(n for di, dj in directions if (n := (i + di, j + dj)) in self.cells)
 
     def component(self, cell: Cell) -> frozenset[Cell]:
-        """The cells that can be reached from `cell`, itself among them. Raises ValueError for a cell that is not in the grid."""
+        """Return the cells that can be reached from `cell`, including it. ValueError for a cell outside the grid."""
         self.require(cell)
         cells, reached, queue = self.cells, {cell}, [cell]
-        for i, j in queue:  # grows meanwhile; the neighbours are written out, as most of the time went into asking for them
+        for i, j in queue:  # grows meanwhile; the neighbours are written out because calls took most of the time
             for neighbour in ((i + 1, j), (i, j + 1), (i - 1, j), (i, j - 1)):
                 if neighbour in cells and neighbour not in reached:
                     reached.add(neighbour)
@@ -79,7 +87,7 @@ class Grid:
         return frozenset(reached)
 
     def components(self) -> tuple[frozenset[Cell], ...]:
-        """The connected components, largest first, those of equal size by their smallest cells."""
+        """Return the connected components, largest first, those of equal size by their smallest cells."""
         left, components = set(self.cells), []
         while left:
             component = self.component(next(iter(left)))
@@ -88,9 +96,9 @@ class Grid:
         return tuple(sorted(components, key=lambda component: (-len(component), min(component))))
 
     def nearest(self, x: float, z: float, within: Collection[Cell] | None = None) -> Cell:
-        """The cell with its centre nearest to (x, z), among `within` (default: the grid); ties go to the smallest (i, j).
+        """Return the cell with its centre nearest to (x, z), among `within` or the whole grid; ties go to the smallest (i, j).
 
-        nu(a) of Eq. 4 for `within` the component of the spawn. Raises ValueError for an empty set of cells.
+        With `within` the component of the spawn this is nu(a) of Eq. 4. ValueError for an empty set of cells.
         """
         u, v = self._lattice(x, z)
         among = self.cells if within is None else within
@@ -99,7 +107,7 @@ class Grid:
             return here
         if not among:
             raise ValueError(f"no cell to be nearest to ({x:.4f}, {z:.4f}): the set of cells is empty")
-        # Rounding is most of the time, so only what may win is rounded.
+        # Rounding takes most of the time, so only cells that may win are rounded.
         away = {(i, j): (i - u) * (i - u) + (j - v) * (j - v) for i, j in among}
         most = min(away.values()) * _MAY_WIN[0] + _MAY_WIN[1]
         return min(
@@ -108,7 +116,7 @@ class Grid:
         )
 
     def require(self, cell: Cell) -> None:
-        """Raises ValueError for a cell that is not in the grid."""
+        """Raise ValueError for a cell outside the grid."""
         if cell not in self.cells:
             raise ValueError(f"cell {cell} at {self.centre(cell)} is not one of the {len(self.cells)} cells of the grid")
 
@@ -117,6 +125,96 @@ class Grid:
 
 
 def _offset(coordinate: float, step_m: float) -> float:
-    """Offset of a lattice from the world's origin, in (-step/2, step/2], rounded so that single precision does not show."""
+    """Return the offset of a lattice from the world's origin, in (-step/2, step/2], free of single precision's noise."""
     offset = round(coordinate - step_m * round(coordinate / step_m), _ORIGIN_DECIMALS)
     return offset + step_m if offset <= -step_m / 2 else offset
+
+
+def shortest_path(
+    grid: Grid, start: Cell, goal: Cell, blocked: Collection[Edge] = frozenset(), directions: tuple[Cell, ...] | None = None
+) -> tuple[Cell, ...] | None:
+    """Return a shortest path from `start` to `goal`, both included, over edges that are not `blocked`, or None.
+
+    A* with the city-block distance. Among paths of equal length the choice depends only on `directions`, the order in which the
+    neighbours of a cell are expanded; over free floor such a path turns once. ValueError if an end is outside the grid.
+    """
+    grid.require(start)
+    grid.require(goal)
+    directions = DIRECTIONS if directions is None else directions
+    goal_i, goal_j = goal
+    came_from: dict[Cell, Cell | None] = {start: None}
+    length = {start: 0}
+    closed: set[Cell] = set()
+    # (lower bound of the length through the cell, -length up to it, age): deepest first among equals halves the time.
+    open_cells = [(abs(start[0] - goal_i) + abs(start[1] - goal_j), 0, 0, start)]
+    age = 0
+    while open_cells:
+        _, _, _, cell = heappop(open_cells)
+        if cell == goal:
+            return _trace(came_from, goal)
+        if cell in closed:
+            continue
+        closed.add(cell)
+        steps = length[cell] + 1
+        for neighbour in grid.neighbours(cell, directions):
+            if steps >= length.get(neighbour, steps + 1) or (blocked and frozenset((cell, neighbour)) in blocked):
+                continue
+            length[neighbour], came_from[neighbour] = steps, cell
+            age += 1
+            promise = steps + abs(neighbour[0] - goal_i) + abs(neighbour[1] - goal_j)
+            heappush(open_cells, (promise, -steps, age, neighbour))
+    return None
+
+
+def geodesic_m(grid: Grid, start: Cell, goal: Cell, blocked: Collection[Edge] = frozenset()) -> float | None:
+    """Return the length of a shortest path in metres, or None if the goal is unreachable."""
+    path = shortest_path(grid, start, goal, blocked)
+    return None if path is None else grid.step_m * (len(path) - 1)
+
+
+def steps_from(grid: Grid, start: Cell) -> dict[Cell, int]:
+    """Return the number of edges of a shortest path from `start` to every cell of its component."""
+    grid.require(start)
+    steps, queue = {start: 0}, deque([start])
+    while queue:
+        cell = queue.popleft()
+        for neighbour in grid.neighbours(cell):
+            if neighbour not in steps:
+                steps[neighbour] = steps[cell] + 1
+                queue.append(neighbour)
+    return steps
+
+
+def _trace(came_from: dict[Cell, Cell | None], goal: Cell) -> tuple[Cell, ...]:
+    path: list[Cell] = []
+    cell: Cell | None = goal
+    while cell is not None:
+        path.append(cell)
+        cell = came_from[cell]
+    return tuple(reversed(path))
+
+
+def farthest_points(grid: Grid, component: Collection[Cell], count: int, first: Cell) -> tuple[Cell, ...]:
+    """Return `count` cells of a component by farthest-point sampling over geodesic distance, beginning with `first`.
+
+    Ties go to the smallest (i, j).
+
+    Raises:
+        ValueError: `first` is not in the component, the component has fewer cells, or a cell cannot be reached from `first`.
+    """
+    candidates = sorted(component)
+    if first not in component:
+        raise ValueError(f"the first waypoint {first} is not in the component")
+    if not 1 <= count <= len(candidates):
+        raise ValueError(f"a component of {len(candidates)} cells does not have {count} waypoints")
+    distance = steps_from(grid, first)
+    unreachable = next((cell for cell in candidates if cell not in distance), None)
+    if unreachable is not None:
+        raise ValueError(f"cell {unreachable} cannot be reached from the first waypoint {first}")
+    chosen = [first]
+    while len(chosen) < count:
+        farthest = min(candidates, key=lambda cell: (-distance[cell], cell))
+        chosen.append(farthest)
+        from_farthest = steps_from(grid, farthest)
+        distance = {cell: min(distance[cell], from_farthest[cell]) for cell in candidates}
+    return tuple(chosen)

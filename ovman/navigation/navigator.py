@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ovman.navigation.grid import Cell, Grid
-from ovman.navigation.plan import shortest_path
+from ovman.navigation.grid import Cell, Grid, shortest_path
 from ovman.settings.benchmark import Primitives
 
 MOVE_AHEAD, ROTATE_LEFT, ROTATE_RIGHT, STOP = "MoveAhead", "RotateLeft", "RotateRight", "Stop"
@@ -14,7 +13,7 @@ PATIENCE_CELLS = 4
 
 
 def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str | None:
-    """The shorter turn from one yaw towards another; None within the tolerance."""
+    """Return the shorter turn from one yaw towards another, or None within the tolerance."""
     error = (wanted_deg - yaw_deg + 180.0) % 360.0 - 180.0
     if abs(error) <= tolerance_deg + 1e-6:
         return None
@@ -22,7 +21,7 @@ def turn_towards(yaw_deg: float, wanted_deg: float, tolerance_deg: float) -> str
 
 
 class Navigator:
-    """Plans with A* on a grid, which may be replaced, and remembers the edges on which moves failed.
+    """A planner with A* on a grid, which may be replaced. It remembers the edges on which moves failed.
 
     expires: whether a blocked edge is tried again after `blocked_edge_expiry` actions (MOVING episodes) or avoided for good.
     directions: the order in which A* expands the four neighbours; it decides between paths of equal length.
@@ -40,7 +39,7 @@ class Navigator:
         self._grid = grid
 
     def decide(self, x: float, z: float, yaw_deg: float, moved: bool, goal: Cell, face: tuple[float, float]) -> str | None:
-        """The next action of an agent at (x, z), metres, with `yaw_deg`; None if no path is left.
+        """Return the next action of an agent at (x, z), metres, with `yaw_deg`; None if no path is left.
 
         moved: whether the last move succeeded. The agent goes to `goal` and, within `stop_within_m` of its centre, turns to the
         floor-plane point `face` and stops. If expiring edges block every path, it turns on the spot until one expires.
@@ -64,7 +63,7 @@ class Navigator:
         return turn or MOVE_AHEAD
 
     def _plan(self, here: Cell, goal: Cell) -> tuple[Cell, ...] | None:
-        """The path from here to the goal: the followed path, extended to the new goal, if that is short enough.
+        """Return the path from here to the goal: the followed path, extended to the new goal, if that is short enough.
 
         A moving goal makes the shortest path flip from one side of the furniture to the other. An agent that follows every flip
         turns on the spot while the goal moves on.
@@ -82,7 +81,7 @@ class Navigator:
         return kept if 1 < len(kept) <= len(shortest) + PATIENCE_CELLS else shortest
 
     def _rest(self, here: Cell, avoided: frozenset[frozenset[Cell]]) -> tuple[Cell, ...] | None:
-        """The rest of the followed path; None if the agent has left the path or must avoid one of its edges."""
+        """Return the rest of the followed path, or None if the agent has left the path or must avoid one of its edges."""
         if self._path is None or here not in self._path:
             return None
         rest = self._path[self._path.index(here) :]

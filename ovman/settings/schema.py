@@ -22,6 +22,8 @@ def schema_text() -> str:
     schema["title"] = "Settings of OVMAN"
     schema["patternProperties"] = {"^x-": {}}
     del schema["required"]  # each file has some of the sections
+    split = schema["$defs"]["Split"]
+    split["required"] = [name for name in split["required"] if name not in ("scenes", "arms")]
     for section in (schema, *schema["$defs"].values()):
         for of in section.get("properties", {}).values():
             _named_by_their_keys(of, schema["$defs"])

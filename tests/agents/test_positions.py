@@ -27,7 +27,7 @@ from ovman.agents.reference.positions_two_visits import PositionsTwoVisits, answ
 from ovman.records.episode import Episode
 from ovman.records.sighting import Sightings
 from ovman.records.world_state import Instance, WorldState
-from ovman.task.world import recorded_world
+from ovman.task import recorded_world
 from tests.arms import CONFIG
 from tests.episodes import DATA
 

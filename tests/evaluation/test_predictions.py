@@ -17,7 +17,7 @@ from ovman.perception.clusters import Cluster
 from ovman.perception.labels import Labels, write_labels
 from ovman.perception.records import write_maps, write_nouns
 from ovman.records.prediction import Prediction
-from ovman.task.world import recorded_world
+from ovman.task import recorded_world
 from tests.episodes import DATA, EPISODES, SIGHTINGS, released, sightings
 from tests.runs import job
 

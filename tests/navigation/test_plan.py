@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ovman.navigation.grid import DIRECTIONS, Grid
-from ovman.navigation.plan import geodesic_m, shortest_path, steps_from
-from ovman.navigation.waypoints import farthest_points
+from ovman.navigation.grid import DIRECTIONS, Grid, farthest_points, geodesic_m, shortest_path, steps_from
 
 STEP = 0.25
 

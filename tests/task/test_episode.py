@@ -231,7 +231,7 @@ def test_an_episode_has_the_constants_of_its_protocol_and_no_others():
     for name in ("camera", "primitives", "mover", "success"):
         assert dict(getattr(constants, name)) == dict(getattr(CONFIG, name))
     assert (constants.benchmark.seed, constants.benchmark.backend) == (20260401, "embedded")
-    for read in (lambda: constants.association.gate_m, lambda: constants.benchmark.scenes, lambda: constants.tour.waypoints):
+    for read in (lambda: constants.association.gate_m, lambda: constants.maps.cluster_radius_m, lambda: constants.tour.waypoints):
         with pytest.raises(AttributeError, match="episode FloorPlan201/moved/0003"):
             read()
 

@@ -23,8 +23,8 @@ from ovman.task import (
     displacement_m,
     holds,
     referents,
+    true_world,
 )
-from ovman.task.world import true_world
 
 
 def thresholds(delta_min_m: float = 1.5, tau_m: float = 0.75, motion_m: float = 0.01) -> Settings:

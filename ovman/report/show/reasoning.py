@@ -23,7 +23,7 @@ from ovman.records.sighting import Sighting, Sightings
 from ovman.report.show.results import MAKE, Results, ShowError
 from ovman.settings import Arm, Kind, Need, Settings, Source, of_kind
 from ovman.settings.arms import other_readings
-from ovman.task.world import recorded_world
+from ovman.task import recorded_world
 
 
 @dataclass(frozen=True, slots=True)
