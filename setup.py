@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: a wheel also holds config.yaml, the networks, the released files and the leaderboard."""
+"""Add config files, networks, released files and the leaderboard to a wheel, which pyproject.toml cannot."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ SHIPPED = runpy.run_path(str(HERE / "ovman" / "shipped.py"))
 
 
 class BuildWithFiles(build_py):
-    """Copies the files beside the package into the one that is built."""
+    """A build command that copies the shipped files into the package."""
 
     def run(self) -> None:
-        """Build, then copy."""
+        """Build the package, then copy the files."""
         super().run()
-        if self.editable_mode:  # they are read where they lie
+        if self.editable_mode:  # an editable install reads them in the checkout
             return
         inside = Path(self.build_lib) / "ovman" / SHIPPED["INSIDE"].name
         shutil.rmtree(inside, ignore_errors=True)
