@@ -23,7 +23,7 @@ export PYTHONNOUSERSITE = 1
 # Where nothing compiled may be kept, each of the workflow's many short jobs compiles all that it imports.
 unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 .DELETE_ON_ERROR:
-.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak cluster-test mutants bench lint lock \
+.PHONY: help tables all restore static quick models show release leaderboard test golden test-networks soak cluster-test bench lint lock \
 	setup setup-dev setup-networks clean
 
 help:
@@ -39,7 +39,6 @@ help:
 	@echo "make test    the tests;  make test-networks: those that need PyTorch;  make soak: the long ones as well"
 	@echo "make golden  results compared with the released ones: pure stages, or SIZE=tiny, SIZE=scene: a whole run of a small world"
 	@echo "make cluster-test  the workflow through a SLURM of this machine, preempted and killed; part of make soak where SLURM is installed"
-	@echo "make mutants the mutation tests of make soak alone: code is changed line by line, and a test has to notice"
 	@echo "make bench   what the engine and the workflow cost on this machine"
 	@echo "make lint    format, lint, types, import contracts and the workflow's conventions"
 	@echo "make lock    the three files requirements*.lock from the newest releases that pyproject.toml allows"
@@ -100,7 +99,6 @@ test-networks: $(NETWORKS)
 
 soak: $(NETWORKS)
 	@.venv/bin/python -m pytest -q -m "networks or soak"
-	@$(MAKE) --no-print-directory mutants
 
 cluster-test: $(DEV)
 	@for program in munged slurmctld slurmd sbatch; do \
@@ -108,9 +106,6 @@ cluster-test: $(DEV)
 			echo "There is no $$program here: sudo apt install slurmctld slurmd slurm-client munge" >&2; exit 2; }; \
 	done
 	@.venv/bin/python -m pytest -q -m soak tests/cluster
-
-mutants: $(NETWORKS)
-	@.venv/bin/python tests/mutation/survivors.py --processes $(CORES)
 
 bench: $(NETWORKS)
 	@for file in packages/ovman-engine/bench/*.py bench/*.py; do echo "== $$file"; PYTHONPATH=packages/ovman-engine/bench .venv/bin/python $$file || exit 1; done
@@ -132,7 +127,7 @@ lock:
 	for kind in networks dev core; do \
 		"$(PYTHON)" -m venv "$$directory/venv-$$kind"; \
 		pip="$$directory/venv-$$kind/bin/python -m pip --quiet --disable-pip-version-check"; \
-		case $$kind in networks) of=".[dev,networks,soak]";; dev) of=".[dev]";; core) of=".";; esac; \
+		case $$kind in networks) of=".[dev,networks]";; dev) of=".[dev]";; core) of=".";; esac; \
 		$$pip install --constraint "$$directory/found" --upgrade setuptools; \
 		$$pip install --constraint "$$directory/found" $(OWN) --editable "$$of"; \
 		$$pip $(FOUND) | LC_ALL=C sort -f > "$$directory/$$kind"; \
@@ -145,7 +140,7 @@ lock:
 	}; \
 	locked core nothing "what the benchmark imports" > "$$directory/requirements.lock"; \
 	locked dev core "what the extra dev adds to requirements.lock" > "$$directory/requirements-dev.lock"; \
-	locked networks dev "what the extras networks and soak add to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
+	locked networks dev "what the extra networks adds to requirements-dev.lock" > "$$directory/requirements-networks.lock"; \
 	cp "$$directory"/requirements*.lock .
 
 setup: $(READY)
@@ -190,5 +185,5 @@ $(NETWORKS): requirements-networks.lock $(DEV)
 	@rm $@.lock; touch $@
 
 clean:
-	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache mutants *.egg-info
+	rm -rf .venv .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache *.egg-info
 	find ovman packages tests workflow bench -name __pycache__ -type d -prune -exec rm -rf {} +

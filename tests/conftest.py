@@ -4,7 +4,7 @@ What takes long to make and is of use to several files, such as the finished wor
 process that needs it (tests/shared.py).
 
 Examples are drawn in the same way every time, so that a change fails for what it does; `pytest --hypothesis-profile default`
-draws others, and more. Mutation testing takes `mutants`, which does not look for the smallest example of what fails.
+draws others, and more.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from hypothesis import Phase, settings
+from hypothesis import settings
 
 from ovman.sim import client
 from ovman_engine import forked
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from ai2thor.controller import Controller
 
 settings.register_profile("same", derandomize=True, deadline=None, max_examples=30)
-settings.register_profile("mutants", derandomize=True, deadline=None, phases=(Phase.explicit, Phase.generate))
 settings.load_profile("same")
 
 NETWORKS = Path(__file__).parent / "networks"

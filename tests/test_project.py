@@ -26,7 +26,7 @@ PACKAGES = {name: ROOT / "packages" / name for name in ("ovman-client", "ovman-e
 PROJECTS = {"ovman": PROJECT} | {name: tomllib.loads((path / "pyproject.toml").read_text()) for name, path in PACKAGES.items()}
 SAME_MODULE = {"opencv-python-headless": "opencv-python"}
 """The lock has the build of cv2 that needs no window system."""
-NOT_INSTALLED = {"mutmut": "mutmut", "onnx": "onnx", "open_clip": "open-clip-torch"} | {
+NOT_INSTALLED = {"onnx": "onnx", "open_clip": "open-clip-torch"} | {
     name: name for name in ("torch", "torchvision", "ultralytics")
 }
 """The distributions of modules that `make setup-dev` does not install."""

@@ -1,4 +1,4 @@
-"""Compare the contents of results with released or frozen ones: `make golden`, `make golden SIZE=tiny`.
+"""Compare the contents of results with released or frozen ones: `make golden`, `make golden SIZE=tiny` or `SIZE=scene`.
 
 Results are rows by stage: the lines of a JSONL file, the records of a CSV file, the lines of a printed table. Neither their order
 nor the files that have them matter, except in printed tables. Arrays and pictures count as sets of rows.
