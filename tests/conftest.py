@@ -44,7 +44,6 @@ LONGEST = (
     "tests/workflow/test_agents.py",
     "tests/gym/test_environment.py",
     "tests/generation/test_two_days.py",
-    "tests/report/paper_comparison/test_page.py",
     "tests/dataset/test_dataset.py",
     "tests/workflow/test_declared_inputs.py",
     "tests/entry/test_verify.py",

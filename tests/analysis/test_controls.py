@@ -11,8 +11,8 @@ from ovman.analysis.controls import Controlled, Judged
 from ovman.analysis.outcomes import EmbodiedOutcome, StaticOutcome
 from ovman.analysis.rates import Rate, embodied_rates, static_rates
 from ovman.records.relation import Relation
-from ovman.report.figures import controls as figure
-from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
+from ovman.report.figures.rates import draw_controls
+from ovman.report.metrics import Metrics, name_arms
 from ovman.report.tables.controls import CHANCE, controls_table
 from ovman.report.tables.table import SECTION, markdown
 from ovman.settings import Kind
@@ -120,8 +120,8 @@ def test_the_table_has_a_block_a_split_with_agents_first_and_chance_last(files):
 
 def test_the_figure_is_drawn_the_same_twice_and_of_nothing(files, tmp_path):
     _, output = files
-    rows = arms_by_row(CONFIG.comparisons, CONFIG.paper)
+    rows = name_arms(CONFIG.comparisons, CONFIG.paper)
     for name, paths in (("one", [output]), ("other", [output]), ("nothing", [])):
-        figure.draw(Metrics.load(paths, rows), CONFIG, tmp_path / f"{name}.png")
+        draw_controls(Metrics.load(paths, rows), CONFIG, tmp_path / f"{name}.png")
     one, other, nothing = ((tmp_path / f"{name}.png").read_bytes() for name in ("one", "other", "nothing"))
     assert one == other != nothing

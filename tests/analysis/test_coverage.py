@@ -13,8 +13,8 @@ from ovman.analysis.controls import Judged
 from ovman.analysis.coverage import STEPS, Coverage, covered, of_split
 from ovman.analysis.outcomes import StaticOutcome
 from ovman.analysis.statistics import wilson_interval
-from ovman.report.figures import coverage as figure
-from ovman.report.paper_comparison.metrics import Metrics, arms_by_row
+from ovman.report.figures.rates import draw_coverage
+from ovman.report.metrics import Metrics, name_arms
 from ovman.report.tables.coverage import SHOWN, coverage_table
 from ovman.report.tables.table import markdown
 from ovman.settings import Kind
@@ -91,8 +91,8 @@ def test_the_table_and_the_figure_are_there_without_rows(files, tmp_path):
     table = coverage_table(frames.read(files, Coverage), CONFIG)
     assert len(table.rows) == 2 * len(SHOWN) and "nan" not in markdown(table)
     assert len(coverage_table(frames.frame_of(Coverage, []), CONFIG).rows) == 0
-    by_row = arms_by_row(CONFIG.comparisons, CONFIG.paper)
+    by_row = name_arms(CONFIG.comparisons, CONFIG.paper)
     for name, paths in (("one", [files]), ("other", [files]), ("nothing", [])):
-        figure.draw(Metrics.load(paths, by_row), CONFIG, tmp_path / f"{name}.png")
+        draw_coverage(Metrics.load(paths, by_row), CONFIG, tmp_path / f"{name}.png")
     one, other, nothing = ((tmp_path / f"{name}.png").read_bytes() for name in ("one", "other", "nothing"))
     assert one == other != nothing

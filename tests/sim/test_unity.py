@@ -157,7 +157,7 @@ KNOWING = {
     "doctor/checks.py",  # looks at both
     "doctor/recording.py",  # records on the one or the other, as told
     "playback/command.py",  # records the tours of the engine's episodes alone
-    "report/paper_comparison/page.py",  # says which figures these are
+    "report/results_page.py",  # says which figures these are
 }
 """Whose text may name a backend."""
 

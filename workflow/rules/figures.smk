@@ -1,7 +1,4 @@
 # The figures. No part of the main job: snakemake --cores 1 results/figures
-PAPER = os.path.join(workflow.basedir, "ovman", "report", "paper_comparison", "paper.yaml")
-
-
 rule figures:
     input:
         episodes=[f"results/episodes/{split}.jsonl" for split in JOB_SPLITS if split == SPLITS[0] or split not in PAPER_SPLITS],
@@ -21,7 +18,6 @@ rule figures:
 rule charts:
     input:
         metrics=with_episodes(expand("results/metrics/{name}.csv", name=drawn(ARMS))),
-        paper=PAPER,
     output:
         agent=report("results/figures/agent.png", caption="../report/agent.rst", category="Figures"),
         budget=report("results/figures/budget.png", caption="../report/budget.rst", category="Figures"),

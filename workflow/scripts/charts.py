@@ -1,7 +1,7 @@
-"""Stage `charts`: the figures that metrics alone are needed for, and the drawing of the agent."""
+"""Stage `charts`: the figures that show metrics, and the drawing of the agent."""
 
-from ovman.report.figures import charts
+from ovman.report.figures import draw_charts
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    charts.run(work.inputs("metrics"), work.input("paper"), work.constants, directory)
+    draw_charts(work.inputs("metrics"), work.constants, directory)

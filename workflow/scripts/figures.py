@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from ovman.report.figures import relations
+from ovman.report.figures.relations import draw_relations
 from ovman.workflow.job import job
 
 with job(snakemake) as work, work.gathered() as directory:
-    relations.run(work.inputs("episodes"), Path("results", "visits"), work.constants, directory / "relations.png")
+    draw_relations(work.inputs("episodes"), Path("results", "visits"), work.constants, directory / "relations.png")

@@ -1,12 +1,7 @@
-"""Stage `paper_comparison`: the results beside the paper's, as a page."""
+"""Stage `paper_comparison`: the page that sets the results next to the paper's."""
 
-from ovman.report.paper_comparison import page
+from ovman.report.results_page import write_page
 from ovman.workflow.job import job
 
 with job(snakemake) as work:
-    page.run(
-        work.inputs("metrics"),
-        page.Sources(*(work.input(name) for name in ("paper", "statements", "own", "explanations", "template", "position"))),
-        work.constants,
-        page=work.output("page"),
-    )
+    write_page(work.inputs("metrics"), work.constants, work.output("page"))

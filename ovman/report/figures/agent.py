@@ -1,4 +1,4 @@
-"""The paper's Fig. arch: how the reference agent comes from two tours and a sentence to a place, drawn from no data."""
+"""Draw the paper's Fig. arch: how the reference agent gets from two tours and a sentence to a place. It shows no data."""
 
 from __future__ import annotations
 
@@ -6,19 +6,21 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, SMALL_PT, TYPE_PT, drawing
+from ovman.report.figures.canvas import AMBER, COLUMN_IN, DARK, INK, SMALL_PT, TYPE_PT, open_canvas
+from ovman.report.metrics import Metrics
+from ovman.settings import Settings
 
 HEIGHT_IN = 4.05
 PLAIN, NEW = "#f4f6f8", "#fbe7c4"
 """Fill of a stage, and of the two stages that are highlighted: cross-visit association and the change relations."""
 LEFT, RIGHT, ASIDE = 0.60, 1.76, 2.83
-"""Middle of the columns of the first visit, of the second visit and of the query, in inches."""
+"""Middle of the columns of the first visit, the second visit and the query, in inches."""
 ACROSS = (LEFT + RIGHT) / 2
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """One stage. x, y: its middle; width, height: in inches from the lower left of the figure; title, and a line below it."""
+    """One stage: a title and a line below it. x, y: its middle; lengths are in inches from the lower left of the figure."""
 
     title: str
     line: str
@@ -30,22 +32,22 @@ class Box:
 
     @property
     def top(self) -> float:
-        """Its upper edge."""
+        """Return the upper edge."""
         return self.y + self.height / 2
 
     @property
     def bottom(self) -> float:
-        """Its lower edge."""
+        """Return the lower edge."""
         return self.y - self.height / 2
 
     @property
     def left(self) -> float:
-        """Its left edge."""
+        """Return the left edge."""
         return self.x - self.width / 2
 
     @property
     def right(self) -> float:
-        """Its right edge."""
+        """Return the right edge."""
         return self.x + self.width / 2
 
 
@@ -69,9 +71,9 @@ RETAINED = (0.06, 2.44, 2.24, 0.60)
 """The dashed box around both maps: left, bottom, width, height in inches."""
 
 
-def draw(output: Path) -> None:
-    """Write the drawing. Both maps are retained, which the dashed box says; what a single-state agent lacks is highlighted."""
-    with drawing(output) as plt:
+def draw_agent(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw the agent. A dashed box says that both maps are retained; stages that a single-state agent lacks are highlighted."""
+    with open_canvas(output) as plt:
         figure = plt.figure(figsize=(COLUMN_IN, HEIGHT_IN))
         axis = figure.add_axes((0, 0, 1, 1))
         axis.set_xlim(0, COLUMN_IN)
@@ -105,28 +107,15 @@ def _box(axis: Any, box: Box) -> None:
         facecolor=box.fill, edgecolor=edge, linewidth=1.2 if box.fill == NEW else 0.8, zorder=2,
     )  # fmt: skip
     axis.add_patch(shape)
-    lines = 1 + box.line.count("\n")
     axis.text(box.x, box.top - 0.045, box.title, fontsize=TYPE_PT, fontweight="bold", ha="center", va="top", zorder=3)
-    axis.text(
-        box.x,
-        box.bottom + 0.045,
-        box.line,
-        fontsize=SMALL_PT,
-        ha="center",
-        va="bottom",
-        linespacing=1.0 if lines > 1 else 1.2,
-        zorder=3,
-    )
+    spacing = 1.0 if "\n" in box.line else 1.2
+    below = {"fontsize": SMALL_PT, "ha": "center", "va": "bottom", "linespacing": spacing, "zorder": 3}
+    axis.text(box.x, box.bottom + 0.045, box.line, **below)
 
 
 def _arrow(axis: Any, start: tuple[float, float], end: tuple[float, float]) -> None:
-    axis.annotate(
-        "",
-        end,
-        start,
-        zorder=1,
-        arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6},
-    )
+    style = {"arrowstyle": "-|>", "color": INK, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
+    axis.annotate("", end, start, zorder=1, arrowprops=style)
 
 
 def _dashed(axis: Any) -> None:

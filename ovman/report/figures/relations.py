@@ -1,8 +1,8 @@
-"""The picture of the relations (Fig. 2 of the paper): one episode a column, before above, after below, the sentence, the pin.
+"""Draw the relations (Fig. 2 of the paper): one episode per column, the first visit above the second, the sentence, the answer.
 
-A split whose second tour is another has two rows more. Views are chosen by projecting the answer into the recorded views of both
-visits, none by hand. Rings mark what changes beside the instance that is asked for. The pin is a filled star where the
-answer is an object that must be visible at the stop, a hollow star where it is a place that the object has left.
+Each split has two rows. Views are chosen by projecting the answer into the recorded views of both visits, none by hand. A filled
+star marks an answer that is an object, which must be visible at the stop; a hollow star marks a place that the object has left.
+Rings mark other changes.
 """
 
 from __future__ import annotations
@@ -21,29 +21,29 @@ from ovman.perception import tour_files
 from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.visit import View, Visit
-from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, drawing
+from ovman.report.figures.canvas import INK, LEGEND, PAGE_IN, SMALL_PT, open_canvas
 from ovman.settings import Settings
 from ovman.settings.benchmark import Camera
 
 PIN = "#ffd23f"
 WRAP = 22
-"""Characters in a line of a sentence below a panel, of which six stand side by side on a page."""
+"""Characters in a line of a sentence below a panel; a page has six panels in a row."""
 STEM_PX = 34
 BEST_DISTANCE_M = 2.2
 LARGER = 0.1
 """Weight of the logarithm of the target's mask size."""
 MARGIN_IN, LEGEND_IN = 0.05, 0.3
-"""Height of the margin above the headings, and of the line that says what the marks mean."""
+"""Heights of the margin above the headings and of the legend."""
 THERE_M = 0.15
-"""A view shows a mover where the answer is if it is no farther from it than this."""
+"""Largest distance of a mover from the answer in the view that shows it."""
 IN_FRONT_M = 0.5
-"""A view does not show a place if something stands so far before it."""
+"""A place is hidden if something stands at least this far in front of it."""
 
 
 def project(
     point: Sequence[float], view: View, width_px: int, height_px: int, field_of_view_deg: float
 ) -> tuple[float, float, float]:
-    """Pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; nan where it lies behind the camera."""
+    """Return pixel (u, v) and planar depth in metres of a world point (x, y, z) in a view; NaN pixels behind the camera."""
     camera, yaw, pitch = view.camera, math.radians(view.pose.yaw_deg), math.radians(view.pose.horizon_deg)
     offset = np.subtract(point, [camera.x, camera.y, camera.z])
     right = np.array([math.cos(yaw), 0.0, -math.sin(yaw)])
@@ -56,8 +56,8 @@ def project(
     return width_px / 2 + focal * float(offset @ right) / depth, height_px / 2 - focal * float(offset @ up) / depth, depth
 
 
-def _score(point: Sequence[float], view: View, camera: Camera) -> float:
-    """How well a view shows a point: central and at a good distance; -inf where it is out of the frame."""
+def _score_view(point: Sequence[float], view: View, camera: Camera) -> float:
+    """Score how well a view shows a point: central and at a good distance; -inf if it is out of the frame."""
     u, v, depth = project(point, view, camera.width_px, camera.height_px, camera.field_of_view_deg)
     if depth <= 0.3 or not (0 <= u < camera.width_px and 0 <= v < camera.height_px):
         return -math.inf
@@ -66,7 +66,7 @@ def _score(point: Sequence[float], view: View, camera: Camera) -> float:
 
 
 def _pin_point(episode: Episode, first: Visit, second: Visit) -> tuple[float, float, float]:
-    """The answer in space: on the floor plane where the record says, at the height of the object that is or was there."""
+    """Return the answer in space, at the height of the object that is or was there."""
     where = (first if episode.relation.past else second).positions[-1][episode.target]
     x, z = episode.answer
     return x, where.y, z
@@ -76,8 +76,8 @@ def _pin_point(episode: Episode, first: Visit, second: Visit) -> tuple[float, fl
 class Shown:
     """An episode in one view of each of its visits.
 
-    visits: the first and the second; directory: of the recorded visits of its scene; views: numbers of the views, equal where
-    both visits look from the same poses; score: how well they show the answer, -inf where they do not.
+    visits: the first and the second. directory: of the recorded visits of its scene. views: numbers of the views, equal if both
+    visits look from the same poses. score: how well they show the answer, -inf if they do not.
     """
 
     episode: Episode
@@ -87,35 +87,35 @@ class Shown:
     score: float
 
     @classmethod
-    def best(cls, episode: Episode, directory: Path, constants: Settings) -> Shown:
-        """By the views that show the answer best; the target is in the one of the visit that the answer belongs to."""
+    def choose(cls, episode: Episode, directory: Path, settings: Settings) -> Shown:
+        """Choose the views that show the answer best; the target is in the one of the visit that the answer belongs to."""
         first, second = (Visit.load(directory / episode.visits[v]) for v in VISITS)
         point = _pin_point(episode, first, second)
         showing, other = (first, second) if episode.relation.past else (second, first)
-        one, score = _of_target(episode, showing, point, constants)
+        one, score = _view_of_target(episode, showing, point, settings)
         two = one
         if [view.pose for view in first.views] != [view.pose for view in second.views]:
-            two, of_other = _of_place(other, point, directory, constants)
+            two, of_other = _view_of_place(other, point, directory, settings)
             score += of_other
         return cls(episode, (first, second), directory, (one, two) if episode.relation.past else (two, one), score)
 
 
-def _of_target(episode: Episode, showing: Visit, point: Sequence[float], constants: Settings) -> tuple[int, float]:
-    """The view of the visit that the answer belongs to, in which the target is seen where the answer is, and its score."""
-    min_mask_px = constants.admissibility.min_mask_px
+def _view_of_target(episode: Episode, showing: Visit, point: Sequence[float], settings: Settings) -> tuple[int, float]:
+    """Return the view that shows the target best where the answer is, in the visit that the answer belongs to, and its score."""
+    min_mask_px = settings.admissibility.min_mask_px
     scores = [-math.inf] * len(showing.views)
     for i, (view, here) in enumerate(zip(showing.views, showing.positions, strict=True)):
         away = math.dist((here[episode.target].x, here[episode.target].z), episode.answer)
         px = view.seen.get(episode.target, 0)
         if px >= min_mask_px and away <= THERE_M:
-            scores[i] = _score(point, view, constants.camera) + LARGER * math.log(px / min_mask_px)
+            scores[i] = _score_view(point, view, settings.camera) + LARGER * math.log(px / min_mask_px)
     return int(np.argmax(scores)), float(max(scores))
 
 
-def _of_place(visit: Visit, point: Sequence[float], directory: Path, constants: Settings) -> tuple[int, float]:
-    """The view of a visit that shows a place best behind which nothing nearer stands, and its score."""
-    camera = constants.camera
-    scores = [_score(point, view, camera) for view in visit.views]
+def _view_of_place(visit: Visit, point: Sequence[float], directory: Path, settings: Settings) -> tuple[int, float]:
+    """Return the view of a visit that shows a place best, with nothing in front of it, and its score."""
+    camera = settings.camera
+    scores = [_score_view(point, view, camera) for view in visit.views]
     for i in sorted(range(len(scores)), key=lambda i: -scores[i]):
         if scores[i] == -math.inf:
             break
@@ -126,7 +126,7 @@ def _of_place(visit: Visit, point: Sequence[float], directory: Path, constants: 
     return 0, -math.inf
 
 
-def _star(axis: Any, u: float, v: float, hollow: bool) -> Any:
+def _draw_star(axis: Any, u: float, v: float, hollow: bool) -> Any:
     """Draw a star at a point and return its two lines, rim first."""
     face = INK if hollow else PIN
     style = {"marker": "*", "linestyle": "", "markerfacecolor": face}
@@ -134,24 +134,24 @@ def _star(axis: Any, u: float, v: float, hollow: bool) -> Any:
     return *rim, *axis.plot(u, v, markersize=8, markeredgecolor=PIN, markeredgewidth=0.7, **style)
 
 
-def _ring(axis: Any, u: float, v: float) -> Any:
+def _draw_ring(axis: Any, u: float, v: float) -> Any:
     """Draw a ring at a point and return its two lines, rim first."""
     style = {"marker": "o", "linestyle": "", "markersize": 9, "markerfacecolor": "none"}
     rim = axis.plot(u, v, markeredgecolor=INK, markeredgewidth=2.2, **style)
     return *rim, *axis.plot(u, v, markeredgecolor="white", markeredgewidth=1.0, **style)
 
 
-def _pin(axis: Any, u: float, v: float, hollow: bool) -> None:
-    """A star on a stem whose foot is at pixel (u, v), so that it hides little of what it marks."""
+def _draw_pin(axis: Any, u: float, v: float, hollow: bool) -> None:
+    """Draw a star on a stem whose foot is at pixel (u, v), so that it hides little."""
     top = v - STEM_PX
     for colour, width in ((INK, 1.8), (PIN, 0.8)):
         axis.plot([u, u], [v, top], color=colour, linewidth=width, solid_capstyle="round")
     axis.plot(u, v, marker="o", markersize=2.2, markerfacecolor=PIN, markeredgecolor=INK, markeredgewidth=0.5)
-    _star(axis, u, top, hollow)
+    _draw_star(axis, u, top, hollow)
 
 
-def _others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
-    """Rings on what else changes, where a view shows it."""
+def _draw_others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+    """Draw rings on other changes, if a view shows them."""
     visit, index = shown.visits[which], shown.views[which]
     view, here = visit.views[index], visit.positions[index]
     for change in shown.episode.others:
@@ -160,33 +160,33 @@ def _others(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
         at = here[change.instance]
         u, v, _ = project((at.x, at.y, at.z), view, camera.width_px, camera.height_px, camera.field_of_view_deg)
         if 0 <= u < camera.width_px and 0 <= v < camera.height_px:
-            _ring(axis, u, v)
+            _draw_ring(axis, u, v)
 
 
-def _panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
+def _draw_panel(axis: Any, shown: Shown, which: int, camera: Camera) -> None:
     visit, index = shown.visits[which], shown.views[which]
     rgb = tour_files.picture(shown.directory / visit.visit / f"{index:02d}_rgb.png")[..., ::-1]
     axis.imshow(np.divide(rgb, 255, dtype=np.float32))
     axis.set_xlim(0, camera.width_px - 1)
     axis.set_ylim(camera.height_px - 1, 0)
-    _others(axis, shown, which, camera)
+    _draw_others(axis, shown, which, camera)
     if which == 1:
         point = _pin_point(shown.episode, *shown.visits)
         u, v, _ = project(point, visit.views[index], camera.width_px, camera.height_px, camera.field_of_view_deg)
-        _pin(axis, u, v, hollow=shown.episode.relation.past)
+        _draw_pin(axis, u, v, hollow=shown.episode.relation.past)
 
 
-def _legend(part: Any, others: bool) -> None:
-    """Write what the marks mean. others: whether rings are among them."""
+def _draw_legend(part: Any, others: bool) -> None:
+    """Draw the legend. others: whether it has rings."""
     axis = part.add_axes((0, 0, 1, 1))
     axis.set_axis_off()
     marks = {
-        "the answer: an object, which must be in sight at the stop": _star(axis, math.nan, math.nan, hollow=False),
-        "the answer: a place that the object has left": _star(axis, math.nan, math.nan, hollow=True),
+        "the answer: an object, which must be in sight at the stop": _draw_star(axis, math.nan, math.nan, hollow=False),
+        "the answer: a place that the object has left": _draw_star(axis, math.nan, math.nan, hollow=True),
     }
     if others:
-        marks["something else that changes"] = _ring(axis, math.nan, math.nan)
-    # A mark is two lines over each other, which a tuple is drawn as.
+        marks["something else that changes"] = _draw_ring(axis, math.nan, math.nan)
+    # A mark is two lines over each other: the legend draws a tuple as such.
     axis.legend(
         [*marks.values()],
         [*marks],
@@ -194,16 +194,16 @@ def _legend(part: Any, others: bool) -> None:
     )
 
 
-def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Path) -> None:
-    """Write the figure of the chosen episodes, two rows of panels a split, to `output`, and as PDF."""
+def _draw(chosen: Mapping[str, Sequence[Shown]], settings: Settings, output: Path) -> None:
+    """Draw the chosen episodes of each split, one per column."""
     panel_in = PAGE_IN / len(Relation)
     columns = max((len(row) for row in chosen.values()), default=1)
-    with drawing(output) as plt:
+    with open_canvas(output) as plt:
         heights = [MARGIN_IN, *[panel_in * 2 + 0.6] * len(chosen), LEGEND_IN]
         figure = plt.figure(figsize=(panel_in * columns, sum(heights)), layout="constrained")
         figure.get_layout_engine().set(w_pad=0.02, h_pad=0.06, hspace=0.01, wspace=0.01)
         _, *parts, below = np.ravel(figure.subfigures(len(heights), 1, height_ratios=heights))
-        _legend(below, any(shown.episode.others for row in chosen.values() for shown in row))
+        _draw_legend(below, any(shown.episode.others for row in chosen.values() for shown in row))
         for part, (split, row) in zip(parts, chosen.items(), strict=True):
             axes = part.subplots(2, columns, squeeze=False)
             for axis in axes.flat:
@@ -214,24 +214,28 @@ def draw(chosen: Mapping[str, Sequence[Shown]], constants: Settings, output: Pat
                 axes[which, 0].set_ylabel(f"{split}, {called}" if len(chosen) > 1 else called)
             for column, shown in enumerate(row):
                 for which in (0, 1):
-                    _panel(axes[which, column], shown, which, constants.camera)
+                    _draw_panel(axes[which, column], shown, which, settings.camera)
                 axes[0, column].set_title(shown.episode.relation.value.upper(), fontweight="bold")
                 sentence = textwrap.wrap(f"“{shown.episode.sentence}”", WRAP)
                 axes[1, column].set_xlabel("\n".join(sentence), fontsize=SMALL_PT)
 
 
-def run(episodes_files: Sequence[Path], visits_dir: Path, constants: Settings, output: Path) -> None:
+def draw_relations(episode_files: Sequence[Path], visits: Path, settings: Settings, output: Path) -> None:
     """Draw the best shown episode of each relation of each split, each from another scene of the split if possible.
 
-    episodes_files: of the splits, named after them.
+    Args:
+        episode_files: Episodes of the splits, named after them.
+        visits: Directory of the recorded tours, by scene.
+        settings: camera, admissibility.min_mask_px.
+        output: The .png file; the .pdf goes next to it.
     """
     chosen: dict[str, list[Shown]] = {}
-    for file in episodes_files:
-        all_shown = [Shown.best(one, Path(visits_dir) / one.scene, constants) for one in Episode.load(file)]
+    for file in episode_files:
+        shown = [Shown.choose(episode, visits / episode.scene, settings) for episode in Episode.load(file)]
         row, scenes = chosen.setdefault(file.stem, []), set[str]()
         for relation in Relation:
-            of = [one for one in all_shown if one.episode.relation is relation]
-            if of:
-                row.append(min(of, key=lambda one: (one.episode.scene in scenes, -one.score, one.episode.id)))
+            of_relation = [one for one in shown if one.episode.relation is relation]
+            if of_relation:
+                row.append(min(of_relation, key=lambda one: (one.episode.scene in scenes, -one.score, one.episode.id)))
                 scenes.add(row[-1].episode.scene)
-    draw(chosen, constants, Path(output))
+    _draw(chosen, settings, output)

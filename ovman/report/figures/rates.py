@@ -1,0 +1,292 @@
+"""Draw success rates: by relation and memory, by difficulty, of agents against controls, and by coverage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from ovman.report.figures.canvas import (
+    ABOVE,
+    AMBER,
+    COLUMN_IN,
+    DARK,
+    INK,
+    LIGHT,
+    PALE,
+    SMALL_PT,
+    draw_bar,
+    frame_rates,
+    mark_paper,
+    open_canvas,
+    say_missing,
+    set_heading,
+    strip_frame,
+)
+from ovman.report.metrics import ALL, Metrics, Missing
+from ovman.settings import Kind, Settings, Withheld
+from ovman.task import Relation
+
+SUCCESS = "success, static gate"
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """Two readings of the same maps by relation.
+
+    one, two: Rows of the paper of the arm that reads one state and of the one that reads two visits. printed: The row with the
+    paper's figures for `one`.
+    """
+
+    title: str
+    one: str
+    two: str
+    printed: str
+
+
+OURS = (
+    Panel("reference agent,\nown grounding", "static.maintained", "static.two", "static.one"),
+    Panel("reference agent,\noracle grounding", "static.grounding_maintained", "static.grounding_two", "static.grounding_one"),
+)
+DUALMAP = (
+    Panel("DualMap,\nown grounding", "static.dualmap_one", "static.dualmap_two", "static.dualmap_one"),
+    Panel(
+        "DualMap,\noracle grounding",
+        "static.grounding_dualmap_one",
+        "static.grounding_dualmap_two",
+        "static.grounding_dualmap_one",
+    ),
+)
+
+
+def draw_memory(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw success by relation, one maintained map against two visits (the paper's Fig. memory), diamonds being the paper's.
+
+    The reference agent's maps are on the left and DualMap's on the right, with own grounding above and oracle grounding below.
+    The right side is left out without metrics of DualMap.
+    """
+    has_dualmap = any(_rate_ends(metrics, row, ALL) for panel in DUALMAP for row in (panel.one, panel.two))
+    sides = [OURS, DUALMAP] if has_dualmap else [OURS]
+    with open_canvas(output) as plt:
+        figure, axes = plt.subplots(
+            2, len(sides), figsize=(COLUMN_IN, 3.5), squeeze=False, sharex=True, sharey=True, layout="constrained"
+        )
+        for column, panels in enumerate(sides):
+            for row, (axis, panel) in enumerate(zip(axes[:, column], panels, strict=True)):
+                _draw_panel(axis, metrics, panel)
+                set_heading(axis, "abcd"[row * len(sides) + column], panel.title)
+                frame_rates(axis, SUCCESS if column == 0 else None)
+        handles, words = axes[0, 0].get_legend_handles_labels()
+        figure.legend(handles, words, frameon=False, handlelength=1.2, loc="outside upper center", ncols=3)
+
+
+def _draw_panel(axis: Any, metrics: Metrics, panel: Panel, width: float = 0.4) -> None:
+    bars = (
+        (-width / 2, panel.one, panel.printed, LIGHT, "one maintained map"),
+        (width / 2, panel.two, panel.two, DARK, "two visits"),
+    )
+    for offset, row, printed, colour, words in bars:
+        for place, relation in enumerate(Relation):
+            is_first = place == 0
+            if ends := _rate_ends(metrics, row, relation):
+                draw_bar(axis, place + offset, ends, width - 0.02, colour, words if is_first else None)
+            mark_paper(axis, place + offset, f"{printed}.{relation}", "paper" if is_first and row == panel.two else None)
+    axis.set_xticks(range(len(Relation)), [relation.value for relation in Relation], rotation=90)
+
+
+def _rate_ends(metrics: Metrics, row: str, relation: str) -> tuple[float, float, float] | None:
+    """Return a static rate with its interval; None without one."""
+    rows = metrics.rows("static_rates", arm=row, relation=relation)
+    rate, low, high = (rows.one(column) for column in ("rate", "low", "high"))
+    return None if rate.missing or low.missing or high.missing else (rate, low, high)
+
+
+def draw_difficulty(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw success by the number of instances of the category and by scene (the paper's Fig. difficulty).
+
+    (a) has the arms of comparisons.difficulty with intervals, diamonds being the paper's agent; (b) the agent as bars with
+    intervals and, as dots, the other arms that pick nothing at random.
+    """
+    with open_canvas(output) as plt:
+        figure, (above, below) = plt.subplots(2, 1, figsize=(COLUMN_IN, 3.6), layout="constrained", height_ratios=[1, 1.15])
+        set_heading(above, "a", "by instances of the category")
+        set_heading(below, "b", "by scene")
+        try:
+            rows = metrics.frame("difficulty")
+        except Missing as missing:
+            for axis in (above, below):
+                say_missing(axis, str(missing))
+                frame_rates(axis, SUCCESS)
+            return
+        _draw_instances(above, rows[rows["by"] == "instances"], settings)
+        _draw_scenes(below, rows[rows["by"] == "scene"], settings)
+        handles, words = above.get_legend_handles_labels()
+        figure.legend(handles, words, frameon=False, handlelength=1.2, loc="outside upper center", ncols=2)
+
+
+def _draw_instances(axis: Any, rows: pd.DataFrame, settings: Settings, width: float = 0.27) -> None:
+    printed = {"2": "success_with_two", "3": "success_with_three", "4+": "success_with_more"}
+    groups, arms = rows.drop_duplicates("group"), list(_difficulty_arms(rows, settings))
+    for place, group in enumerate(groups["group"]):
+        for index, (arm, title, colour) in enumerate(arms):
+            of_arm = rows[(rows["arm"] == arm) & (rows["group"] == group)]
+            at = place + (index - (len(arms) - 1) / 2) * width
+            for ends in _read_ends(of_arm):
+                draw_bar(axis, at, ends, width - 0.02, colour, title if place == 0 else None)
+            if arm == settings.comparisons.agent:
+                mark_paper(axis, at, printed.get(group, ""), "paper" if place == 0 else None)
+    words = [f"{group} instances\n({n} episodes)" for group, n in zip(groups["group"], groups["n"], strict=True)]
+    axis.set_xticks(range(len(groups)), words)
+    frame_rates(axis, SUCCESS)
+
+
+def _draw_scenes(axis: Any, rows: pd.DataFrame, settings: Settings) -> None:
+    agent = rows[rows["arm"] == settings.comparisons.agent]
+    # From the hardest scene to the easiest; of equal ones by name.
+    order = agent.assign(rate=agent["rate"].astype(float)).sort_values(["rate", "group"], kind="stable")["group"].to_list()
+    for arm, title, colour in _difficulty_arms(rows, settings):
+        if settings.arms[arm].expected:
+            continue
+        of_arm = rows[rows["arm"] == arm]
+        for place, scene in enumerate(order):
+            for ends in _read_ends(of_arm[of_arm["group"] == scene]):
+                if arm == settings.comparisons.agent:
+                    draw_bar(axis, place, ends, 0.7, colour)
+                else:
+                    axis.plot(place, ends[0], "o", color=colour, markersize=3, zorder=4, label=title if place == 0 else None)
+    axis.set_xticks(range(len(order)), [scene.removeprefix("FloorPlan") for scene in order], rotation=90, fontsize=SMALL_PT)
+    axis.set_xlabel("floor plan")
+    axis.legend(**ABOVE)
+    axis.set_xlim(-0.6, len(order) - 0.4)
+    frame_rates(axis, SUCCESS)
+
+
+def _difficulty_arms(rows: pd.DataFrame, settings: Settings) -> Iterator[tuple[str, str, str]]:
+    """Yield the arms with rows: name, title and colour."""
+    arms = [arm for arm in settings.comparisons.difficulty if arm in {*rows["arm"]}]
+    for index, arm in enumerate(arms):
+        yield arm, settings.comparisons.difficulty[arm], (LIGHT, DARK, AMBER)[index % 3]
+
+
+def _read_ends(rows: pd.DataFrame) -> list[tuple[float, float, float]]:
+    """Return the rates with their intervals; rows without one are left out."""
+    found = rows[["rate", "low", "high"]].replace("", None).dropna().astype(float)
+    return [(rate, low, high) for rate, low, high in found.to_numpy().tolist()]
+
+
+CHANCE = "chance among what changed"
+"""Title of the row of column chance_of_change: a random pick of the changes of the kind that defines the episode."""
+AGENTS, CONTROLS = "agents", "controls"
+
+
+def draw_controls(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw two dots with intervals per arm of comparisons.controls: static success on the first split and on the last.
+
+    Controls that are asked about another noun, relation or visit are left to the table.
+    """
+    try:
+        rows, missing = _read_controls(metrics, settings), "controls.csv has no static arm"
+    except Missing as error:
+        rows, missing = pd.DataFrame(columns=["split", "block", "title"]), str(error)
+    splits = list(dict.fromkeys(rows["split"]))
+    ends = list(dict.fromkeys((*splits[:1], *splits[-1:])))
+    rows = rows[rows["split"].isin(ends)]
+    blocks = [block for name in (AGENTS, CONTROLS, "") if len(block := rows[rows["block"] == name])]
+    lines = sum(1 + block["title"].nunique() for block in blocks)
+    with open_canvas(output) as plt:
+        _, axis = plt.subplots(figsize=(COLUMN_IN, max(2.0, 0.6 + 0.235 * lines)), layout="constrained")
+        axis.set_xlabel("success on the static gate, all relations")
+        if not blocks:
+            say_missing(axis, missing)
+            return
+        axis.set_xlim(-0.14, 1.18)
+        axis.set_xticks([0, 0.2, 0.4, 0.6, 0.8, 1.0])
+        strip_frame(axis, "x", pad=3)
+        place, ticks = 0.0, []
+        for block, colour in zip(blocks, (DARK, AMBER, INK), strict=False):
+            heading = block["block"].iloc[0]
+            if heading:
+                ticks.append((place, heading))
+            else:
+                place -= 0.5
+            for title in dict.fromkeys(block["title"]):
+                place += 1
+                _draw_dots(axis, place, block[block["title"] == title], ends, colour)
+                ticks.append((place, title))
+            place += 1
+        axis.set_yticks([at for at, _ in ticks], [title for _, title in ticks])
+        for label in axis.get_yticklabels():
+            label.set_fontstyle("italic" if label.get_text() in (AGENTS, CONTROLS) else "normal")
+        axis.set_ylim(place - 0.4, -0.6)
+        for face, split in zip(("white", INK)[-len(ends) :], ends, strict=True):
+            axis.plot([], [], "o", markerfacecolor=face, markeredgecolor=INK, markersize=4.2, label=f"split {split}")
+        axis.legend(**(ABOVE | {"ncols": 2, "handlelength": 0.8}))
+
+
+def _read_controls(metrics: Metrics, settings: Settings) -> pd.DataFrame:
+    """Return the rows of the figure, those with the highest rate on the first split first.
+
+    Raises:
+        Missing: There are no metrics.
+    """
+    rows = metrics.frame("controls")
+    rows = rows[(rows["kind"] == Kind.STATIC) & (rows["relation"] == ALL)]
+    arms = rows[[settings.arms[arm].withheld in (None, Withheld.NOUN) for arm in rows["arm"]]]
+    arms = arms.assign(
+        block=[CONTROLS if sign == "1" else AGENTS for sign in arms["control"]],
+        title=[settings.comparisons.controls[arm].title or settings.arms[arm].system for arm in arms["arm"]],
+    )
+    of_splits = rows.drop_duplicates("split")
+    chances = of_splits.assign(block="", title=CHANCE, **dict.fromkeys(("rate", "low", "high"), of_splits["chance_of_change"]))
+    found = pd.concat([arms, chances])[["split", "block", "title", "rate", "low", "high"]]
+    found = found.astype({"rate": float, "low": float, "high": float})
+    first = found.drop_duplicates("title").set_index("title")["rate"]
+    return found.iloc[(-found["title"].map(first)).argsort(kind="stable")]
+
+
+def _draw_dots(axis: Any, place: float, rows: pd.DataFrame, ends: list[str], colour: str) -> None:
+    """Draw the dots of one row with their intervals: hollow on the first split, filled on the last."""
+    of_split = {split: row for split, *row in rows[["split", "rate", "low", "high"]].to_numpy().tolist()}
+    rates = [rate for rate, *_ in of_split.values()]
+    axis.plot((min(rates), max(rates)), (place, place), color=PALE, linewidth=2.4, solid_capstyle="butt", zorder=1)
+    for number, split in enumerate(ends):
+        if split not in of_split:
+            continue
+        rate, low, high = of_split[split]
+        is_last = number == len(ends) - 1
+        at = place if len(ends) == 1 else place + (0.15 if is_last else -0.15)
+        axis.plot((low, high), (at, at), color=colour, linewidth=0.8, zorder=2)
+        face = colour if is_last else "white"
+        axis.plot(rate, at, "o", markersize=4.2, markerfacecolor=face, markeredgecolor=colour, markeredgewidth=1.0, zorder=3)
+        right = rate > min(rates) or len(set(rates)) == 1
+        edge, offset = ((high, at), (3, 0)) if right else ((low, at), (-3, 0))
+        style = {"textcoords": "offset points", "va": "center", "ha": "left" if right else "right", "fontsize": SMALL_PT}
+        axis.annotate(f"{rate:.3f}", edge, offset, **style)
+
+
+def draw_coverage(metrics: Metrics, settings: Settings, output: Path) -> None:
+    """Draw success by coverage, one line with its interval per split and agent: what an agent reaches where it is surest."""
+    lines = ((DARK, "-"), (AMBER, "-"), (INK, "--"), (DARK, ":"), (AMBER, ":"))
+    try:
+        rows, missing = metrics.frame("coverage"), ""
+    except Missing as error:
+        rows, missing = pd.DataFrame(columns=["split", "arm"]), str(error)
+    with open_canvas(output) as plt:
+        _, axis = plt.subplots(figsize=(COLUMN_IN, 2.2), layout="constrained")
+        for number, ((split, arm), line) in enumerate(rows.groupby(["split", "arm"], sort=False)):
+            colour, dashes = lines[number % len(lines)]
+            at, rate, low, high = (line[column].astype(float).to_numpy() for column in ("coverage", "rate", "low", "high"))
+            label = f"{settings.arms[str(arm)].system}, split {split}"
+            axis.plot(at, rate, color=colour, linestyle=dashes, linewidth=1.2, label=label)
+            axis.fill_between(at, low, high, color=colour, alpha=0.12, linewidth=0)
+        if len(rows):
+            axis.legend(frameon=False, fontsize=SMALL_PT, loc="lower left")
+        else:
+            say_missing(axis, missing)
+        frame_rates(axis, "success among the answers")
+        axis.set_xlim(0, 1)
+        axis.set_xticks([0.2, 0.4, 0.6, 0.8, 1.0])
+        axis.set_xlabel("coverage (share of episodes answered, surest first)")

@@ -1,0 +1,382 @@
+"""Write the page that sets our results next to the paper's (docs/results.md).
+
+Its parts are the verdicts on statements (ovman/report/statements), and tables in which each row of ours stands above the
+paper's. A number that the metrics lack leaves its cell empty and its verdict open.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from jinja2 import Environment, StrictUndefined
+
+from ovman.analysis.controls import Controlled
+from ovman.analysis.frames import rows_of, typed
+from ovman.analysis.scores import Score
+from ovman.report.metrics import ALL, Cell, Metrics, Missing, name_arms
+from ovman.report.paper import COUNT, EMPTY, EXPECTED, PAPER, RATE, TITLES, Form, write
+from ovman.report.statements import GROUPS, NUMBERS, STATEMENTS, Judgement, Verdict, explain, judge
+from ovman.report.statements.statement import Figure, Group
+from ovman.report.tables.controls import controls_table
+from ovman.report.tables.perception import bars
+from ovman.report.tables.position import position_table
+from ovman.report.tables.table import markdown_body, pipe_table
+from ovman.settings import Arm, Kind, Settings, Source
+from ovman.settings.arms import Reading
+from ovman.task import Relation
+
+TEMPLATE = Path(__file__).with_name("results_page.md.j2")
+FIGURES = "figures"
+"""Directory of the figures next to the page, under results/ and under docs/ alike."""
+OWN_WEIGHTS = "models/"
+RELATIONS = (*(relation.value for relation in Relation), ALL)
+SUMMARY = {
+    "reference agent, two visits, static": "static.two",
+    "reference agent, single visit, static": "static.one",
+    "reference agent, two visits, navigating": "embodied.two",
+    "reference agent, oracle grounding, static": "static.grounding_two",
+    "reference agent, oracle positions, static": "static.positions_two",
+    "DualMap, maintained map, static": "static.dualmap_one",
+    "DualMap, two visits, static": "static.dualmap_two",
+    "CoW, navigating": "embodied.cow",
+    "oracle check, navigating": "embodied.oracle",
+}
+OUTCOMES = ("success", "abstain", "elsewhere", "near_miss", "wrong_instance", "episodes", "lost_in_navigation")
+"""Rows of Table "taxonomy"."""
+INTERVALS = ("one", "two", "positions_two")
+INSTANCES = {"2": ("two", "two"), "3": ("three", "three"), "4+": ("four or more", "more")}
+"""Title and key of the paper's figures by the number of instances of the category."""
+SENTENCES = {
+    "object": ("object understood", ""),
+    "relation": ("relation understood", ""),
+    "both": ("both understood", "parser_accuracy"),
+    "supplied": ("success, noun and relation supplied", ""),
+    "relation_inferred": ("success, relation inferred", ""),
+    "noun_inferred": ("success, noun inferred", "success_supplied"),
+    "inferred": ("success, noun and relation inferred", "success_inferred"),
+}
+"""Title and key of the paper's figure by the rows of language.csv."""
+PERCEPTION = {
+    "recall": "recall of true masks",
+    "precision": "precision of detected masks",
+    "precision_once": "the same, doubled masks wrong",
+    "top1": "right category first",
+    "top5": "right category among five",
+    "synonym_top1": "first, by synonyms",
+    "synonym_top5": "among five, by synonyms",
+}
+MARKS = {Verdict.HOLDS: "✓", Verdict.FAILS: "✗", Verdict.SOME: "◐", Verdict.UNKNOWN: "?"}
+
+
+def write_page(metric_files: Sequence[Path], settings: Settings, page: Path) -> None:
+    """Write the page, Markdown, and print a line per verdict.
+
+    Args:
+        metric_files: Files results/metrics/**/NAME.csv of the split main and of all splits, told apart by name.
+        settings: arms, comparisons.agent, comparisons.controls, paper, benchmark.backend, names and weights of the networks
+            (perception), evaluation.confidence.
+        page: The file.
+
+    Raises:
+        ValueError: Files contradict themselves; one line.
+    """
+    metrics = Metrics.load(metric_files, name_arms(settings.comparisons, settings.paper))
+    judgements = judge_all(metrics)
+    page.write_text(render(metrics, judgements, settings), encoding="utf-8", newline="\n")
+    for key, judgement in judgements.items():
+        print(f"{key}: {mark(judgement)}" + (f" ({judgement.missing})" if judgement.missing else ""), flush=True)
+
+
+def judge_all(metrics: Metrics) -> dict[str, Judgement]:
+    """Return the judgement of every statement, by key."""
+    return {statement.key: judge(statement, metrics, NUMBERS) for statement in STATEMENTS}
+
+
+def render(metrics: Metrics, judgements: dict[str, Judgement], settings: Settings) -> str:
+    """Return the page as Markdown. Equal files give equal text."""
+    of_paper = [judgement for judgement in judgements.values() if judgement.statement.about_paper]
+    counts = Counter(judgement.verdict.value for judgement in of_paper)
+    networks = (settings.perception.detector, settings.perception.encoder)
+    episodes = metrics.rows("static_rates", arm="static.positions_two").one("n")
+    if episodes.missing:
+        episodes = metrics.rows("taxonomy", arm="agent", verdict="success").one("n")
+    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True)
+    text = environment.from_string(TEMPLATE.read_text(encoding="utf-8")).render(
+        summary=_tabulate_summary(metrics),
+        verdicts={verdict.value: counts[verdict.value] for verdict in Verdict},
+        statements=len(of_paper),
+        episodes=f"{episodes:count}",
+        paper_episodes=PAPER["taxonomy.episodes.all"].write(COUNT),
+        embedded=settings.benchmark.backend == "embedded",
+        detector=networks[0],
+        encoder=networks[1],
+        trained_here=all(network.weights.startswith(OWN_WEIGHTS) for network in networks),
+        confidence=f"{100 * settings.evaluation.confidence:.6g} %",
+        failing=_name_those(Verdict.FAILS, of_paper),
+        hanging=_name_those(Verdict.SOME, of_paper),
+        untold=_name_those(Verdict.UNKNOWN, of_paper),
+        groups=[_show_group(group, judgements) for group in GROUPS if group.about_paper],
+        own=[_show_group(group, judgements) for group in GROUPS if not group.about_paper],
+        controls=_tabulate_controls(metrics, settings),
+        meanings=_describe_controls(settings),
+        static=_tabulate_static(metrics, settings),
+        embodied=_tabulate_embodied(metrics, settings),
+        intervals=_tabulate_intervals(metrics),
+        taxonomy=_tabulate_taxonomy(metrics),
+        difficulty=_tabulate_difficulty(metrics),
+        language=_tabulate_language(metrics),
+        origins="; ".join(_origins(metrics)),
+        perception=_tabulate_perception(metrics),
+        position=markdown_body(position_table()),
+        figures=FIGURES,
+        mapping_s=PAPER["mapping_s_an_episode"].write(EXPECTED),
+        gate_s=PAPER["static_gate_s"].write(COUNT),
+        pass_min=PAPER["embodied_pass_min"].write(COUNT),
+        cow_min=PAPER["cow_pass_min"].write(COUNT),
+    )
+    return text.rstrip("\n") + "\n"
+
+
+# Statements
+
+
+def mark(judgement: Judgement) -> str:
+    """Return a verdict with its sign, and the readings under which the claim holds if it depends on the reading."""
+    sign = MARKS[judgement.verdict]
+    if judgement.verdict is not Verdict.SOME:
+        return f"{sign} {judgement.verdict}".replace(" ", "\u00a0")
+    under, of = judgement.under(Verdict.HOLDS), len(judgement.readings)
+    return f"{sign} holds under {'one reading' if len(under) == 1 else f'{len(under)} of {of} readings'} only: {', '.join(under)}"
+
+
+def _name_those(verdict: Verdict, judgements: Sequence[Judgement]) -> list[str]:
+    statements = [judgement.statement for judgement in judgements if judgement.verdict is verdict]
+    return [f"({NUMBERS[statement.key]}) {statement.claim}" for statement in statements]
+
+
+def _show_group(group: Group, judgements: dict[str, Judgement]) -> dict[str, object]:
+    of_group = [judgements[statement.key] for statement in group.statements]
+    notes = {NUMBERS[one.statement.key]: "\n\n".join(filter(None, (_list_readings(one), explain(one)))) for one in of_group}
+    return {
+        "title": group.title,
+        "table": _tabulate_statements(of_group, "the paper says" if group.about_paper else "we say"),
+        "notes": [{"number": number, "text": text} for number, text in notes.items() if text],
+        "decided": [_list_sources(one) for one in of_group],
+    }
+
+
+def _tabulate_statements(judgements: Sequence[Judgement], says: str) -> str:
+    rows = [
+        [
+            str(NUMBERS[judgement.statement.key]),
+            judgement.statement.claim,
+            "<br>".join(figure.label for figure in judgement.evidence.figures),
+            "<br>".join(_write_cell(figure) for figure in judgement.evidence.figures),
+            "<br>".join(_write_printed(figure) for figure in judgement.evidence.figures),
+            mark(judgement),
+        ]
+        for judgement in judgements
+    ]
+    heads = ["#", says, "figure", "here", "paper", "verdict"]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in (heads, ["-:", "-", "-", "-:", "-:", "-"], *rows))
+
+
+def _write_cell(figure: Figure) -> str:
+    return f"{figure.cell}".replace(" ", "\u00a0")
+
+
+def _write_printed(figure: Figure) -> str:
+    return PAPER[figure.paper].write(figure.cell.form).replace(" ", "\u00a0") if figure.paper else EMPTY
+
+
+def _list_readings(judgement: Judgement) -> str | None:
+    """Return what a claim comes to under every reading of its definition, a list; None for one reading."""
+    if judgement.statement.readings is None:
+        return None
+    lines = []
+    for name, reading in judgement.readings.items():
+        deciding = [figure for figure in reading.evidence.figures if figure.decides]
+        figures = "; ".join(f"{figure.label} {_write_cell(figure)}" for figure in deciding)
+        lines.append(f"- {MARKS[reading.verdict]} *{name}* – {reading.verdict}: {reading.missing or figures}")
+    return "\n".join([f"It depends on a definition: {judgement.statement.readings.definition}.", "", *lines])
+
+
+def _list_sources(judgement: Judgement) -> str:
+    """Return an item of a list: the key, the test, and where each figure of ours and of the paper's is from."""
+    statement, figures = judgement.statement, judgement.evidence.figures
+    places = "; ".join(dict.fromkeys(PAPER[figure.paper].place for figure in figures if figure.paper))
+    of_paper = f" Paper: {places or 'in words only'}." if statement.about_paper else ""
+    lines = [f"- **{NUMBERS[statement.key]}** `{statement.key}` holds if {statement.holds_if}.{of_paper}"]
+    if judgement.missing:
+        lines.append(f"  - cannot be told: {judgement.missing}")
+    lines += [f"  - {figure.label}: {figure.cell.source}" for figure in figures if not figure.cell.missing]
+    others = statement.readings.others if statement.readings else {}
+    for name, other in others.items():
+        reading = judgement.readings[name]
+        test = f"holds if {other.holds_if}; " if other.holds_if else ""
+        sources = "; ".join(figure.cell.source for figure in reading.evidence.figures if not figure.cell.missing)
+        lines.append(f"  - read as *{name}*: {test}{sources or reading.missing}")
+    return "\n".join(lines)
+
+
+# Tables
+
+
+def _write_paper(key: str, form: Form = RATE) -> str:
+    return PAPER[key].write(form) if key in PAPER else EMPTY
+
+
+def _tabulate_summary(metrics: Metrics) -> str:
+    rows = []
+    for title, row in SUMMARY.items():
+        cell = metrics.rows(f"{row.split('.')[0]}_rates", arm=row).one()
+        rows.append([title, EMPTY if cell.missing else f"**{cell}**", _write_paper(f"{row}.all")])
+    return pipe_table(["success over all episodes", "here", "paper"], rows, [False, True, True])
+
+
+def _tabulate_rows(
+    head: str, rows: Sequence[tuple[str, str, Callable[[str], Cell]]], columns: Sequence[str], form: Form = RATE
+) -> str:
+    """Return a table with two rows per row: ours, then the paper's if it has one.
+
+    Args:
+        head: Head of the first column.
+        rows: Title, row of the paper ("static.two"), and where our cell of a column is.
+        columns: Relations, or "spl".
+        form: Of all cells.
+    """
+    body = []
+    for title, row, read in rows:
+        body.append([title, "here", *(format(read(column), form) for column in columns)])
+        if any(f"{row}.{column}" in PAPER for column in columns):
+            body.append(["", "paper", *(_write_paper(f"{row}.{column}", form) for column in columns)])
+    return pipe_table([head, "", *(column.upper() for column in columns)], body, [False, False, *[True] * len(columns)])
+
+
+def _tabulate_static(metrics: Metrics, settings: Settings) -> str:
+    def read_of(arm: str) -> Callable[[str], Cell]:
+        return lambda relation: metrics.rows("static_rates", arm=arm, relation=relation).one()
+
+    rows = [(title, row, read_of(arm)) for title, arm, row in list_arms(settings, Kind.STATIC)]
+    return _tabulate_rows("arm", rows, RELATIONS)
+
+
+def _tabulate_embodied(metrics: Metrics, settings: Settings) -> str:
+    def read_of(arm: str) -> Callable[[str], Cell]:
+        def read(column: str) -> Cell:
+            if column == "spl":
+                return metrics.rows("embodied_rates", arm=arm).one("spl")
+            return metrics.rows("embodied_rates", arm=arm, relation=column).one()
+
+        return read
+
+    rows = [(title, row, read_of(arm)) for title, arm, row in list_arms(settings, Kind.EMBODIED)]
+    return _tabulate_rows("agent", rows, (*RELATIONS, "spl"))
+
+
+def list_arms(settings: Settings, kind: Kind) -> list[tuple[str, str, str]]:
+    """Return title, arm and row of the paper of the arms of section `paper`.
+
+    The first arm of a row has the paper's title if there is one, others have their own.
+    """
+    rows = settings.paper.static if kind is Kind.STATIC else settings.paper.embodied
+    listed: list[tuple[str, str, str]] = []
+    for name, row in rows.items():
+        if name in settings.arms:
+            key, title = f"{kind}.{row}", _title(settings.arms[name])
+            is_first = key not in {of for _, _, of in listed}
+            listed.append((TITLES.get(key, title) if is_first else title, name, key))
+    return listed
+
+
+def _title(arm: Arm) -> str:
+    if arm.kind is Kind.EMBODIED:
+        return arm.system
+    title = f"{arm.system}, {arm.memory}"
+    if arm.positions is Source.HANDED:
+        return f"{title}, oracle positions"
+    if arm.grounding is Source.HANDED:
+        return f"{title}, oracle grounding" + (f" ({arm.reading})" if arm.reading is not Reading.MAJORITY else "")
+    return title
+
+
+def _tabulate_taxonomy(metrics: Metrics) -> str:
+    def read_of(outcome: str) -> Callable[[str], Cell]:
+        def read(relation: str) -> Cell:
+            rows = metrics.rows("taxonomy", arm="agent", verdict=outcome, relation=relation)
+            return rows.of_seed(0).one("episodes") if outcome == "lost_in_navigation" else rows.one("episodes")
+
+        return read
+
+    def count_episodes(relation: str) -> Cell:
+        return metrics.rows("taxonomy", arm="agent", verdict="success", relation=relation).one("n")
+
+    rows = [
+        (TITLES[f"taxonomy.{outcome}"], f"taxonomy.{outcome}", count_episodes if outcome == "episodes" else read_of(outcome))
+        for outcome in OUTCOMES
+    ]
+    return _tabulate_rows("outcome", rows, RELATIONS, COUNT)
+
+
+def _tabulate_intervals(metrics: Metrics) -> str:
+    body = []
+    for row in INTERVALS:
+        rows = metrics.rows("embodied_rates", arm=f"embodied.{row}")
+        low, high = rows.one("low"), rows.one("high")
+        interval = EMPTY if low.missing or high.missing else f"{low} – {high}"
+        body.append([TITLES[f"embodied.{row}"], f"{rows.one()}", interval, _write_paper(f"embodied_interval_{row}")])
+    return pipe_table(["agent", "here", "interval, here", "interval, paper"], body, [False, True, True, True])
+
+
+def _tabulate_difficulty(metrics: Metrics) -> str:
+    body = []
+    for group, (title, key) in INSTANCES.items():
+        rows = metrics.rows("difficulty", by="instances", group=group, arm="static.two")
+        printed = [_write_paper(f"episodes_with_{key}", COUNT), _write_paper(f"success_with_{key}")]
+        body.append([title, f"{rows.one('n'):count}", f"{rows.one()}", *printed])
+    heads = ["instances of the category", "episodes, here", "success, here", "episodes, paper", "success, paper"]
+    return pipe_table(heads, body, [False, True, True, True, True])
+
+
+def _tabulate_language(metrics: Metrics) -> str:
+    body = [
+        [title, f"{metrics.rows('language', what=what).one()}", _write_paper(key)] for what, (title, key) in SENTENCES.items()
+    ]
+    return pipe_table(["held-out sentences", "here", "paper"], body, [False, True, True])
+
+
+def _origins(metrics: Metrics) -> list[str]:
+    """Return where the held-out sentences are from, as the metrics say."""
+    try:
+        return list(dict.fromkeys(filter(None, metrics.frame("language")["origin"])))
+    except Missing:
+        return []
+
+
+def _tabulate_perception(metrics: Metrics) -> str:
+    try:
+        scores = rows_of(Score, typed(metrics.frame("perception"), Score))
+    except Missing as missing:
+        return f"Nothing can be told: {missing}.\n"
+    body = [
+        [PERCEPTION.get(bar.rate, bar.rate), write(bar.reached), f"≥ {write(bar.least)}", bar.verdict]
+        for bar in bars(scores).values()
+    ]
+    return pipe_table(["rate", "here", "bar", ""], body, [False, True, True, False])
+
+
+def _tabulate_controls(metrics: Metrics, settings: Settings) -> str:
+    try:
+        return markdown_body(controls_table(typed(metrics.frame("controls"), Controlled), settings))
+    except Missing as missing:
+        return f"Nothing can be told: {missing}.\n"
+
+
+def _describe_controls(settings: Settings) -> list[str]:
+    """Return a line for each control that is an arm: its title, and what its result means."""
+    controls = [
+        (settings.arms[name], entry.means) for name, entry in settings.comparisons.controls.items() if name in settings.arms
+    ]
+    return [f"**{arm.system}** ({arm.kind}). {means}" for arm, means in controls if means]

@@ -1,0 +1,234 @@
+"""Statements of the paper about CoW and DualMap."""
+
+from __future__ import annotations
+
+from ovman.report.metrics import Cell, Rows
+from ovman.report.paper import COUNT, DIFFERENCE, EXPECTED, P
+from ovman.report.statements.readings import CURRENT, GROUNDING, ONE_READING, PAST
+from ovman.report.statements.statement import FAILS, Evidence, Group
+
+GROUP = Group("Do the existing paradigms fail, and why?")
+
+
+@GROUP.statement(
+    "The agent with two visits beats CoW, which sees one.",
+    holds_if="more wins than losses (first seed), and an exact p below 0.001 under every seed",
+)
+def two_visits_beat_cow(here: Evidence) -> bool:
+    here.show_embodied("two visits", "two")
+    here.show_embodied("CoW", "cow")
+    rows = here.significance("embodied.two", "embodied.cow")
+    wins = here.use("wins", rows.of_seed(0).one("wins"), COUNT, "cow_wins")
+    losses = here.use("losses", rows.of_seed(0).one("losses"), COUNT, "cow_losses")
+    p = here.use("largest p of the seeds", rows.highest("p"), P, "cow_p")
+    return wins > losses and p < 0.001
+
+
+@GROUP.statement(
+    "A single-visit navigator almost never reaches a vacated place.",
+    holds_if="its success, the mean over the seeds, is at most 0.1 on FORMER and on REMOVED",
+)
+def vacated_places_are_out_of_reach(here: Evidence) -> bool:
+    seeds = here.rows("seeds", arm="embodied.cow", relation="former")
+    former = here.use("CoW, FORMER", seeds.mean(), paper="cow_former_over_seeds")
+    removed = here.use_embodied("CoW, REMOVED", "cow", "removed")
+    here.explain(
+        FAILS,
+        """
+        REMOVED is below the bound, FORMER is not, and what CoW reaches there is something else that stands nearby. In 18 of the
+        38 FORMER episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to
+        that one, stops a metre before it, and ends within R of the place in 16 of 54 runs. In the other 20 episodes it does in
+        one of 60.
+        """,
+        given=former > 0.1 > removed,
+        episodes=("FloorPlan1/former/0002", "FloorPlan322/former/0005", "FloorPlan429/former/0007"),
+    )
+    return max(former, removed) <= 0.1
+
+
+@GROUP.statement(
+    "On its own task, reaching any instance of the category, CoW does much better in the same runs; the gap is the rule against "
+    "shortcuts.",
+    holds_if="its success on its own task is higher, and the exact p of the same runs is below 0.001 under every seed",
+)
+def its_own_task_is_easier(here: Evidence) -> bool:
+    rows = here.rows("own_task", arm="embodied.cow")
+    own = here.use("own task", rows.mean("own_rate"), paper="cow_any_instance")
+    this = here.use("this task", rows.mean(), paper="embodied.cow.all")
+    p = here.use("largest p of the seeds", rows.highest("p"), P)
+    return own > this and p < 0.001
+
+
+@GROUP.statement(
+    "CoW's success differs little between three seeds.",
+    holds_if="the best seed is at most 0.05 above the worst",
+)
+def cow_seeds_spread_little(here: Evidence) -> bool:
+    rows, former = (here.rows("seeds", arm="embodied.cow", relation=relation).at_least(2) for relation in ("all", "former"))
+    least = here.use("least of a seed", rows.lowest(), paper="cow_least")
+    greatest = here.use("greatest of a seed", rows.highest(), paper="cow_greatest")
+    here.show("FORMER, least", former.lowest(), paper="cow_former_least")
+    here.show("FORMER, greatest", former.highest(), paper="cow_former_greatest")
+    return greatest - least <= 0.05
+
+
+@GROUP.statement(
+    "With its own grounding, DualMap answers fewer episodes than the agent with two visits, however its maps are read.",
+    holds_if="two visits are ahead of each run of each reading, with an exact p below 0.001",
+)
+def two_visits_beat_dualmap(here: Evidence) -> bool:
+    here.show_static("two visits", "two")
+    here.show_static("DualMap, maintained map", "dualmap_one")
+    here.show_static("DualMap, read as two visits", "dualmap_two")
+    over_one, over_two = (
+        here.rows("pairings", arm="static.two", baseline=f"static.{row}") for row in ("dualmap_one", "dualmap_two")
+    )
+    one_least = here.use("least lead over maintained map", over_one.lowest("difference"), DIFFERENCE)
+    two_least = here.use("least lead over read as two visits", over_two.lowest("difference"), DIFFERENCE)
+    one_p = here.use("largest p, maintained map", over_one.highest("p"), P)
+    two_p = here.use("largest p, read as two visits", over_two.highest("p"), P)
+    worst, best = (here.measure(here.static("dualmap_two").one(column)) for column in ("least", "greatest"))
+    here.explain(
+        FAILS,
+        f"""
+        Two visits are ahead in every pairing, by {two_least} at least; over the maps read as two visits p is not below 0.001 in
+        each of them. DualMap draws the pixels of a frame anew in every run, and two of its runs differ in about 40 of the 219
+        verdicts: read as two visits they answer {worst} to {best}. In 0.9, whose pictures of the same episodes had other last
+        bits, they answered 0.356 to 0.384, two visits 0.553, and this statement held.
+        """,
+        given=two_least > 0 and one_p < 0.001 <= two_p,
+    )
+    return one_least > 0 and one_p < 0.001 and two_least > 0 and two_p < 0.001
+
+
+@GROUP.statement(
+    "A map that maintains itself answers queries about the past poorly.",
+    holds_if="with own grounding, at most 0.5 of what the agent with two visits reaches, on FORMER and on REMOVED",
+)
+def a_maintained_map_answers_the_past_poorly(here: Evidence) -> bool:
+    map_former = here.use_static("FORMER, DualMap, maintained map", "dualmap_one", "former")
+    two_former = here.use_static("FORMER, two visits", "two", "former")
+    map_removed = here.use_static("REMOVED, DualMap, maintained map", "dualmap_one", "removed")
+    two_removed = here.use_static("REMOVED, two visits", "two", "removed")
+    rows = here.static("dualmap_one", "former")
+    runs, right = here.measure(rows.one("trials"), COUNT), here.measure(rows.one("successes"), COUNT)
+    worst, best = here.measure(rows.one("least")), here.measure(rows.one("greatest"))
+    here.explain(
+        FAILS,
+        f"""
+        FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so that the
+        vacated place is among its objects, and it answers with the one most like the noun: in 57 of {runs} runs on FORMER that is
+        within R of an instance which still stands, in {right} the vacated place. Its runs lie between {worst} and {best}. In 0.9
+        it answered 27 of {runs}, and this statement held.
+        """,
+        given=map_former > 0.5 * two_former and map_removed <= 0.5 * two_removed and right == 34.0 and runs == 114.0,
+    )
+    return map_former <= 0.5 * two_former and map_removed <= 0.5 * two_removed
+
+
+def _use_both(here: Evidence, relation: str) -> tuple[Cell, Cell]:
+    name = relation.upper()
+    return (
+        here.use_static(f"{name}, maintained map", "grounding_dualmap_one", relation),
+        here.use_static(f"{name}, read as two visits", "grounding_dualmap_two", relation),
+    )
+
+
+@GROUP.statement(
+    "Reading DualMap's maps as two visits rather than one does not by itself recover the past relations.",
+    holds_if="with oracle grounding, two visits are ahead by at most 0.05 on FORMER and on REMOVED",
+    readings=GROUNDING,
+)
+def reading_twice_does_not_recover_the_past(here: Evidence) -> bool:
+    one_former, two_former = _use_both(here, "former")
+    one_removed, two_removed = _use_both(here, "removed")
+    here.show_static("ALL, maintained map", "grounding_dualmap_one")
+    here.show_static("ALL, read as two visits", "grounding_dualmap_two")
+    rows = here.rows("dualmap", scene="all", memory="two visits", run="all")
+    objects = here.measure(rows.one("objects_mean"), EXPECTED)
+    here.explain(
+        FAILS,
+        f"""
+        The maintained map is a pick among its objects at the places of both visits, one of which is the answer; read as two
+        visits, the maps say which of them is left over. A map has {objects} objects in the mean, the paper's
+        {here.quote("dualmap_objects_least", COUNT)} to {here.quote("dualmap_objects_most", COUNT)}: with less to confuse, what
+        stayed is matched with itself. The paper's were made of Unity's frames by other networks; from what it reports we cannot
+        tell what kept it from this.
+        """,
+        given=objects < 43,
+    )
+    return max(two_former - one_former, two_removed - one_removed) <= 0.05
+
+
+@GROUP.statement(
+    "Over all relations, too, DualMap's maps read as two visits beat the maintained map under no pairing of the runs.",
+    holds_if="with oracle grounding, two visits are ahead by at most 0.05 on average, and in no pairing of the runs with an "
+    "exact p below 0.05",
+    readings=GROUNDING,
+)
+def no_pairing_beats_the_maintained_map(here: Evidence) -> bool:
+    def pair(relation: str = "all") -> Rows:
+        arms = {"arm": "static.grounding_dualmap_two", "baseline": "static.grounding_dualmap_one"}
+        return here.rows("pairings", **arms, relation=relation)
+
+    difference = here.static("grounding_dualmap_two").one() - here.static("grounding_dualmap_one").one()
+    mean = here.use("difference of the means", difference, DIFFERENCE, "dualmap_difference")
+    here.show("worst pairing, ALL", pair().lowest("difference"), DIFFERENCE, "dualmap_worst_pairing")
+    here.show("worst pairing, FORMER", pair("former").lowest("difference"), DIFFERENCE, "dualmap_worst_pairing_former")
+    here.show("best pairing, ALL", pair().highest("difference"), DIFFERENCE)
+    p = here.use("least p with a lead", pair().lowest_positive("p", of="difference", otherwise=1.0), P)
+    here.explain(
+        FAILS,
+        f"""
+        For the reason given at statement {here.number("reading_twice_does_not_recover_the_past")}: the mean lead is {mean}.
+        """,
+    )
+    return mean <= 0.05 <= p
+
+
+@GROUP.statement(
+    "What two visits gain over a current-state reading is on the relations that still leave an object to find.",
+    holds_if="with oracle grounding, on our maps and on DualMap's alike, the mean gain on the four current relations is "
+    "positive and larger than that on FORMER and REMOVED, which is at most 0.05",
+    readings=ONE_READING,
+)
+def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
+    def use(whose: str, two: str, one: str) -> tuple[Cell, Cell]:
+        current, past = (here.static(two, of).mean() - here.static(one, of).mean() for of in (CURRENT, PAST))
+        return (
+            here.use(f"{whose}, current relations", current, DIFFERENCE),
+            here.use(f"{whose}, past relations", past, DIFFERENCE),
+        )
+
+    ours_current, ours_past = use("our maps", "grounding_two", "grounding_maintained")
+    dualmap_current, dualmap_past = use("DualMap's", "grounding_dualmap_two", "grounding_dualmap_one")
+    here.explain(
+        FAILS,
+        f"""
+        The relations of the past gain as well: on our maps {ours_past}, for the reason given at statement
+        {here.number("same_maps_read_twice")}; on DualMap's {dualmap_past}, for that at statement
+        {here.number("reading_twice_does_not_recover_the_past")}.
+        """,
+    )
+    return (
+        ours_current > max(0, ours_past) and ours_past <= 0.05 and dualmap_current > max(0, dualmap_past) and dualmap_past <= 0.05
+    )
+
+
+@GROUP.statement(
+    "In one scene DualMap keeps next to no objects, in all others many.",
+    holds_if="the scene with the fewest objects has at most a third of those of the scene with the second fewest",
+)
+def dualmap_degenerates_in_one_scene(here: Evidence) -> bool:
+    rows = here.rows("dualmap", memory="two visits")
+    fewest = here.use("objects a map, fewest", rows.of_scene(0, "objects_mean"), EXPECTED, "dualmap_objects_degenerate")
+    second = here.use("second fewest", rows.of_scene(1, "objects_mean"), EXPECTED, "dualmap_objects_least")
+    here.show("most", rows.of_scene(-1, "objects_mean"), EXPECTED, "dualmap_objects_most")
+    here.explain(
+        FAILS,
+        """
+        All scenes have few objects, none next to none. The detector is small and class-agnostic, and in frames of 300 px small
+        things rarely make the eight observations after which DualMap keeps an object.
+        """,
+    )
+    return 3 * fewest <= second

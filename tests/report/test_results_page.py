@@ -1,0 +1,82 @@
+"""The page of results: the one in docs is that of the released metrics, and partial metrics give a page, too."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from ovman.report.figures import CHARTS
+from ovman.report.metrics import Metrics, name_arms
+from ovman.report.results_page import judge_all, list_arms, render, write_page
+from ovman.report.statements import STATEMENTS, Verdict
+from ovman.settings import Kind
+from tests.arms import CONFIG
+from tests.episodes import DATA
+
+DOCS = Path(__file__).parents[2] / "docs"
+FILES = {path.stem: path for path in sorted((DATA / "metrics").glob("*.csv"))}
+ARMS = name_arms(CONFIG.comparisons, CONFIG.paper)
+
+
+def page_of(metrics: Metrics, settings=CONFIG) -> str:
+    return render(metrics, judge_all(metrics), settings)
+
+
+def test_the_page_in_docs_is_that_of_the_released_metrics(tmp_path, capsys):
+    write_page(list(FILES.values()), CONFIG, tmp_path / "page.md")
+    page = (tmp_path / "page.md").read_text(encoding="utf-8")
+    assert page == (DOCS / "results.md").read_text(encoding="utf-8")
+    assert len(capsys.readouterr().out.splitlines()) == len(STATEMENTS)
+    assert {*re.findall(r"!\[[^]]*\]\(([^)]*)\)", page)} == {f"figures/{name}.png" for name in CHARTS}
+    assert not re.search(r"\bnan\b|\binf\b|\bNone\b|Undefined|\{\{|\{%", page)
+
+
+def test_tables_are_tables_and_titles_of_rows_differ():
+    for table in re.findall(r"(?:^\|.*\n)+", (DOCS / "results.md").read_text(), re.MULTILINE):
+        lines = table.splitlines()
+        assert len({line.replace(r"\|", "").count("|") for line in lines}) == 1 and set(lines[1]) <= set("|-: "), lines[0]
+    for kind in Kind:
+        titles = [title for title, *_ in list_arms(CONFIG, kind)]
+        assert len({*titles}) == len(titles)
+
+
+@pytest.mark.parametrize("name", ["static_rates", "pairings", "appearance", "controls", "perception"])
+def test_without_a_file_the_page_says_so_once_per_statement(name):
+    metrics = Metrics.load([path for file, path in FILES.items() if file != name], ARMS)
+    judgements = judge_all(metrics)
+    page = render(metrics, judgements, CONFIG)
+    without = [one for one in judgements.values() if one.verdict is Verdict.UNKNOWN]
+    assert page.count(f"  - cannot be told: there is no {name}.csv") == len(without)
+    assert without or f"Nothing can be told: there is no {name}.csv." in page
+    assert not re.search(r"\bnan\b|None", page)
+
+
+def test_no_metrics_and_files_without_rows_are_a_page_too():
+    empty = Metrics({name: Metrics.load([path], ARMS).frame(name).iloc[:0] for name, path in FILES.items()}, ARMS)
+    for metrics in (Metrics({}, ARMS), empty):
+        page = page_of(metrics)
+        assert page.count("?\u00a0cannot\u00a0be\u00a0told") == len(STATEMENTS)
+        assert "0 hold here, 0 do not" in " ".join(page.split()) and "over — episodes" in page
+
+
+def test_a_small_run_is_called_one():
+    frame = Metrics.load([FILES["static_rates"]], ARMS).frame("static_rates")
+    page = page_of(Metrics({"static_rates": frame.assign(n="14")}, ARMS))
+    assert "These metrics are over 14 episodes, not over the 219 of the release" in page
+
+
+def test_it_says_whose_pictures_and_weights_these_are():
+    empty = Metrics({}, ARMS)
+    assert "this project's own engine" in page_of(empty) and "trained here" in page_of(empty)
+    other = CONFIG.model_copy(
+        update={
+            "benchmark": CONFIG.benchmark.model_copy(update={"backend": "thor"}),
+            "perception": CONFIG.perception.model_copy(
+                update={"encoder": CONFIG.perception.encoder.model_copy(update={"weights": "laion2b_s34b_b88k"})}
+            ),
+        }
+    )
+    page = page_of(empty, other)
+    assert "Unity build as well" in page and "trained here" not in page and "`laion2b_s34b_b88k`" in page
