@@ -1,4 +1,4 @@
-"""Kinds of values, and what every section has in common."""
+"""What every section of the settings has in common, and kinds of values."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def _sequence(value: Any) -> Any:
 
 
 Whole = Annotated[int, BeforeValidator(_whole)]
-"""2.0 is 2."""
+"""An integer, which a file may write as 2.0."""
 Count = Annotated[Whole, Field(ge=0)]
 Some = Annotated[Whole, Field(ge=1)]
 Metres = Annotated[float, Field(gt=0)]
@@ -25,95 +25,80 @@ Voxels = Annotated[float, Field(gt=0)]
 Probability = Annotated[float, Field(ge=0, lt=1)]
 Fraction = Annotated[float, Field(gt=0, le=1)]
 Listed = BeforeValidator(_sequence)
-"""A list in YAML is a tuple here."""
-
-
-def listed(value: Any) -> Any:
-    """A mapping of a setting as JSON that keeps its order: a list of its entries, which have their names, or of its items."""
-    if not isinstance(value, dict):
-        return value
-    known = _listed.get(id(value))
-    if known is None or known[0] is not value:
-        if len(_listed) == KNOWN:
-            _listed.clear()
-        entries = [_plain(entry) if isinstance(entry, Section) else [name, entry] for name, entry in value.items()]
-        known = _listed[id(value)] = value, entries
-    return known[1]
-
-
-KNOWN = 64
-_listed: dict[int, tuple[dict[str, Any], list[Any]]] = {}
-"""Mappings of frozen settings that were listed, by their identity: a workflow asks for the same ones some hundred times."""
-
-
-def _plain(value: Any) -> Any:
-    """A section as a mapping, and sections in it."""
-    return {name: _plain(one) for name, one in value} if isinstance(value, Section) else value
-
-
-def _by_name(entries: list[Any], kind: Any, stage: str, path: str) -> dict[str, Any]:
-    """The inverse of `listed`. kind: of the mapping's values; stage, path: as for `Section.owned`."""
-    if not (isinstance(kind, type) and issubclass(kind, Section)):
-        return dict(entries)
-    whole = kind.model_fields.keys()
-    return {
-        entry["name"]: kind.model_validate(entry)
-        if whole == entry.keys()
-        else kind.owned(entry, stage, f"{path}.{entry['name']}")
-        for entry in entries
-    }
-
-
-def _section_in(kind: Any) -> type[Section] | None:
-    """The section that a field of this annotation may have instead of null, None for fields of other values."""
-    return next((one for one in get_args(kind) if isinstance(one, type) and issubclass(one, Section)), None)
+"""A tuple, which a file writes as a list."""
 
 
 class Section(BaseModel):
-    """A section of config.yaml: frozen, with no key beside its fields, and no value of one type taken for another.
+    """A section of the settings: frozen, strict about types, without unknown keys.
 
-    A job of the workflow has sections that hold only what its stage owns (`ovman.workflow.parameter`). Reading another field
-    raises AttributeError with the stage and the constant in one line.
+    A job of the workflow has partial sections, which hold only the constants that its rule gives (`partial`). Reading another
+    constant raises AttributeError.
     """
 
     # Built at the first validation: a job, whose constants are valid already, starts sooner.
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False, defer_build=True)
-    _stage: str = PrivateAttr("")
+    _holder: str = PrivateAttr("")
     _path: str = PrivateAttr("")
 
     if not TYPE_CHECKING:  # with it mypy would take every name for a field
 
         def __getattr__(self, name: str) -> Any:
             if name in type(self).model_fields:
-                where = f"{self._path}.{name}" if self._path else name
-                owners = "STAGES in ovman/workflow/stages.py lists the owners"
-                raise AttributeError(f"stage {self._stage!r} does not own the constant {where!r}; {owners}")
+                says = f"was not given {_join(self._path, name)!r}; name it in the params of its rule"
+                raise AttributeError(f"settings: {self._holder} {says}")
             return super().__getattr__(name)
 
     @classmethod
-    def owned(cls, values: Mapping[str, Any], stage: str, path: str = "") -> Self:
-        """The section as a stage owns it: fields that are not in `values` raise when they are read.
+    def partial(cls, values: Mapping[str, Any], holder: str = "this job", path: str = "") -> Self:
+        """Build a section that holds only these values, which come from validated settings and are not validated again.
 
-        values: fields of this section, sections as mappings. They come from validated settings and are not validated again.
+        values: of fields by name, sections as mappings, sequences as tuples or lists. holder: whom the settings are for, and
+        path: the dotted name of the section, both for messages. AttributeError for a name that the section does not have.
         """
+        for name in values:
+            if name not in cls.model_fields:
+                raise AttributeError(f"settings: {_join(path, name)!r} is not a constant")
         fields: dict[str, Any] = {}
-        for name, value in values.items():
-            kind, inner = cls.model_fields[name].annotation, f"{path}.{name}" if path else name
-            if isinstance(kind, type) and issubclass(kind, Section):
-                fields[name] = kind.owned(value, stage, inner)
-            elif get_origin(kind) is dict:
-                fields[name] = _by_name(value, get_args(kind)[1], stage, inner)
-            elif isinstance(value, Mapping) and (section := _section_in(kind)):
-                fields[name] = section.model_validate(value)
-            else:
-                fields[name] = tuple(value) if isinstance(value, list) else value
-        # A section of which the stage owns nothing is there, so that the error names the constant.
-        for name, field in cls.model_fields.items():
-            kind = field.annotation
-            if name not in fields and isinstance(kind, type) and issubclass(kind, Section):
-                fields[name] = kind.owned({}, stage, f"{path}.{name}" if path else name)
-        fields = {name: fields[name] for name in cls.model_fields if name in fields}  # the order of config.yaml, as in records
-        made = cast(Self, cls.model_construct(**fields))
+        for name, field in cls.model_fields.items():  # in the order of the models, as in records
+            kind: Any = field.annotation
+            inner = _join(path, name)
+            if name in values:
+                fields[name] = _restored(kind, values[name], holder, inner)
+            elif _is_section(kind):  # there without a value, so that the error names the constant
+                fields[name] = kind.partial({}, holder, inner)
+        made: Any = cls.model_construct()
         made.__dict__ = fields
-        made._stage, made._path = stage, path
-        return made
+        made._holder, made._path = holder, path
+        return cast(Self, made)
+
+
+def plain(value: Any) -> Any:
+    """Return a value with sections as mappings, in their order."""
+    if isinstance(value, Section):
+        return {name: plain(one) for name, one in value}
+    return {name: plain(one) for name, one in value.items()} if isinstance(value, dict) else value
+
+
+def _restored(kind: Any, value: Any, holder: str, path: str) -> Any:
+    """Return a value of a field as validation would: the inverse of `plain`."""
+    if not isinstance(value, Mapping):
+        return tuple(value) if isinstance(value, list) else value
+    if get_origin(kind) is dict:
+        return {name: _entry(get_args(kind)[1], one, holder, _join(path, name)) for name, one in value.items()}
+    section: Any = next(one for one in (kind, *get_args(kind)) if _is_section(one))
+    return section.partial(value, holder, path)
+
+
+def _entry(kind: Any, value: Any, holder: str, path: str) -> Any:
+    if not _is_section(kind) or not isinstance(value, Mapping):
+        return value
+    whole = value.keys() == kind.model_fields.keys()  # an arm, whose words become members of enumerations
+    return kind.model_validate(dict(value)) if whole else kind.partial(value, holder, path)
+
+
+def _is_section(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Section)
+
+
+def _join(path: str, name: str) -> str:
+    return f"{path}.{name}" if path else name

@@ -1,11 +1,10 @@
-"""A setting that is wrong is named in one line with its remedy; a stage sees what it owns, and its parameter tells that apart."""
+"""Settings: a wrong one is named in one line with its remedy; partial settings name what they lack."""
 
 from __future__ import annotations
 
 import copy
-import itertools
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,67 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from ovman.report.tables.constants import KEYS
-from ovman.section import listed
-from ovman.settings import Kind, Settings, arms_of, of_kind
+from ovman.settings import Settings
 from ovman.settings.config import ConfigError, load
-from ovman.settings.settings import matching
-from ovman.settings.settings_files import check_command_line, read, read_merged, with_parts
-from ovman.workflow.parameter import StageSettings, canonical, own_constants, stage_settings
-from ovman.workflow.stages import ENTRIES, STAGES, owned
-from tests.arms import ARMS
+from ovman.settings.settings_files import check_command_line, read_merged, with_parts
+from ovman.settings.settings_files import read as read_file
 
 FILE = Path(__file__).parents[1] / "config.yaml"
 TREE = read_merged(with_parts(FILE))
 CONFIG = load(FILE)
 VALUES = CONFIG.constants()
-
-
-def changed(config: Settings, values: Mapping[str, Any]) -> Settings:
-    """`config` with other values, unchecked: what is compared here need not make sense together."""
-    for name, value in values.items():
-        config = _changed(config, name.split("."), value)
-    return config
-
-
-def _changed(section: Any, path: list[str], value: Any) -> Any:
-    inner = value if len(path) == 1 else _changed(getattr(section, path[0]), path[1:], value)
-    return section.model_copy(update={path[0]: inner})
-
-
-OF_ARMS = {"predictions": Kind.STATIC, "rollouts": Kind.EMBODIED}
-Job = tuple[str, str | None]
-JOBS: tuple[Job, ...] = (
-    *((stage, None) for stage in STAGES if stage not in OF_ARMS),
-    *((stage, arm.name) for stage, kind in OF_ARMS.items() for arm in of_kind(ARMS, kind)),
-)
-"""Stages, and the jobs of a stage that is divided among the arms."""
-
-
-def patterns(job: Job) -> tuple[str, ...]:
-    """What a job owns: what its stage does, and what its arm, or one whose answer that executes, says that it reads."""
-    stage, arm = job
-    involved = [] if arm is None else [arm, *filter(None, [CONFIG.arms[arm].executes])]
-    return STAGES[stage] + tuple(pattern for name in involved for pattern in own_constants(CONFIG.arms[name]))
-
-
-def owners(*names: str) -> set[Job]:
-    return {job for job in JOBS if matching(patterns(job), names)}
-
-
-BEFORE = {job: canonical(CONFIG, *job) for job in JOBS}
-
-
-def affected(config: Settings) -> set[Job]:
-    return {job for job in JOBS if canonical(config, *job) != BEFORE[job]}
-
-
-def pairs() -> Iterator[tuple[str, str]]:
-    """Every constant with another of its type that has another value, the next one in the file; no mapping has another's form."""
-    names = [name for name, value in VALUES.items() if not isinstance(value, list)]
-    for k, a in enumerate(names):
-        others = (b for b in names[k + 1 :] + names[:k] if type(VALUES[a]) is type(VALUES[b]) and VALUES[a] != VALUES[b])
-        yield from ((a, b) for b in itertools.islice(others, 1))
 
 
 def with_value(name: str, value: Any, tree: Mapping[str, Any] = TREE) -> dict[str, Any]:
@@ -99,65 +46,6 @@ def message(source: Any, **kwargs: Any) -> str:
     return text
 
 
-def test_every_constant_has_an_owner_but_for_those_that_no_result_follows_from():
-    """Seeds say which files there are, scenes of a job which job makes a file, limits of agents when one is given up."""
-    of_no_stage = {name for name in VALUES if not owners(name)}
-    of_jobs = {"evaluation.seeds", "evaluation.scenes_per_job"}
-    assert of_no_stage == of_jobs | {name for name in VALUES if name.startswith("remote.")}
-
-
-def test_what_stages_says_exists():
-    for stage, patterns in STAGES.items():
-        for pattern in patterns:
-            assert any(n == pattern or (pattern.endswith(".*") and n.startswith(pattern[:-1])) for n in VALUES), (stage, pattern)
-
-
-def test_the_tables_own_what_they_show():
-    memory = {"comparisons.memory.arm", "comparisons.memory.baseline"}
-    shown = memory | {
-        *KEYS,
-        "arms",
-        "splits",
-        "comparisons.agent",
-        "comparisons.rungs",
-        "comparisons.difficulty",
-        "comparisons.shortcuts",
-        "comparisons.controls",
-        "evaluation.confidence",
-        "evaluation.near_miss_m",
-    }
-    assert set(owned("tables", list(VALUES))) == shown
-
-
-def test_a_constant_with_the_value_of_another_changes_the_parameter_of_its_owners_only():
-    tried = 0
-    for a, b in pairs():
-        assert affected(changed(CONFIG, {a: VALUES[b]})) == owners(a), (a, b)
-        tried += 1
-    assert tried > 80
-
-
-@pytest.mark.soak
-def test_two_constants_that_swap_their_values_change_the_parameters_of_both_owners():
-    for a, b in pairs():
-        assert affected(changed(CONFIG, {a: VALUES[b], b: VALUES[a]})) == owners(a, b), (a, b)
-
-
-def test_the_order_of_a_mapping_counts():
-    mappings = [name for name, value in VALUES.items() if isinstance(value, list) and name not in ("arms", "splits")]
-    names = ("rungs", "pairs", "pairings", "readings", "difficulty", "shortcuts", "overview", "controls")
-    assert mappings == [f"comparisons.{name}" for name in names] + ["paper.static", "paper.embodied"]
-    for name in mappings:
-        section, last = name.split(".")
-        value = getattr(getattr(CONFIG, section), last)
-        assert affected(changed(CONFIG, {name: dict(reversed(value.items()))})) == owners(name), name
-
-
-def test_sequences_count():
-    assert affected(changed(CONFIG, {"success.sweep_deg": (0, 60)})) == owners("success.sweep_deg")
-    assert affected(changed(CONFIG, {"benchmark.backend": "thor"})) == owners("benchmark.backend")
-
-
 @settings(derandomize=True, max_examples=25, deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(random):
@@ -171,64 +59,52 @@ def test_key_order_and_number_form_and_the_users_own_sections_do_not_count(rando
         return [shuffled(v) for v in value] if isinstance(value, list) else value
 
     tree = shuffled(TREE) | {"x-notes": {"anything": [1]}}
-    # The order of the arms, the splits and of what is compared is that of the tables.
+    # The order of the arms, the splits and the comparisons is that of the tables.
     tree |= {name: TREE[name] for name in ("comparisons", "paper")}
     tree |= {section: {name: tree[section][name] for name in TREE[section]} for section in ("arms", "splits")}
-    assert affected(load(tree)) == set()
+    assert load(tree) == CONFIG
 
 
-def test_a_stage_sees_what_it_owns_and_is_told_what_it_does_not():
-    for job in JOBS:
-        stage, view = job[0], stage_settings(CONFIG, *job)
-        mine = matching(patterns(job), VALUES)
+def read(settings: Settings, name: str) -> Any:
+    here: Any = settings
+    for key in name.split("."):
+        here = here[key] if isinstance(here, dict) else getattr(here, key)
+    return here
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.sets(st.sampled_from(sorted(VALUES)), max_size=12))
+def test_partial_settings_hold_what_they_are_given_and_name_what_they_lack(names):
+    given_constants = {name: VALUES[name] for name in VALUES if name in names}
+    tree: dict[str, Any] = {}
+    for name, value in json.loads(json.dumps(given_constants)).items():
+        *sections, last = name.split(".")
+        here = tree
+        for section in sections:
+            here = here.setdefault(section, {})
+        here[last] = value
+    for partial in (Settings.partial(given_constants), Settings.partial(tree)):
+        assert partial.constants() == given_constants
         for name in VALUES:
-            *sections, last = name.split(".")
-            if name in mine:
-                here: Any = view
-                for section in sections:
-                    here = getattr(here, section)
-                if name == "arms":
-                    assert arms_of(here.arms) == ARMS
-                else:
-                    seen, there = listed(getattr(here, last)), VALUES[name]
-                    if fields := ENTRIES.get(stage, {}).get(name):
-                        seen, there = ([{key: one[key] for key in fields} for one in entries] for entries in (seen, there))
-                    assert seen == there
-            else:
-                with pytest.raises(AttributeError, match=stage):
-                    here = view
-                    for section in sections:
-                        here = getattr(here, section)
-                    getattr(here, last)
+            if name in names:
+                assert read(partial, name) == read(CONFIG, name)
+            elif not name.startswith("splits."):
+                with pytest.raises(AttributeError, match=f"this job was not given '{name}'; name it in the params of its rule"):
+                    read(partial, name)
 
 
-def test_who_answers_a_split_reaches_no_stage_that_draws_it():
-    everyday = CONFIG.splits["everyday"]
-    fewer = everyday.model_copy(update={"arms": everyday.arms[:-1]})
-    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": fewer}}))}
-    assert touched and not touched & {"candidates", "episodes"}
-    more = everyday.model_copy(update={"episodes": everyday.episodes.model_copy(update={"moved": 1})})
-    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": more}}))}
-    assert "episodes" in touched and "candidates" not in touched
-    redrawn = everyday.model_copy(update={"light": None})
-    touched = {stage for stage, _ in affected(changed(CONFIG, {"splits": {**CONFIG.splits, "everyday": redrawn}}))}
-    assert {"candidates", "episodes"} <= touched
-    view = stage_settings(CONFIG, "candidates").splits["everyday"]
-    assert (view.others, view.light, dict(view.draws)) == (everyday.others, everyday.light, dict(everyday.draws)) and view.single
-    with pytest.raises(AttributeError, match="'candidates' does not own the constant 'splits.everyday.arms'"):
-        view.arms  # noqa: B018
-
-
-def test_a_view_is_made_of_the_very_parameter_and_frozen():
-    text = canonical(CONFIG, "trials")
-    view = StageSettings.parse(text)
-    assert view.canonical == text and view.stage == "trials"
-    assert view.benchmark.seed == CONFIG.benchmark.seed
-    assert view.success.sweep_deg == (0, 30, 60)
-    for target in (view, view.camera):
-        with pytest.raises(ValidationError, match="frozen"):
-            target.width_px = 3
-    assert copy.copy(json.loads(text))["constants"]["camera.width_px"] == 300
+def test_partial_settings_are_frozen_and_change_only_what_they_hold():
+    partial = Settings.partial({"camera.width_px": 300, "splits.main.scenes": ["FloorPlan1"]})
+    assert partial.splits["main"].scenes == ("FloorPlan1",)
+    with pytest.raises(AttributeError, match="this job was not given 'splits.main.arms'"):
+        partial.splits["main"].arms  # noqa: B018
+    with pytest.raises(ValidationError, match="frozen"):
+        partial.camera.width_px = 3
+    assert partial.with_values({"camera.width_px": 30}).camera.width_px == 30
+    with pytest.raises(AttributeError, match="lack 'mover.step_m'"):
+        partial.with_values({"mover.step_m": 1.0})
+    with pytest.raises(AttributeError, match="'camera.width' is not a constant"):
+        Settings.partial({"camera.width": 300})
 
 
 @pytest.mark.parametrize(
@@ -327,9 +203,9 @@ def test_every_form_of_the_option_is_looked_at_and_no_other(tmp_path, option):
 def test_a_mark_of_the_byte_order_and_json_with_tabs_are_read_as_snakemake_reads_them(tmp_path):
     path = tmp_path / "marked.yaml"
     path.write_bytes(b"\xef\xbb\xbftour: {waypoints: 3}\n")
-    assert read(path) == {"tour": {"waypoints": 3}}
+    assert read_file(path) == {"tour": {"waypoints": 3}}
     path.write_bytes(b'{\n\t"tour": {"waypoints": 3}\n}\n')
-    assert read(path) == {"tour": {"waypoints": 3}}
+    assert read_file(path) == {"tour": {"waypoints": 3}}
 
 
 @pytest.mark.parametrize(
@@ -398,4 +274,4 @@ def test_whatever_is_written_instead_of_everything_is_refused_in_one_line(value)
 def test_aliases_and_merge_keys_are_read(tmp_path):
     path = tmp_path / "settings.yaml"
     path.write_text("a: &a {x: 1, y: 2}\nb: {<<: *a, y: 3}\nc: [*a, *a]\n")
-    assert read(path) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}, "c": [{"x": 1, "y": 2}] * 2}
+    assert read_file(path) == {"a": {"x": 1, "y": 2}, "b": {"x": 1, "y": 3}, "c": [{"x": 1, "y": 2}] * 2}

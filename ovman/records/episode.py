@@ -162,7 +162,7 @@ class Episode(Record):
         """The constants of the episode's protocol as settings; another constant raises AttributeError when it is read."""
         sections = {name: dict(getattr(self.protocol, name)) for name in type(self.protocol).model_fields}
         known = {"benchmark": {"seed": self.provenance.seed, "backend": self.backend}}
-        return Settings.owned(known | sections, f"episode {self.id}")
+        return Settings.partial(known | sections, f"episode {self.id}")
 
     @property
     def states(self) -> tuple[WorldState, WorldState]:

@@ -12,7 +12,7 @@ from ovman.agents.dualmap.settings import Dualmap
 from ovman.agents.dynamem.settings import Dynamem
 from ovman.agents.joint.settings import Joint
 from ovman.agents.react.settings import React
-from ovman.section import Section, listed
+from ovman.section import Section, plain
 from ovman.settings.arms import Arms
 from ovman.settings.benchmark import (
     Admissibility,
@@ -80,40 +80,35 @@ class Settings(Section):
     _complete_splits = model_validator(mode="before")(complete_splits)
 
     @classmethod
-    def partial(cls, constants: Mapping[str, Any], holder: str = "this job") -> Self:
-        """Build settings that hold only these constants.
+    def partial(cls, values: Mapping[str, Any], holder: str = "this job", path: str = "") -> Self:
+        """Build settings that hold only these constants, by dotted name (as `constants` gives them) or by section.
 
-        Args:
-            constants: Valid values by dotted name, as `constants` gives them or as JSON keeps them.
-            holder: What the settings are for. Reading a constant that they lack raises AttributeError with this name.
+        holder: whom the settings are for. Reading a constant that they lack raises AttributeError with this name.
         """
         tree: dict[str, Any] = {}
-        for key, value in constants.items():
+        for key, value in values.items():
             *sections, name = key.split(".")
             here = tree
             for section in sections:
                 here = here.setdefault(section, {})
             here[name] = value
-        return cls.owned(tree, holder)
+        return super().partial(tree, holder, path)
 
     def constants(self) -> dict[str, Any]:
-        """Return every constant that these settings hold by its dotted name, in the order of config.yaml.
+        """Return every constant that these settings hold by its dotted name, in the order of the models.
 
-        Sequences are tuples. A mapping, such as section `arms`, is one value: a list of its entries in the order of the tables.
+        Sequences are tuples. A mapping, such as section `arms`, is one constant, a dictionary in the order of the tables. The
+        entries of `splits` have constants of their own, such as "splits.main.scenes".
         """
         return dict(_walk("", self))
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """Return these settings with other values of some constants, by dotted name.
-
-        Raises:
-            AttributeError: The settings do not hold one of the constants.
-        """
+        """Return these settings with other values of some constants, by dotted name. AttributeError for one that they lack."""
         constants = self.constants()
         for name in values:
             if name not in constants:
-                raise AttributeError(f"{self._stage!r} does not own the constant {name!r} and cannot change it")
-        return self.partial({**constants, **values}, self._stage)
+                raise AttributeError(f"settings: {self._holder or 'all sections'} lack {name!r}, so it cannot be changed")
+        return self.partial({**constants, **values}, self._holder)
 
 
 def _walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
@@ -123,12 +118,15 @@ def _walk(path: str, section: BaseModel) -> Iterator[tuple[str, Any]]:
         value, where = getattr(section, name), f"{path}{name}"
         if isinstance(value, BaseModel):
             yield from _walk(f"{where}.", value)
+        elif where == "splits":
+            for key, split in value.items():
+                yield from _walk(f"splits.{key}.", split)
         else:
-            yield where, listed(value)
+            yield where, plain(value)
 
 
 def matching(patterns: Iterable[str], names: Iterable[str]) -> tuple[str, ...]:
-    """Return those of `names` (dotted) that are among the patterns, "a.b" or "a.*"; sorted."""
+    """Return the dotted names that match a pattern, "a.b" or "a.*", in their order."""
     patterns = tuple(patterns)
     beginnings = tuple(pattern.removesuffix("*") for pattern in patterns if pattern.endswith(".*"))
-    return tuple(sorted(name for name in names if name in patterns or name.startswith(beginnings)))
+    return tuple(name for name in names if name in patterns or name.startswith(beginnings))

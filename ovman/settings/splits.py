@@ -182,8 +182,8 @@ def complete_splits(tree: Any) -> Any:
     if not isinstance(main, Mapping):
         return tree
     complete = {name: _with(entry, "scenes", main.get("scenes")) for name, entry in splits.items()}
-    if isinstance(arms, Mapping):
-        complete[MAIN] = _with(complete[MAIN], "arms", [name for name, arm in arms.items() if arm is not None])
+    names = [name for name, arm in arms.items() if arm is not None] if isinstance(arms, Mapping) else []
+    complete[MAIN] = _with(complete[MAIN], "arms", names)
     return {**tree, "splits": complete}
 
 

@@ -42,11 +42,12 @@ def canonical(settings: Settings, stage: str, arm: str | None = None) -> str:
         record["of_agent"] = sorted(set(matching(patterns, values)) - set(matching(of_stage, values)))
     record["constants"] = {name: values[name] for name in matching(patterns, values)}
     for name, fields in ENTRIES.get(stage, {}).items():
-        record["constants"][name] = [{field: entry[field] for field in fields} for entry in values[name]]
+        for key in [one for one in record["constants"] if one.startswith(f"{name}.") and one.split(".")[2] not in fields]:
+            del record["constants"][key]
     sections = {name.partition(".")[0] for name in record["constants"]}
     if plugins := {name: module for name, module in settings.plugins.items() if name in sections}:
         record["plugins"] = plugins
-    return json.dumps(record, sort_keys=True, separators=(",", ":"))
+    return json.dumps(record, separators=(",", ":"))
 
 
 def _stage(settings: Settings, stage: str) -> tuple[tuple[str, ...], str]:
@@ -77,20 +78,15 @@ class StageSettings(Settings):
     """
 
     _canonical: str = PrivateAttr("")
+    _stage: str = PrivateAttr("")
     _arm: ArmJob | None = PrivateAttr(None)
 
     @classmethod
     def parse(cls, canonical: str) -> StageSettings:
         """The settings of a rule's parameter."""
         record = json.loads(canonical)
-        tree: dict[str, Any] = {}
-        for key, value in record["constants"].items():
-            *sections, name = key.split(".")
-            here = tree
-            for section in sections:
-                here = here.setdefault(section, {})
-            here[name] = value
-        made = with_sections(cls, record.get("plugins", {})).owned(tree, record["stage"])
+        made = with_sections(cls, record.get("plugins", {})).partial(record["constants"], f"stage {record['stage']!r}")
+        made._stage = record["stage"]
         made._canonical = canonical
         if "arm" in record:
             made._arm = ArmJob.model_validate(record["arm"])
@@ -113,7 +109,7 @@ class StageSettings(Settings):
             if name not in record["constants"]:
                 raise AttributeError(f"stage {self._stage!r} does not own the constant {name!r} and cannot change it")
         record["constants"] |= values
-        return StageSettings.parse(json.dumps(record, sort_keys=True, separators=(",", ":")))
+        return StageSettings.parse(json.dumps(record, separators=(",", ":")))
 
     @property
     def arm(self) -> ArmJob:

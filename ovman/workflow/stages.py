@@ -49,7 +49,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "candidates": (
         "benchmark.seed",
         "candidates.*",
-        "splits",
+        "splits.*",
         "sensors.*",
         "tour.headings",
         "mover.*",
@@ -61,7 +61,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "episodes": (
         "benchmark.seed",
         "benchmark.backend",
-        "splits",
+        "splits.*",
         "camera.*",
         "primitives.*",
         "mover.*",
@@ -76,7 +76,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "training.seed",
         "training.views",
         "training.held_out_views",
-        "splits",
+        "splits.*",
     ),
     "crops": ("perception.encoder.crop_padding", "training.encoder.crop_px"),
     "detector": (
@@ -92,7 +92,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "encoder": ("training.seed", "training.encoder.*"),
     "graphs": ("perception.detector.architecture",),
-    "models": ("training.*", "splits"),
+    "models": ("training.*", "splits.*"),
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "cues": (
         "camera.field_of_view_deg",
@@ -115,7 +115,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     "scores": (),
     "metrics": _METRICS,
     "split_metrics": ("benchmark.seed", "success.radius_m", "single_visit.samples", "evaluation.confidence"),
-    "split_tables": ("arms", "splits", "success.radius_m", "evaluation.confidence"),
+    "split_tables": ("arms", "splits.*", "success.radius_m", "evaluation.confidence"),
     "controls": ("arms", "comparisons.controls", "comparisons.overview", "comparisons.pairs", "evaluation.confidence"),
     "static_tables": (*_METRICS, "comparisons.difficulty", "comparisons.shortcuts"),
     "language": (
@@ -208,7 +208,7 @@ STAGES: Mapping[str, tuple[str, ...]] = {
     ),
     "tables": (
         "arms",
-        "splits",
+        "splits.*",
         "comparisons.agent",
         "comparisons.memory.*",
         "comparisons.rungs",

@@ -24,7 +24,7 @@ from ovman.task import Instance, Query, Relation, WorldState
 def constants(similarity_margin: float = 0.03, gate_m: float = 1.25, feature_scale_m: float = 2.0) -> Settings:
     association = {"gate_m": gate_m, "feature_scale_m": feature_scale_m, "track_spread_m": 0.4}
     grounding, admissibility = {"similarity_margin": similarity_margin}, {"tau_m": 0.75}
-    return Settings.owned({"association": association, "grounding": grounding, "admissibility": admissibility}, "test")
+    return Settings.partial({"association": association, "grounding": grounding, "admissibility": admissibility}, "test")
 
 
 CONSTANTS = constants()

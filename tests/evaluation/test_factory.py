@@ -94,7 +94,7 @@ def test_a_static_function_that_raises_or_answers_nonsense_is_one_line_with_the_
         ("context.networks()", r"arms.mine is given no networks; write needs: \[networks\] in its entry"),
         ("context.world('first')", "arms.mine finds its positions itself; a diagnostic arm says positions: handed in its entry"),
         ("context.true_objects('first', ())", "arms.mine finds its grounding itself; a diagnostic arm says grounding: handed"),
-        ("context.settings.maps.cluster_radius_m", "does not own the constant 'maps.cluster_radius_m'"),
+        ("context.settings.maps.cluster_radius_m", "was not given 'maps.cluster_radius_m'"),
         ("context.noun('chair')", r"arms.mine is given no networks"),
     ],
 )

@@ -29,7 +29,7 @@ from tests.episodes import DATA
 ROOT = Path(__file__).parents[2]
 EPISODES = DATA / "episodes"
 CONFIG = load(ROOT / "config.yaml")
-CONSTANTS = Settings.owned({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
+CONSTANTS = Settings.partial({"candidates": {"delta_min_m": 1.5}, "admissibility": {"tau_m": 0.75, "motion_m": 0.01}}, "tests")
 SUCCESS = Success(radius_m=1.0, visible_px=100, sweep_deg=(0, 30, 60))
 PROTOCOL = {name: getattr(CONFIG, name).model_dump(mode="json") for name in ("camera", "primitives", "mover", "success")}
 

@@ -29,7 +29,7 @@ from ovman.task import (
 
 def thresholds(delta_min_m: float = 1.5, tau_m: float = 0.75, motion_m: float = 0.01) -> Settings:
     """The constants of Eq. 1 and 2, and no others."""
-    return Settings.owned(
+    return Settings.partial(
         {"candidates": {"delta_min_m": delta_min_m}, "admissibility": {"tau_m": tau_m, "motion_m": motion_m}}, "tests"
     )
 

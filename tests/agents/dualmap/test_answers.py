@@ -21,7 +21,7 @@ from tests.episodes import released
 
 CHAIR, LAMP = np.eye(4)[0], np.eye(4)[1]
 VISITS = {"first": "untouched", "second": "displace-Chair"}
-SETTINGS = Settings.owned(
+SETTINGS = Settings.partial(
     {
         "grounding": {"similarity_margin": 0.03},
         "association": {"gate_m": 1.25, "feature_scale_m": 2.0, "track_spread_m": 0.4},
