@@ -15,12 +15,13 @@ from typing import Any
 from ovman import seeds
 from ovman.analysis import controls, coverage, metrics, overview, sensitivity, split_significance, splits
 from ovman.analysis.registry import in_all_tables, in_tables
-from ovman.evaluation import scores, withheld
+from ovman.evaluation import predictions, scores
 from ovman.evaluation.held_out_queries import ask
 from ovman.generation import candidates, readmission, release, verdict
 from ovman.language.held_out import HELD_OUT, read_held_out
 from ovman.language.parser import parse
 from ovman.records.episode import Episode
+from ovman.records.scene import Scene
 from ovman.report.tables import stages
 from ovman.settings import Withheld, arms_of
 from ovman.settings.config import load
@@ -101,9 +102,10 @@ def _judge(given: Path, made: Path) -> None:
         for arm in (arm for arm in ARMS if arm.kind == "embodied"):
             files = sorted((folder / (arm.cut_from or arm.name)).glob("seed*/*.jsonl"))
             if files:
-                out = made / "scores" / split / f"{arm.name}.jsonl"
+                rollouts = made / f"{split}_{arm.name}.jsonl"
+                rollouts.write_bytes(b"".join(file.read_bytes() for file in files))
                 judge = stage_settings(CONFIG, "scores", arm.name).arm
-                scores.run(files, given / "episodes" / f"{split}.jsonl", [out], judge)
+                scores.run(judge, given / "episodes" / f"{split}.jsonl", rollouts, made / "scores" / split / f"{arm.name}.jsonl")
     answered = {path.stem for path in (given / "predictions").glob("*.jsonl")} | {
         path.stem for path in (made / "scores/main").iterdir()
     }
@@ -118,11 +120,11 @@ def _judge(given: Path, made: Path) -> None:
     for split in SPLITS:
         episodes, judged = given / "episodes" / f"{split}.jsonl", stage_settings(CONFIG, "split_metrics")
         arms = CONFIG.splits[split].arms
-        predictions, runs = (
+        answers, runs = (
             [file for arm in arms if (file := given / stage / split / f"{arm}.jsonl").exists()]
             for stage in ("predictions", "scores")
         )
-        splits.run(episodes, predictions, judged, *_outcomes(made, split))
+        splits.run(episodes, answers, judged, *_outcomes(made, split))
         splits.run_embodied(episodes, runs, judged, *_outcomes(made, f"{split}_embodied"))
     sensitivity.run(
         given / "readmitted" / "admissions.jsonl",
@@ -179,9 +181,10 @@ def withheld_queries(given: Path) -> dict[str, str]:
     """What arms are asked from which the noun or the relation is withheld, of every fifth episode."""
     asked = {}
     for episode in list(Episode.load(given / "episodes" / "main.jsonl"))[::5]:
-        categories = withheld.categories_in(given / "scenes" / f"{episode.scene}.json")
+        (scene,) = Scene.read(given / "scenes" / f"{episode.scene}.json")
+        categories = predictions.categories_of(scene).values()
         for what in Withheld:
             for run in (0, 1):
-                query = withheld.asked(episode, what, run, categories)
+                query = predictions.query_of(episode, what, run, categories)
                 asked[f"{episode.id} {what} {run}"] = f"{query.category} {query.relation}"
     return asked
