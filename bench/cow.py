@@ -21,7 +21,7 @@ from measure.bars import Bar, show
 from measure.clock import processor, processor_s
 from ovman import seeds
 from ovman.agents.cow.agent import CowAgent
-from ovman.agents.cow.relevance import localiser
+from ovman.agents.cow.localiser import make_localiser
 from ovman.agents.interface import Action, CameraPose, Observation, Visit
 from ovman.perception import networks
 from ovman.perception.weights import WeightsError
@@ -105,7 +105,7 @@ def main() -> None:
     settings: Any = load(options.config)
     names = ("cow, without frame and networks", "cow / (frame + networks)")
     try:
-        eyes = localiser(settings, networks.detector_of(settings.perception), networks.encoder_of(settings.perception))
+        eyes = make_localiser(settings, networks.detector_of(settings.perception), networks.encoder_of(settings.perception))
     except WeightsError as error:
         print(error)
         show([Bar(name, None, bar, unit) for name, bar, unit in zip(names, (STEP_MS, SHARE), ("ms", "x"), strict=True)])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.agents.pilot import Pilot
 
@@ -18,30 +16,30 @@ class Oracle:
         self._pilot, self._answer, self._follow = pilot, answer, follow
 
     def familiarise(self, visit: Visit) -> None:
-        """Nothing to learn."""
+        """Do nothing: the oracle has nothing to learn."""
 
     def revisit(self, visit: Visit) -> None:
         """Take the grid for navigation."""
-        self._reachable: np.ndarray = visit.reachable
+        self._reachable = visit.reachable
 
     def ask(self, query: Query) -> None:
-        """The answer is known."""
+        """Set out to the known answer."""
         self._pilot.set_out(self._reachable, query.relation)
 
     def act(self, observation: Observation) -> Action:
-        """One primitive towards the answer."""
-        return self._pilot.act(observation, followed(observation, self._follow) or self._answer)
+        """Return the next primitive towards the answer."""
+        return self._pilot.act(observation, find_instance(observation, self._follow) or self._answer)
 
 
 def agent(context: AgentContext) -> Oracle:
-    """The embodied arm oracle_check. ValueError for an arm that is not given the answer."""
+    """Make the agent of the embodied arm oracle_check. Raises ValueError for an arm that is not given the answer."""
     if context.privileged is None:
         raise ValueError("an oracle is told the answer; write answer: handed in its entry")
     return Oracle(context.pilot, context.privileged.answer, context.privileged.follow)
 
 
-def followed(observation: Observation, name: str | None) -> tuple[float, float] | None:
-    """Position of the instance `name` in an observation with positions; None if it is not among them."""
+def find_instance(observation: Observation, name: str | None) -> tuple[float, float] | None:
+    """Return the position of the instance `name` in an observation with positions; None if it is not among them."""
     if name is None or observation.positions is None:
         return None
-    return next(((s.x, s.z) for s in observation.positions if s.instance == name), None)
+    return next(((seen.x, seen.z) for seen in observation.positions if seen.instance == name), None)

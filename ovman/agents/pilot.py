@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ovman.agents.interface.observation import Action, Observation
+from ovman.agents.interface import Abstention, Action, AgentContext, Answer, Observation, Query, Relation, Visit
 from ovman.navigation import Cell, Grid, Navigator
-from ovman.records.relation import Relation
 from ovman.settings.benchmark import Primitives
 
 QUARTERS = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -30,7 +29,10 @@ class Pilot:
         self._component: frozenset[Cell] | None = None
 
     def act(self, observation: Observation, goal: tuple[float, float]) -> Action:
-        """One primitive towards the navigable cell nearest to `goal`; STOP there, facing it; ABSTAIN if it is unreachable."""
+        """Return the next primitive towards the navigable cell nearest to `goal`.
+
+        It is STOP at that cell, facing the goal, and ABSTAIN if the cell is unreachable.
+        """
         assert self._navigator is not None, "set_out comes first"
         pose = observation.pose
         if observation.reachable is not None:
@@ -41,3 +43,44 @@ class Pilot:
         cell = self._grid.nearest(*goal, within=self._component)
         action = self._navigator.decide(pose.x, pose.z, pose.yaw_deg, observation.last_action_succeeded, cell, goal)
         return Action.ABSTAIN if action is None else Action(action)
+
+
+class GoalAgent:
+    """An agent that decides once, when it is asked, and drives to its answer without images. A subclass decides."""
+
+    looks = False
+
+    def __init__(self, context: AgentContext) -> None:
+        self.context = context
+
+    def familiarise(self, visit: Visit) -> None:
+        """Keep the first tour."""
+        self.first = visit
+
+    def revisit(self, visit: Visit) -> None:
+        """Keep the second tour."""
+        self.second = visit
+
+    def ask(self, query: Query) -> None:
+        """Decide and set out."""
+        self.goal = self.decide(query)
+        self.context.pilot.set_out(self.second.reachable, query.relation)
+
+    def decide(self, query: Query) -> Answer | Abstention:
+        """Answer a query about the two tours."""
+        raise NotImplementedError
+
+    def act(self, observation: Observation) -> Action:
+        """Return the next primitive towards the answer, ABSTAIN without one."""
+        if isinstance(self.goal, Abstention):
+            return Action.ABSTAIN
+        return self.context.pilot.act(observation, (self.goal.x, self.goal.z))
+
+
+class PredictionDriver(GoalAgent):
+    """Drives to the recorded prediction of the static arm that its own arm `executes`."""
+
+    def decide(self, query: Query) -> Answer | Abstention:
+        """Return the recorded prediction."""
+        assert self.context.answered is not None, "the context offers no prediction"
+        return self.context.answered

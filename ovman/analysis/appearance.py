@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman.agents.reference.association import distances
-from ovman.agents.reference.reasoning import two_visits
+from ovman.agents.reference.reasoning import answer_two_visits
 from ovman.analysis import frames
 from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, separation
 from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements, read_map_objects
@@ -160,7 +160,8 @@ def successes(asked: Sequence[Asked], weights: Weights | None, constants: Settin
     for one in asked:
         unlike = None if weights is None else weights.combined(one.unlike)
         first, second, meant = one.first.map, one.second.map, one.meant
-        answer, _ = two_visits(one.episode.relation, first, second, meant.grounded_1 or (), meant.grounded_2, constants, unlike)
+        grounded = meant.grounded_1 or (), meant.grounded_2
+        answer, _ = answer_two_visits(one.episode.relation, first, second, *grounded, constants, unlike)
         predictions.append(Prediction.of(one.episode.id, constants.appearance.agent, 0, answer))
     cases = [Case.of(one.episode) for one in asked]
     judged = static_outcomes(cases, predictions, radius_m=constants.success.radius_m, samples=1, seed=0)

@@ -1,4 +1,4 @@
-"""The contexts that agents are made with: the protocols of `ovman.agents.interface.context`, implemented."""
+"""The contexts that agents are made with: the protocols of `ovman.agents.interface`, implemented."""
 
 from __future__ import annotations
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, Evidence, Relation
-from ovman.agents.reference.reasoning import two_visits_asked
+from ovman.agents.reference.reasoning import answer_phrase
 from ovman.evaluation.observations import Perceived
 from ovman.language.held_out import HeldOut
 from ovman.language.parser import Parsed, ParseFailure, parse
@@ -70,7 +70,7 @@ def answer(
     does for a visit without a map or a noun phrase without an embedding.
     """
     map_1, map_2 = (perceived.map(visits[visit]) for visit in VISITS)
-    return two_visits_asked(Relation(relation), map_1, map_2, perceived.noun(noun_phrase), settings)
+    return answer_phrase(Relation(relation), map_1, map_2, perceived.noun(noun_phrase), settings)
 
 
 NOT_UNDERSTOOD = Abstention(AbstentionReason.NOT_PARSED)

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ovman.agents.joint.recorded import Tours, write
-from ovman.agents.joint.segments import Segments, evidence
+from ovman.agents.joint import segments as weighing
 from ovman.evaluation.recorded_tours import load_visit
 from ovman.perception.records import read_detections
 from ovman.processes import map_items
@@ -44,11 +43,11 @@ def write_segments(
     pairs = {(one.visits.first, one.visits.second): one.protocol.camera.field_of_view_deg for one in episodes}
     seen = read_detections(detections / f"{scene}.npz")
     began = time.process_time()
-    segments: dict[Tours, tuple[Segments, Segments]] = {}
+    segments: dict[weighing.Tours, tuple[weighing.Segments, weighing.Segments]] = {}
     for pair, lens in pairs.items():
         first, second = (load_visit(visits / scene / name, lens, np.zeros((0, 2))) for name in pair)
         tours = str(first.content), str(second.content)
-        segments[tours] = evidence(first, second, seen[pair[0]], seen[pair[1]], settings.joint)
-    write(output / f"{scene}.npz", segments)
+        segments[tours] = weighing.weigh_tours(first, second, seen[pair[0]], seen[pair[1]], settings.joint)
+    weighing.write_segments(output / f"{scene}.npz", segments)
     took = (time.process_time() - began) / max(len(pairs), 1)
     print(f"{scene}: segments of {len(pairs)} pairs of tours, {took:.2f} s of the processor each", flush=True)

@@ -1,6 +1,6 @@
 """Grounding by the truth over an agent's own map objects, for diagnostic arms.
 
-It needs the true positions of instances; an agent proper grounds with ``ovman.agents.reference.grounding``.
+It needs the true positions of instances; an agent proper grounds with ``ovman.agents.reference.reasoning``.
 """
 
 from __future__ import annotations

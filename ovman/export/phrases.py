@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ovman.agents.cow.relevance import prompt
+from ovman.agents.cow.localiser import prompt
 from ovman.language.vocabulary import SYNONYMS, all_nouns
 
 Read = Callable[[Sequence[str]], np.ndarray]

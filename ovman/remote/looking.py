@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ovman.agents.interface import Visit
-from ovman.agents.joint import recorded
-from ovman.agents.joint.segments import evidence
+from ovman.agents.joint.segments import weigh_tours, write_segments
 from ovman.language.vocabulary import all_nouns
 from ovman.perception import maps, nouns, tour
 from ovman.perception.backprojection import Camera
@@ -84,9 +83,9 @@ class Looking:
 
     def segments(self, first: Visit, second: Visit, read: Callable[[Path], Made]) -> Made:
         """The segments of both tours of a run."""
-        weighed = evidence(first, second, self.detections(first), self.detections(second), self._settings.joint)
+        weighed = weigh_tours(first, second, self.detections(first), self.detections(second), self._settings.joint)
         tours = str(first.content), str(second.content)
-        return self._filed("segments", lambda to: recorded.write(to, {tours: weighed}), read)
+        return self._filed("segments", lambda to: write_segments(to, {tours: weighed}), read)
 
     @cached_property
     def _nouns(self) -> Mapping[str, np.ndarray]:

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ovman import seeds
-from ovman.agents.cow.relevance import OpenVocabularyLocaliser, localiser, prompt
+from ovman.agents.cow.localiser import OpenVocabularyLocaliser, make_localiser, prompt
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.settings.config import load
 from ovman.shipped import HOME
@@ -100,7 +100,7 @@ def main() -> None:
     settings = load(options.config)
     body = Embodiment.named("locobot", settings)
     encoder = encoder_of(settings.perception)
-    eyes = localiser(settings, detector_of(settings.perception), encoder)
+    eyes = make_localiser(settings, detector_of(settings.perception), encoder)
     eyes.look_for("Floor")
     share = settings.perception.detector.min_mask_px / (settings.camera.width_px * settings.camera.height_px)
     looked: list[Looked] = []

@@ -21,7 +21,7 @@ from tests.arms import ARMS, CONFIG, ROOT
 TREE = read_merged(with_parts(ROOT / "config.yaml"))
 NAMES = list(TREE["arms"])
 MINE = {"kind": "embodied", "system": "mine", "memory": "two visits", "agent": "ovman.agents.oracle:agent"}
-STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.two_visits:predict"}
+STATIC = MINE | {"kind": "static", "agent": "ovman.agents.reference.agents:predict_two_visits"}
 
 
 def loaded(**entries: Any):
@@ -127,7 +127,7 @@ def test_a_job_of_an_arm_hangs_on_its_own_entry_without_the_words_of_the_tables(
     changed = texts(loaded(two_visits=two | {"constants": [*two["constants"], "maps.cluster_radius_m"]}))
     assert {name for name in before if changed[name] != before[name]} == {"two_visits", "two_visits_embodied"}
     code = texts(
-        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.positions_two_visits:agent"})
+        loaded(oracle_check=TREE["arms"]["oracle_check"] | {"agent": "ovman.agents.reference.agents:PositionsTwoVisits"})
     )
     assert {name for name in before if code[name] != before[name]} == {"oracle_check"}
 

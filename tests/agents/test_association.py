@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from ovman.agents.reference.association import Association, associate, cost_matrix, padded
+from ovman.agents.reference.association import Association, associate, cost_matrix, pad_costs
 
 GATE = 1.25
 SCALE = 2.0
@@ -125,7 +125,7 @@ def test_feature_disagreement_is_converted_into_metres():
 
 
 def test_padded_matrix_has_the_blocks_of_the_equation():
-    square = padded(np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), GATE)
+    square = pad_costs(np.array([[0.1, 0.2, 0.3], [0.4, 0.5, 0.6]]), GATE)
     assert square.shape == (5, 5)
     assert np.array_equal(np.diag(square[:2, 3:]), [GATE / 2] * 2)
     assert np.array_equal(np.diag(square[2:, :3]), [GATE / 2] * 3)

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from ovman.agents.controls import depth_difference, pixel_difference
-from ovman.agents.controls.difference import DifferenceAgent, answer
-from ovman.agents.controls.samples import sampled, shown_at
+from ovman.agents.controls import (
+    DifferenceAgent,
+    compare_colours,
+    compare_depth,
+    find_difference,
+    look_up,
+    predict_depth_difference,
+    predict_pixel_difference,
+    sample_tour,
+)
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.recorded_tours import load_visit
@@ -23,8 +31,9 @@ from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
 SETTINGS = stage_settings(CONFIG, "predictions", "depth_difference")
+CONSTANTS = SETTINGS.controls
 EVERY_PX, RADIUS_M = SETTINGS.controls.every_px, CONFIG.success.radius_m
-CONTROLS = {"depth": depth_difference.nearer, "pixel": pixel_difference.discoloured}
+CONTROLS = {"depth": compare_depth, "pixel": compare_colours}
 PAST, PRESENT = True, False
 SIDE, FAR_M, NEAR_M, GREY, RED = 60, 4.0, 2.0, (128, 128, 128), (255, 0, 0)
 AHEAD = CameraPose(0.0, 1.5, 0.0, 0.0, 0.0)
@@ -56,53 +65,53 @@ def place(box: tuple[slice, slice]) -> tuple[float, float]:
 def test_what_one_tour_alone_shows_is_found_in_the_visit_that_is_asked_for(differs):
     empty, with_box = tour(frame()), tour(frame(RIGHT))
     for past, first, second in ((PAST, with_box, empty), (PRESENT, empty, with_box)):
-        found = answer(past, first, second, differs, SETTINGS)
+        found = find_difference(past, first, second, differs, CONSTANTS)
         assert (found.x, found.z) == pytest.approx(place(RIGHT), abs=0.1)
 
 
 def test_depth_tells_what_came_from_what_went_and_colours_do_not():
     before, now = tour(frame(LEFT)), tour(frame(RIGHT))
     for past, box in ((PAST, LEFT), (PRESENT, RIGHT)):
-        found = answer(past, before, now, CONTROLS["depth"], SETTINGS)
+        found = find_difference(past, before, now, CONTROLS["depth"], CONSTANTS)
         assert (found.x, found.z) == pytest.approx(place(box), abs=0.1)
     # The larger patch of other colours is where the box has left a wall.
-    found = answer(PRESENT, before, now, CONTROLS["pixel"], SETTINGS)
+    found = find_difference(PRESENT, before, now, CONTROLS["pixel"], CONSTANTS)
     assert found.z == pytest.approx(FAR_M) and found.x < 0
 
 
 def test_the_largest_connected_part_counts_not_the_sum_of_a_frame():
     upper, lower, middle = (slice(2, 12), slice(0, 12)), (slice(45, 55), slice(0, 12)), (slice(20, 35), slice(40, 52))
-    found = answer(PRESENT, tour(frame()), tour(frame(upper, lower, middle)), CONTROLS["depth"], SETTINGS)
+    found = find_difference(PRESENT, tour(frame()), tour(frame(upper, lower, middle)), CONTROLS["depth"], CONSTANTS)
     assert (found.x, found.z) == pytest.approx(place(middle), abs=0.1)
 
 
 @pytest.mark.parametrize("differs", CONTROLS.values(), ids=CONTROLS)
 def test_without_a_difference_or_without_a_tour_it_abstains(differs):
     nothing = Abstention(AbstentionReason.NO_CANDIDATE)
-    assert answer(PRESENT, tour(frame(LEFT)), tour(frame(LEFT)), differs, SETTINGS) == nothing
+    assert find_difference(PRESENT, tour(frame(LEFT)), tour(frame(LEFT)), differs, CONSTANTS) == nothing
     for first, second in ((tour(), tour(frame(LEFT))), (tour(frame(LEFT)), tour()), (tour(), tour())):
         for past in (PAST, PRESENT):
-            assert answer(past, first, second, differs, SETTINGS) == nothing
+            assert find_difference(past, first, second, differs, CONSTANTS) == nothing
 
 
 def test_unknown_depth_is_no_difference():
     unknown = replace(frame(), depth=np.zeros((SIDE, SIDE), np.float32))
     for first, second in ((unknown, frame(LEFT)), (frame(LEFT), unknown)):
-        assert isinstance(answer(PRESENT, tour(first), tour(second), CONTROLS["depth"], SETTINGS), Abstention)
+        assert isinstance(find_difference(PRESENT, tour(first), tour(second), CONTROLS["depth"], CONSTANTS), Abstention)
 
 
 def test_a_tour_without_pictures_is_one_line():
     with pytest.raises(ValueError, match=r"^a control compares pictures; write needs: \[tours\] in its entry$"):
-        answer(PRESENT, tour(Observation(None, None, AHEAD, 90.0)), tour(), CONTROLS["depth"], SETTINGS)
+        find_difference(PRESENT, tour(Observation(None, None, AHEAD, 90.0)), tour(), CONTROLS["depth"], CONSTANTS)
 
 
-HIDDEN_M = SETTINGS.controls.changed_m
+HIDDEN_M = CONSTANTS.changed_m
 
 
 def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_them():
     aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
-    here, other = (sampled(tour(one), EVERY_PX) for one in (frame(), frame(LEFT, pose=aside)))
-    (shown,) = shown_at(here[0], other, EVERY_PX, HIDDEN_M)
+    here, other = (sample_tour(tour(one), EVERY_PX) for one in (frame(), frame(LEFT, pose=aside)))
+    (shown,) = look_up(here[0], other, EVERY_PX, HIDDEN_M)
     # A step aside of 0.5 m is 0.5 * 30 / 4 pixels of the wall.
     moved = 0.5 * (SIDE / 2) / FAR_M
     columns = np.arange(EVERY_PX // 2, SIDE, EVERY_PX) + 0.5 - moved
@@ -113,25 +122,27 @@ def test_places_are_found_in_another_camera_and_what_stands_before_them_hides_th
     assert (shown.own() == here[0].rgb.reshape(-1, 3)[inside]).all()
     hidden = shown.depth < FAR_M
     assert (
-        hidden.any() and np.isnan(shown.colours()[0][hidden]).all() and np.isnan(CONTROLS["depth"](shown, SETTINGS)[hidden]).all()
+        hidden.any()
+        and np.isnan(shown.colours()[0][hidden]).all()
+        and np.isnan(CONTROLS["depth"](shown, CONSTANTS)[hidden]).all()
     )
-    assert np.isfinite(shown.colours()[0][~hidden]).all() and (CONTROLS["depth"](shown, SETTINGS)[~hidden] < 0).all()
+    assert np.isfinite(shown.colours()[0][~hidden]).all() and (CONTROLS["depth"](shown, CONSTANTS)[~hidden] < 0).all()
 
 
 def test_a_frame_that_looks_elsewhere_says_nothing():
     away = replace(AHEAD, yaw_deg=180.0)
-    here, other = (sampled(tour(one), EVERY_PX) for one in (frame(), frame(pose=away)))
-    assert list(shown_at(here[0], other, EVERY_PX, HIDDEN_M)) == []
+    here, other = (sample_tour(tour(one), EVERY_PX) for one in (frame(), frame(pose=away)))
+    assert list(look_up(here[0], other, EVERY_PX, HIDDEN_M)) == []
 
 
 def test_the_frame_of_the_same_pose_is_asked_alone_pixel_by_pixel():
     aside = CameraPose(0.5, 1.5, 0.0, 0.0, 0.0)
-    here, tours = sampled(tour(frame()), EVERY_PX)[0], sampled(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
-    (shown,) = shown_at(here, tours, EVERY_PX, HIDDEN_M)
+    here, tours = sample_tour(tour(frame()), EVERY_PX)[0], sample_tour(tour(frame(pose=aside), frame(LEFT)), EVERY_PX)
+    (shown,) = look_up(here, tours, EVERY_PX, HIDDEN_M)
     assert (shown.depth == tours[1].depth.ravel()).all() and len(shown.depth) == here.depth.size
     assert all((bound == tours[1].rgb.reshape(-1, 3)).all() for bound in shown.colours())
     assert (shown.own() == here.rgb.reshape(-1, 3)).all() and (shown.away == here.depth.ravel()).all()
-    assert len(list(shown_at(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
+    assert len(list(look_up(here, tours[:1] * 3, EVERY_PX, HIDDEN_M))) == 3
 
 
 class Context:
@@ -144,13 +155,13 @@ class Context:
         return self._tours[which]
 
 
-@pytest.mark.parametrize("control", [depth_difference, pixel_difference])
+@pytest.mark.parametrize("control", [predict_depth_difference, predict_pixel_difference])
 def test_neither_the_noun_nor_the_relation_is_read_but_whether_the_place_is_past(control):
     context = Context(tour(frame(LEFT)), tour(frame(RIGHT)))
     by_tense = {}
     for relation in Relation:
         for category in ("Chair", "Vase", ""):
-            by_tense.setdefault(relation.past, set()).add(control.predict(Query(category, relation), context)[0])
+            by_tense.setdefault(relation.past, set()).add(control(Query(category, relation), context)[0])
     assert {past: len(answers) for past, answers in by_tense.items()} == {PAST: 1, PRESENT: 1}
 
 
@@ -163,7 +174,8 @@ def test_it_drives_to_what_it_predicts_and_abstains_where_it_finds_nothing():
             return Action.STOP
 
     def driven(first, second):
-        agent = DifferenceAgent(Recording(CONFIG.primitives, np.random.default_rng(0)), CONTROLS["depth"], SETTINGS)
+        pilot = Recording(CONFIG.primitives, np.random.default_rng(0))
+        agent = DifferenceAgent(SimpleNamespace(pilot=pilot, settings=SETTINGS), CONTROLS["depth"])
         agent.familiarise(first)
         agent.revisit(second)
         agent.ask(Query("Chair", Relation.APPEARED))
@@ -216,14 +228,14 @@ def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
 def test_depth_finds_both_places_of_a_chair_in_a_real_scene(home, poses):
     tours, old, new = home
     before, after = tours["before", "same"], tours["after", poses]
-    assert off(answer(PAST, before, after, CONTROLS["depth"], SETTINGS), old) <= RADIUS_M
-    assert off(answer(PRESENT, before, after, CONTROLS["depth"], SETTINGS), new) <= RADIUS_M
+    assert off(find_difference(PAST, before, after, CONTROLS["depth"], CONSTANTS), old) <= RADIUS_M
+    assert off(find_difference(PRESENT, before, after, CONTROLS["depth"], CONSTANTS), new) <= RADIUS_M
 
 
 def test_colours_find_where_a_chair_is_and_nothing_is_found_in_a_home_that_is_as_it_was(home):
     tours, _, new = home
     before = tours["before", "same"]
     for poses in ("same", "others"):
-        assert off(answer(PRESENT, before, tours["after", poses], CONTROLS["pixel"], SETTINGS), new) <= RADIUS_M
+        assert off(find_difference(PRESENT, before, tours["after", poses], CONTROLS["pixel"], CONSTANTS), new) <= RADIUS_M
     for differs in CONTROLS.values():
-        assert isinstance(answer(PAST, before, tours["before", "same"], differs, SETTINGS), Abstention)
+        assert isinstance(find_difference(PAST, before, tours["before", "same"], differs, CONSTANTS), Abstention)

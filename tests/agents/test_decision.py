@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer
 from ovman.agents.reference.association import Association, associate
-from ovman.agents.reference.decision import decide, moving_by_last_sighting, moving_by_spread, spread_m
+from ovman.agents.reference.reasoning import decide, decide_by_last_sighting, decide_by_spread, spread_m
 from ovman.task import Relation
 
 GATE, TAU, SPREAD, DELTA_MIN = 1.25, 0.75, 0.4, 1.5
@@ -145,13 +145,13 @@ def test_stable_answers_the_steadiest_pair_below_tau_only():
 
 def test_moving_takes_the_largest_spread_and_its_last_point():
     still, slow, fast = [(0.0, 0.0)] * 3, [(1.0, 0.0), (1.5, 0.0)], [(5.0, 0.0), (5.0, 2.0), (5.0, 1.0)]
-    assert moving_by_spread([still, slow, fast], SPREAD) == Answer(5.0, 1.0)
+    assert decide_by_spread([still, slow, fast], SPREAD) == Answer(5.0, 1.0)
     assert ask(Relation.MOVING, [(0.0, 0.0)], [(0.0, 0.0), (5.0, 1.0)], [still, fast]) == Answer(5.0, 1.0)
 
 
 @pytest.mark.parametrize("spread, moves", [(SPREAD, False), (SPREAD + 1e-6, True)])
 def test_the_spread_must_exceed_its_threshold(spread, moves):
-    answer = moving_by_spread([[(0.0, 0.0), (spread, 0.0)]], SPREAD)
+    answer = decide_by_spread([[(0.0, 0.0), (spread, 0.0)]], SPREAD)
     assert answer == (Answer(spread, 0.0) if moves else Abstention(AbstentionReason.NO_MOTION))
 
 
@@ -166,7 +166,7 @@ def test_spread_is_that_of_the_set_and_at_most_the_path(track, random):
 def test_under_perception_moving_is_the_unmatched_cluster_seen_last():
     association = Association(((0, 1),), (), (0, 2))
     tracks = [[(0.0, 0.0), (1.0, 0.0)], [(7.0, 7.0)], [(2.0, 0.0), (3.0, 0.0)]]
-    assert moving_by_last_sighting(tracks, [5, 23, 9], association) == Answer(3.0, 0.0)
-    assert moving_by_last_sighting(tracks, [9, 23, 5], association) == Answer(1.0, 0.0)
+    assert decide_by_last_sighting(tracks, [5, 23, 9], association) == Answer(3.0, 0.0)
+    assert decide_by_last_sighting(tracks, [9, 23, 5], association) == Answer(1.0, 0.0)
     everything_matched = Association(((0, 0),), (), ())
-    assert moving_by_last_sighting(tracks[:1], [3], everything_matched) == Abstention(AbstentionReason.NO_CANDIDATE)
+    assert decide_by_last_sighting(tracks[:1], [3], everything_matched) == Abstention(AbstentionReason.NO_CANDIDATE)

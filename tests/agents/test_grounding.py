@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.reference.grounding import grounded, similarities
+from ovman.agents.reference.reasoning import ground, similarities
 from ovman.evaluation.true_grounding import commonest, grounding_by_labels, grounding_by_truth, recorded_positions
 from ovman.perception.labels import NOTHING, Labels
 from ovman.records.sighting import Sighting
@@ -24,32 +24,32 @@ places = st.lists(st.tuples(coordinate, coordinate), max_size=10, unique=True)
 @given(maps, units, st.floats(0, 2), st.floats(0, 2))
 def test_a_wider_band_holds_what_a_narrower_one_holds(features, noun, one, other):
     narrow, wide = sorted((one, other))
-    assert set(grounded(features, noun, 0)) <= set(grounded(features, noun, narrow)) <= set(grounded(features, noun, wide))
+    assert set(ground(features, noun, 0)) <= set(ground(features, noun, narrow)) <= set(ground(features, noun, wide))
 
 
 @given(maps, units)
 def test_no_band_leaves_the_best_and_a_large_one_everything(features, noun):
     s = [float(np.dot(f, noun)) for f in features]
-    best = grounded(features, noun, 0)
+    best = ground(features, noun, 0)
     assert best and all(s[i] == pytest.approx(max(s)) for i in best)
-    assert grounded(features, noun, 2.001) == tuple(range(len(features)))
+    assert ground(features, noun, 2.001) == tuple(range(len(features)))
 
 
 @given(maps, units, st.randoms(use_true_random=False))
 def test_the_order_of_the_map_is_of_no_consequence(features, noun, random):
     order = list(range(len(features)))
     random.shuffle(order)
-    assert sorted(order[i] for i in grounded(features[order], noun, BAND)) == list(grounded(features, noun, BAND))
+    assert sorted(order[i] for i in ground(features[order], noun, BAND)) == list(ground(features, noun, BAND))
 
 
 def test_the_band_reaches_from_the_best_down():
     angles = np.arccos([0.9, 0.871, 0.869, -0.5])
     features = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    assert grounded(features, (1.0, 0.0), BAND) == (0, 1)
+    assert ground(features, (1.0, 0.0), BAND) == (0, 1)
 
 
 def test_an_empty_map_means_nothing():
-    assert grounded(np.zeros((0, 4)), np.ones(4) / 2, BAND) == () == grounded(np.zeros((0, 0)), np.ones(4) / 2, BAND)
+    assert ground(np.zeros((0, 4)), np.ones(4) / 2, BAND) == () == ground(np.zeros((0, 0)), np.ones(4) / 2, BAND)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_an_empty_map_means_nothing():
 )
 def test_wrong_input_is_named(features, noun, similarity_margin, message):
     with pytest.raises(ValueError, match=message):
-        grounded(features, noun, similarity_margin)
+        ground(features, noun, similarity_margin)
 
 
 def test_similarity_does_not_depend_on_the_neighbours():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, AbstentionReason, Query, Relation, UniformPick
-from ovman.agents.reference.maintained import predict
+from ovman.agents.reference.agents import predict_maintained_map as predict
 from ovman.perception.clusters import Cluster
 from ovman.perception.maintained import together
 from ovman.perception.records import read_maps

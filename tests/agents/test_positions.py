@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -20,10 +21,15 @@ from ovman.agents.interface import (
     Visit,
 )
 from ovman.agents.pilot import Pilot
-from ovman.agents.reference import positions_single_visit
+from ovman.agents.reference.agents import (
+    PositionsTwoVisits,
+    answer_positions,
+    collect_world,
+    predict_positions_single_visit,
+    predict_positions_two_visits,
+)
 from ovman.agents.reference.association import Association
-from ovman.agents.reference.decision import decide
-from ovman.agents.reference.positions_two_visits import PositionsTwoVisits, answer, predict, remembered
+from ovman.agents.reference.reasoning import decide
 from ovman.records.episode import Episode
 from ovman.records.sighting import Sightings
 from ovman.records.world_state import Instance, WorldState
@@ -69,7 +75,7 @@ def released(arm: str) -> dict[str, dict]:
 def test_the_answers_of_two_visits_are_the_released_ones():
     expected = released("positions_two_visits")
     for episode, context in recorded():
-        outcome, _ = predict(episode.query, context)
+        outcome, _ = predict_positions_two_visits(episode.query, context)
         record = expected.pop(episode.id)
         if isinstance(outcome, Abstention):
             assert record["abstain"] == outcome.reason
@@ -81,7 +87,7 @@ def test_the_answers_of_two_visits_are_the_released_ones():
 def test_the_picks_of_a_single_visit_are_the_released_ones():
     expected = released("positions_single_visit")
     for episode, context in recorded():
-        outcome, _ = positions_single_visit.predict(episode.query, context)
+        outcome, _ = predict_positions_single_visit(episode.query, context)
         record = expected.pop(episode.id)
         if isinstance(outcome, UniformBox):
             box = record["box"]
@@ -181,13 +187,13 @@ def view(
 
 def test_what_is_remembered_is_the_last_position_and_the_track_of_each():
     visit = Visit([view(at("b", 0, 0), at("a", 3, 3, "Vase")), view(positions=False), view(at("b", 1, 0))], GRID)
-    assert remembered(visit) == WorldState(
+    assert collect_world(visit) == WorldState(
         (Instance("a", "Vase", 3, 3, ((3, 3),)), Instance("b", "Chair", 1, 0, ((0, 0), (1, 0))))
     )
 
 
 def driven(first, second, relation, *observations, reachable=GRID) -> list[Action]:
-    agent = PositionsTwoVisits(Pilot(CONFIG.primitives, np.random.default_rng(0)), CONFIG)
+    agent = PositionsTwoVisits(SimpleNamespace(pilot=Pilot(CONFIG.primitives, np.random.default_rng(0)), settings=CONFIG))
     agent.familiarise(Visit(first, reachable))
     agent.revisit(Visit(second, reachable))
     agent.ask(Query("Chair", relation))
@@ -234,5 +240,5 @@ def test_positions_alone_are_compared_and_no_features():
     """An instance a little nearer than the gate is the same one, at the gate it is another."""
     for shift, answered in ((GATE, Answer(GATE, 0.0)), (float(np.nextafter(GATE, 0.0)), None)):
         world_1, world_2 = (WorldState((Instance(name, "Chair", x, 0.0, ((x, 0.0),)),)) for name, x in (("a", 0.0), ("b", shift)))
-        got = answer(Query("Chair", Relation.APPEARED), world_1, world_2, CONFIG)
+        got = answer_positions(Query("Chair", Relation.APPEARED), world_1, world_2, CONFIG)
         assert got == (answered or Abstention("no_candidate"))

@@ -10,10 +10,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer, Evidence, UniformBox, UniformPick
-from ovman.agents.reference import positions_two_visits
-from ovman.agents.reference.grounding import grounded
-from ovman.agents.reference.reasoning import means_of, one_visit, single_visit_pick, two_visits
-from ovman.agents.reference.single_visit import picked
+from ovman.agents.reference.agents import answer_positions, draw
+from ovman.agents.reference.reasoning import answer_two_visits, ground, ground_query, pick_grounded, pick_instance
 from ovman.evaluation.scores import success_probability
 from ovman.perception.clusters import Cluster
 from ovman.perception.object_map import ObjectMap
@@ -56,8 +54,8 @@ def world_of(placed) -> WorldState:
 
 def asked(relation: Relation, first, second, noun: int = 0, constants: Settings = CONSTANTS):
     maps = ObjectMap.of(first), ObjectMap.of(second)
-    return two_visits(
-        relation, *maps, *(grounded(m.f, one_hot(noun), constants.grounding.similarity_margin) for m in maps), constants
+    return answer_two_visits(
+        relation, *maps, *(ground(m.f, one_hot(noun), constants.grounding.similarity_margin) for m in maps), constants
     )
 
 
@@ -65,7 +63,7 @@ def asked(relation: Relation, first, second, noun: int = 0, constants: Settings 
 def test_maps_that_are_true_lead_to_the_answer_of_positions_handed_over(first, second, relation, noun):
     # A map without any instance of the category grounds the noun in something else, which positions never do.
     assume(all(any(k == noun for k, *_ in placed) for placed in (first, second)))
-    expected = positions_two_visits.answer(Query(CATEGORIES[noun], relation), world_of(first), world_of(second), CONSTANTS)
+    expected = answer_positions(Query(CATEGORIES[noun], relation), world_of(first), world_of(second), CONSTANTS)
     assert asked(relation, clusters_of(first), clusters_of(second), noun)[0] == expected
 
 
@@ -115,8 +113,8 @@ def test_a_disagreement_is_of_all_objects_and_read_for_what_is_grounded():
     unlike = np.full((3, 4), 0.0)
     unlike[1, 0] = unlike[2, 3] = 1.0
     maps, means = (ObjectMap.of(first), ObjectMap.of(second)), ((1, 2), (0, 3))
-    assert two_visits(Relation.STABLE, *maps, *means, CONSTANTS)[1].pairs == ((1, 0), (2, 3))
-    assert two_visits(Relation.STABLE, *maps, *means, CONSTANTS, unlike)[1].pairs == ((1, 3), (2, 0))
+    assert answer_two_visits(Relation.STABLE, *maps, *means, CONSTANTS)[1].pairs == ((1, 0), (2, 3))
+    assert answer_two_visits(Relation.STABLE, *maps, *means, CONSTANTS, unlike)[1].pairs == ((1, 3), (2, 0))
 
 
 def test_a_noun_that_is_withheld_means_every_object():
@@ -125,15 +123,15 @@ def test_a_noun_that_is_withheld_means_every_object():
     class Nothing:
         """A context of which nothing is read."""
 
-    assert means_of(Query("", Relation.MOVED), Nothing(), objects, "first") == (0, 1, 2)
-    assert means_of(Query("", Relation.MOVED), Nothing(), ObjectMap.of([]), "first") == ()
+    assert ground_query(Query("", Relation.MOVED), Nothing(), objects, "first") == (0, 1, 2)
+    assert ground_query(Query("", Relation.MOVED), Nothing(), ObjectMap.of([]), "first") == ()
 
 
 @pytest.mark.parametrize("relation", list(Relation))
 def test_empty_maps_abstain_by_name(relation):
     nothing = Abstention(AbstentionReason.NOTHING_GROUNDED)
     assert asked(relation, [], [])[0] == nothing
-    outcome, evidence = one_visit(relation, ObjectMap.of([]), (), REACHABLE)
+    outcome, evidence = pick_grounded(relation, ObjectMap.of([]), (), REACHABLE)
     assert outcome == (UniformBox(-5.0, -4.0, 5.0, 4.0) if relation.past else nothing)
     assert evidence == Evidence(None, ())
 
@@ -172,7 +170,7 @@ def test_the_single_visit_succeeds_as_often_as_its_candidates_are_right(found, d
     relation = data.draw(st.sampled_from([r for r in Relation if not r.past]))
     means = data.draw(st.sets(st.integers(0, len(found) - 1), min_size=1).map(sorted))
     target = (data.draw(coordinate), data.draw(coordinate))
-    pick, _ = one_visit(relation, ObjectMap.of(found), means, REACHABLE)
+    pick, _ = pick_grounded(relation, ObjectMap.of(found), means, REACHABLE)
     points = [found[i].track[-1] if relation is Relation.MOVING else found[i].position for i in means]
     right = sum(np.hypot(x - target[0], z - target[1]) <= 1.0 for x, z in points)
     draws = np.random.default_rng(0)
@@ -180,7 +178,7 @@ def test_the_single_visit_succeeds_as_often_as_its_candidates_are_right(found, d
 
 
 def test_past_relations_succeed_as_often_as_the_box_is_near_the_answer():
-    pick, _ = one_visit(Relation.REMOVED, ObjectMap.of([cluster(0.0, 0.0)]), (0,), REACHABLE)
+    pick, _ = pick_grounded(Relation.REMOVED, ObjectMap.of([cluster(0.0, 0.0)]), (0,), REACHABLE)
     answer = (4.5, 3.2)
     fine = [np.hypot(x - answer[0], z - answer[1]) <= 1.0 for x, z in product(np.linspace(-5, 5, 1001), np.linspace(-4, 4, 801))]
     draws = np.random.default_rng(0)
@@ -190,26 +188,26 @@ def test_past_relations_succeed_as_often_as_the_box_is_near_the_answer():
 def test_a_pick_is_uniform_and_an_abstention_stays_one():
     rng = np.random.default_rng(0)
     pick = UniformPick(((0.0, 0.0), (1.0, 0.0), (2.0, 0.0)))
-    counts = np.bincount([int(picked(pick, rng).x) for _ in range(3000)], minlength=3)
+    counts = np.bincount([int(draw(pick, rng).x) for _ in range(3000)], minlength=3)
     assert counts.sum() == 3000 and np.abs(counts - 1000).max() < 120
     box = UniformBox(-4.0, 2.0, -2.0, 4.0)
-    points = np.array([(p.x, p.z) for p in (picked(box, rng) for _ in range(2000))])
+    points = np.array([(p.x, p.z) for p in (draw(box, rng) for _ in range(2000))])
     assert (points >= (-4, 2)).all() and (points <= (-2, 4)).all()
     assert points.mean(axis=0) == pytest.approx((-3.0, 3.0), abs=0.06)
     gone = Abstention(AbstentionReason.NOTHING_GROUNDED)
-    assert picked(gone, rng) is gone
+    assert draw(gone, rng) is gone
 
 
 @pytest.mark.parametrize("relation", [relation for relation in Relation if not relation.past])
 def test_current_relations_pick_among_last_track_points(relation):
-    pick = single_visit_pick(relation, [[(3.0, 0.0)], [(0.0, 0.0), (0.0, 1.0)], []], reachable=[(0.0, 0.0)])
+    pick = pick_instance(relation, [[(3.0, 0.0)], [(0.0, 0.0), (0.0, 1.0)], []], reachable=[(0.0, 0.0)])
     assert pick == UniformPick(((0.0, 1.0), (3.0, 0.0)))
 
 
 @pytest.mark.parametrize("relation", [relation for relation in Relation if relation.past])
 def test_past_relations_know_only_what_is_reachable(relation):
-    assert single_visit_pick(relation, [[(9.0, 9.0)]], reachable=[(0.0, 1.0), (2.0, -1.0), (1.0, 0.0)]) == UniformBox(
+    assert pick_instance(relation, [[(9.0, 9.0)]], reachable=[(0.0, 1.0), (2.0, -1.0), (1.0, 0.0)]) == UniformBox(
         0.0, -1.0, 2.0, 1.0
     )
     with pytest.raises(ValueError, match="reachable"):
-        single_visit_pick(relation, [], reachable=[])
+        pick_instance(relation, [], reachable=[])

@@ -10,10 +10,16 @@ import pytest
 from scipy.optimize import linear_sum_assignment
 
 from ovman.agents.interface import Relation, UniformBox, UniformPick
-from ovman.agents.reference.association import Association, associate, cost_matrix, distances, padded, positions
-from ovman.agents.reference.decision import moving_by_last_sighting, moving_by_spread, spread_m
-from ovman.agents.reference.grounding import grounded, similarities
-from ovman.agents.reference.reasoning import one_visit, single_visit_pick
+from ovman.agents.reference.association import Association, associate, cost_matrix, distances, pad_costs, positions
+from ovman.agents.reference.reasoning import (
+    decide_by_last_sighting,
+    decide_by_spread,
+    ground,
+    pick_grounded,
+    pick_instance,
+    similarities,
+    spread_m,
+)
 from ovman.perception.object_map import ObjectMap
 
 SCALE = 2.0
@@ -74,7 +80,7 @@ def test_what_is_given_in_single_precision_is_compared_in_double(scale):
 @pytest.mark.parametrize("n, m", [(1, 1), (1, 4), (4, 1), (3, 3)])
 @pytest.mark.parametrize("gate_m", [0.01, 1.25, 40.0])
 def test_the_prohibitive_cost_exceeds_that_of_leaving_everything_unmatched(n, m, gate_m):
-    square = padded(np.zeros((n, m)), gate_m)
+    square = pad_costs(np.zeros((n, m)), gate_m)
     off_diagonal = [square[:n, m:][~np.eye(n, dtype=bool)], square[n:, :m][~np.eye(m, dtype=bool)]]
     for cost in np.concatenate(off_diagonal).tolist():
         assert (n + m) * gate_m / 2 < cost < math.inf
@@ -94,7 +100,7 @@ def of_the_solver(p_1, p_2, f_1=None, f_2=None) -> list[tuple]:
     one, two = (sorted(zip(p, f or [None] * len(p), strict=True)) for p, f in ((p_1, f_1), (p_2, f_2)))
     arrays = [np.array([f for _, f in visit]) if f_1 else None for visit in (one, two)]
     cost = cost_matrix(positions([p for p, _ in one]), positions([p for p, _ in two]), *arrays, feature_scale_m=SCALE)
-    rows, columns = linear_sum_assignment(padded(cost, 1.25))
+    rows, columns = linear_sum_assignment(pad_costs(cost, 1.25))
     return [(one[i], two[j]) for i, j in zip(rows, columns, strict=True) if i < len(one) and j < len(two) and cost[i, j] < 1.25]
 
 
@@ -166,21 +172,21 @@ def test_of_equal_spreads_the_last_point_of_smallest_x_then_z_is_taken():
         [(0.5, -9.0), (-0.5, -9.0), (0.5, -9.0), (-0.4, -9.0)],
     ]
     for order in itertools.permutations(tracks):
-        assert at(moving_by_spread(order, 0.4)) == (-1.0, 0.0)
+        assert at(decide_by_spread(order, 0.4)) == (-1.0, 0.0)
 
 
 def test_tracks_without_a_point_are_passed_over():
-    assert at(moving_by_spread([[], [(0.0, 0.0), (1.0, 2.0)]], 0.4)) == (1.0, 2.0)
-    assert moving_by_spread([[], []], 0.4).reason == "no_candidate"
-    assert moving_by_spread([[(0.0, 0.0)]], 0.0).reason == "no_motion"
+    assert at(decide_by_spread([[], [(0.0, 0.0), (1.0, 2.0)]], 0.4)) == (1.0, 2.0)
+    assert decide_by_spread([[], []], 0.4).reason == "no_candidate"
+    assert decide_by_spread([[(0.0, 0.0)]], 0.0).reason == "no_motion"
 
 
 def test_a_wrong_track_is_named():
     association = Association((), (), (0,))
     for ask in (
-        lambda t: moving_by_spread([t], 0.4),
-        lambda t: moving_by_last_sighting([t], [0], association),
-        lambda t: single_visit_pick(Relation.MOVING, [t], [(0.0, 0.0)]),
+        lambda t: decide_by_spread([t], 0.4),
+        lambda t: decide_by_last_sighting([t], [0], association),
+        lambda t: pick_instance(Relation.MOVING, [t], [(0.0, 0.0)]),
         spread_m,
     ):
         with pytest.raises(ValueError, match="^track must have"):
@@ -191,9 +197,9 @@ def test_of_clusters_seen_last_in_one_view_that_of_smallest_x_then_z_is_taken():
     tracks = [[(9.0, 9.0), (0.0, 1.0)], [(-9.0, 0.0), (0.0, 2.0)], [(-8.0, 0.0), (1.0, 0.0)], [(-5.0, -5.0)]]
     for order in itertools.permutations(range(3)):
         some = [tracks[k] for k in (*order, 3)]
-        assert at(moving_by_last_sighting(some, [7, 7, 7, 6], Association((), (), (0, 1, 2, 3)))) == (0.0, 1.0)
-        assert at(moving_by_last_sighting(some, [7, 7, 7, 8], Association((), (), (0, 1, 2, 3)))) == (-5.0, -5.0)
-        assert at(moving_by_last_sighting(some, [7, 7, 7, 8], Association(((0, 3),), (), (0, 1, 2)))) == (0.0, 1.0)
+        assert at(decide_by_last_sighting(some, [7, 7, 7, 6], Association((), (), (0, 1, 2, 3)))) == (0.0, 1.0)
+        assert at(decide_by_last_sighting(some, [7, 7, 7, 8], Association((), (), (0, 1, 2, 3)))) == (-5.0, -5.0)
+        assert at(decide_by_last_sighting(some, [7, 7, 7, 8], Association(((0, 3),), (), (0, 1, 2)))) == (0.0, 1.0)
 
 
 def test_a_single_visit_picks_places_and_for_moving_last_track_points():
@@ -201,17 +207,17 @@ def test_a_single_visit_picks_places_and_for_moving_last_track_points():
     track = np.array([[0.0, 0.0], [3.0, 4.0]])
     seen = ObjectMap(p=np.array([[1.0, 2.0], [9.0, 9.0]]), f=np.eye(2), tracks=(track, track), last_seen=(1, 1))
     for relation in Relation:
-        outcome, evidence = one_visit(relation, seen, (0,), [(0.0, 1.0), (2.0, -1.0)])
+        outcome, evidence = pick_grounded(relation, seen, (0,), [(0.0, 1.0), (2.0, -1.0)])
         if relation.past:
             assert outcome == UniformBox(0.0, -1.0, 2.0, 1.0)
         else:
             assert outcome == UniformPick(((3.0, 4.0) if relation is Relation.MOVING else (1.0, 2.0),))
         assert (evidence.grounded_1, evidence.grounded_2) == (None, (0,))
         if relation.current:
-            assert one_visit(relation, seen, (), [])[0].reason == "nothing_grounded"
+            assert pick_grounded(relation, seen, (), [])[0].reason == "nothing_grounded"
         else:
             with pytest.raises(ValueError, match="reachable positions are empty"):
-                one_visit(relation, seen, (), [])
+                pick_grounded(relation, seen, (), [])
 
 
 # --- grounding ------------------------------------------------------------------------------------
@@ -225,18 +231,18 @@ MAP = np.array([[0.5, 0.0], [0.25, 1.0], [0.75, 0.0], [0.5, 3.0]])
     "margin, means", [(0.0, (2,)), (0.2499, (2,)), (0.25, (0, 2, 3)), (0.4999, (0, 2, 3)), (0.5, (0, 1, 2, 3))]
 )
 def test_the_margin_of_the_grounding_is_inclusive(margin, means):
-    assert grounded(MAP, UNIT, margin) == means
+    assert ground(MAP, UNIT, margin) == means
 
 
 def test_an_empty_map_of_any_shape_means_nothing():
     for empty in ([], np.zeros((0, 0)), np.zeros((0, 2))):
-        assert grounded(empty, UNIT, 0.1) == () and similarities(empty, UNIT).shape == (0,)
+        assert ground(empty, UNIT, 0.1) == () and similarities(empty, UNIT).shape == (0,)
 
 
 @pytest.mark.parametrize("margin", [-1e-9, NAN])
 def test_a_margin_is_at_least_zero(margin):
     with pytest.raises(ValueError, match="similarity_margin must be at least 0"):
-        grounded(MAP, UNIT, margin)
+        ground(MAP, UNIT, margin)
 
 
 @pytest.mark.parametrize("features, noun", [(MAP, [1.0]), (MAP, [[1.0, 0.0]]), ([1.0, 0.0], UNIT), (MAP[None], UNIT)])

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.reference.reasoning import two_visits
+from ovman.agents.reference.reasoning import answer_two_visits
 from ovman.analysis.appearance import ALL, APART, READINGS, VARIANTS, Appearance, Asked, appearances, asked, pairs_of
 from ovman.analysis.cue_weights import Pairs, Weights, alone, fitted, grid, separation
 from ovman.analysis.map_objects import CLIP, CUES, EXTENT, HISTOGRAM, MapObjects, disagreements
@@ -206,7 +206,7 @@ def test_clip_alone_is_the_agent_as_it_is_and_colours_set_right_what_it_confuses
     whole = {(row.pairs, row.cues, row.fitted_on, row.split): row for row in made if row.relation == ALL}
     assert len(whole) == len([row for row in made if row.relation == ALL])
     first = whole[ALL, "clip", None, "main"]
-    answer, _ = two_visits(case().episode.relation, FIRST.map, SECOND.map, (0, 1), (0, 1), CONSTANTS)
+    answer, _ = answer_two_visits(case().episode.relation, FIRST.map, SECOND.map, (0, 1), (0, 1), CONSTANTS)
     assert answer == Abstention(AbstentionReason.DISPLACEMENT_BELOW_TAU) and first.successes < first.n
     assert (first.wins, first.losses, first.p, first.auroc) == (0, 0, 1.0, 0.5)
     coloured = whole[ALL, "clip + histogram", "main", "multi"]

@@ -20,8 +20,7 @@ import yaml
 from PIL import Image
 from pyarrow import parquet
 
-from ovman.agents.controls import difference
-from ovman.agents.controls.depth_difference import nearer
+from ovman.agents.controls import compare_depth, find_difference
 from ovman.agents.interface import VISITS, CameraPose, Observation, Visit
 from ovman.cli import main
 from ovman.dataset.about import responsible
@@ -250,7 +249,8 @@ def test_a_control_answers_from_the_rows_as_it_did_from_the_recordings(small, lo
             Visit(tuple(observed(shown[at]) for at in sorted(shown) if at[0] == row[f"{which}_tour"]), corners)
             for which in VISITS
         ]
-        found = difference.answer(Relation(row["relation"]).past, *tours, nearer, agent_settings(episode, of_arm))
+        constants = agent_settings(episode, of_arm).controls
+        found = find_difference(Relation(row["relation"]).past, *tours, compare_depth, constants)
         again = Prediction.of(episode.id, name, 0, found).to_json()
         assert (again.get("x"), again.get("z")) == (answered[episode.id]["x"], answered[episode.id]["z"])
         assert again.get("abstain") == answered[episode.id]["abstain"]

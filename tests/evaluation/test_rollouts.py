@@ -5,15 +5,15 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.answered import Driver, driver
 from ovman.agents.controls import depth_difference, pixel_difference
-from ovman.agents.dynamem import agent as dynamem
+from ovman.agents.dynamem.agent import agent as dynamem
 from ovman.agents.interface import (
     Abstention,
     AbstentionReason,
@@ -25,9 +25,9 @@ from ovman.agents.interface import (
     Observation,
     Visit,
 )
-from ovman.agents.pilot import Pilot
-from ovman.agents.react import answers as react
-from ovman.agents.reference import positions_two_visits, single_visit, two_visits
+from ovman.agents.pilot import GoalAgent, Pilot, PredictionDriver
+from ovman.agents.react.agent import ReactAgent
+from ovman.agents.reference.agents import PositionsTwoVisits, SingleVisit, TwoVisits
 from ovman.cache import Cache
 from ovman.evaluation import rollouts
 from ovman.evaluation.context import RolloutContext
@@ -56,16 +56,15 @@ outcomes = st.one_of(
 )
 
 
-class Deciding(Driver):
+class Deciding(GoalAgent):
     """An agent that is offered nothing, or ignores it: it finds the answer itself."""
 
-    def __init__(self, pilot: Pilot, outcome: Answer | Abstention) -> None:
-        super().__init__(pilot, Abstention(AbstentionReason.UNSURE))
+    def __init__(self, context: AgentContext, outcome: Answer | Abstention) -> None:
+        super().__init__(context)
         self._outcome = outcome
 
-    def ask(self, query: Query) -> None:
-        self._answered = as_recorded(self._outcome)
-        super().ask(query)
+    def decide(self, query: Query) -> Answer | Abstention:
+        return as_recorded(self._outcome)
 
 
 def trace(agent: Agent) -> list[Action]:
@@ -92,9 +91,9 @@ def test_an_answer_with_the_digits_of_its_record_is_the_recorded_one(outcome):
 @given(outcomes, st.integers(0, 20))
 def test_what_drives_to_the_offered_answer_does_what_decides_itself(outcome, seed):
     offered = Prediction.parse(Prediction.of("e", "arm", 0, outcome).to_line()).outcome
-    taking, deciding = (
-        make(Pilot(CONFIG.primitives, np.random.default_rng(seed)), one) for make, one in ((Driver, offered), (Deciding, outcome))
-    )
+    pilots = [Pilot(CONFIG.primitives, np.random.default_rng(seed)) for _ in range(2)]
+    taking = PredictionDriver(SimpleNamespace(pilot=pilots[0], answered=offered))
+    deciding = Deciding(SimpleNamespace(pilot=pilots[1]), outcome)
     done = trace(taking)
     assert done == trace(deciding) and (done == [Action.ABSTAIN]) == isinstance(outcome, Abstention)
 
@@ -109,23 +108,23 @@ def context(answered: Answer | Abstention | None) -> RolloutContext:
 
 
 TAKING = (dynamem, depth_difference, pixel_difference)
-DECIDING = (react, two_visits, positions_two_visits)
+DECIDING = (ReactAgent, TwoVisits, PositionsTwoVisits)
 """They drive to what a record rounds, or follow an instance."""
 
 
-@pytest.mark.parametrize("module", TAKING, ids=lambda module: module.__name__)
-def test_the_agents_that_execute_one_answer_take_it_and_look_at_nothing(module):
-    agent = module.agent(context(Answer(STEP_M, STEP_M)))
+@pytest.mark.parametrize("make", TAKING)
+def test_the_agents_that_execute_one_answer_take_it_and_look_at_nothing(make):
+    agent = make(context(Answer(STEP_M, STEP_M)))
     assert isinstance(agent, Agent) and agent.looks is False
     assert trace(agent)[-1] is Action.STOP
-    assert trace(module.agent(context(Abstention(AbstentionReason.NO_MOTION)))) == [Action.ABSTAIN]
+    assert trace(make(context(Abstention(AbstentionReason.NO_MOTION)))) == [Action.ABSTAIN]
 
 
 def test_an_arm_of_one_answer_takes_it_or_decides_itself():
     arms = {arm.name: arm for arm in arms_of(CONFIG.arms)}
     once = {arm.agent for arm in arms.values() if arm.executes is not None and arms[arm.executes].answers_once}
-    assert once == {f"{module.__name__}:agent" for module in (*TAKING, *DECIDING)}
-    assert f"{single_visit.__name__}:agent" not in once
+    assert once == {f"{make.__module__}:{make.__name__}" for make in (*TAKING, *DECIDING)}
+    assert f"{SingleVisit.__module__}:SingleVisit" not in once
 
 
 PLACE = Answer(0.123456789, 0.987654321)
@@ -136,17 +135,16 @@ def static(query: Query, context: object) -> tuple[Answer, None]:
 
 
 def ignoring(context: AgentContext) -> Deciding:
-    return Deciding(context.pilot, PLACE)
+    return Deciding(context, PLACE)
 
 
-def taking(context: AgentContext) -> Driver:
-    return driver(context) or ignoring(context)
+def taking(context: AgentContext) -> GoalAgent:
+    return ignoring(context) if context.answered is None else PredictionDriver(context)
 
 
-def offered_alone(context: AgentContext) -> Driver:
-    made = driver(context)
-    assert made is not None, "nothing is offered"
-    return made
+def offered_alone(context: AgentContext) -> GoalAgent:
+    assert context.answered is not None, "nothing is offered"
+    return PredictionDriver(context)
 
 
 def rollouts_of(directory: Path, agent: str, predictions: Path | None) -> tuple[bytes, set[str]]:

@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from ovman import seeds
-from ovman.agents.cow.relevance import prompt
+from ovman.agents.cow.localiser import prompt
 from ovman.cli import main
 from ovman.export.phrases import embedded
 from ovman.language.vocabulary import all_nouns

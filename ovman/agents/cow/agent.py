@@ -7,14 +7,10 @@ from enum import StrEnum
 
 import numpy as np
 
-from ovman.agents.cow.frontiers import frontier_targets
-from ovman.agents.cow.odometry import Pose, failed
-from ovman.agents.cow.paths import Paths
-from ovman.agents.cow.relevance import Localiser, localiser
-from ovman.agents.cow.scan import Scan, scan, square
+from ovman.agents.cow.localiser import Localiser, make_localiser
+from ovman.agents.cow.map import Cell, Pose, Scan, VoxelMap, VoxelState, has_failed, scan, square
+from ovman.agents.cow.planning import Paths, face, find_frontiers, steer, turns
 from ovman.agents.cow.settings import Cow
-from ovman.agents.cow.steering import facing, steered, turns
-from ovman.agents.cow.voxel_map import Cell, VoxelMap, VoxelState
 from ovman.agents.interface import Action, AgentContext, Observation, Query, Visit
 from ovman.settings.benchmark import Primitives
 
@@ -38,14 +34,14 @@ class CowAgent:
         self._begin()
 
     def familiarise(self, visit: Visit) -> None:
-        """Nothing is kept of a tour."""
+        """Forget the last episode. Nothing is kept of a tour."""
         self._begin()
 
     def revisit(self, visit: Visit) -> None:
-        """Nothing is kept of a tour."""
+        """Keep nothing."""
 
     def ask(self, query: Query) -> None:
-        """Sets the goal: any instance of the category."""
+        """Set the goal: any instance of the category."""
         self._localiser.look_for(query.category)
 
     def _begin(self) -> None:
@@ -65,7 +61,7 @@ class CowAgent:
         return self.pose.cell(self._constants.voxel_m)
 
     def act(self, observation: Observation) -> Action:
-        """The next action for the images at the current pose."""
+        """Return the next action for the images at the current pose."""
         constants = self._constants
         assert observation.rgb is not None and observation.depth is not None, "CoW needs images"
         if self._queue and self._queue[-1] is Action.STOP:
@@ -83,7 +79,7 @@ class CowAgent:
         """Move the believed pose by the last action, unless the depth image has hardly changed."""
         self._failed = None
         if self._last is not None and self._depth is not None:
-            if failed(self._depth, depth, self._constants.unchanged_depth_m):
+            if has_failed(self._depth, depth, self._constants.unchanged_depth_m):
                 self._failed = self._last
             else:
                 self.pose = self.pose.after(self._last, self._primitives.step_m, self._primitives.turn_deg)
@@ -104,7 +100,7 @@ class CowAgent:
         return self._queue.pop(0)
 
     def _confused(self, seen: Scan) -> Action:
-        """No path is left: forget the map except for the current view, and look around again."""
+        """Forget the map except for the current view, and look around again: no path is left."""
         self.map = VoxelMap(self._constants)
         self.map.update(seen, self.cell)
         self._proxies = {}
@@ -112,29 +108,29 @@ class CowAgent:
         return Action.ROTATE_LEFT
 
     def _explore(self) -> tuple[Action, ...]:
-        """Actions towards the nearest frontier with a path to it; empty without such a frontier."""
+        """Return actions towards the nearest frontier with a path to it; none without such a frontier."""
         paths = Paths(self.map, self.cell)
-        for target in frontier_targets(self.map, self.cell, self._constants):
-            if self.map.visited(target) or (way := paths.to(target)) is None:
+        for target in find_frontiers(self.map, self.cell, self._constants):
+            if self.map.is_visited(target) or (way := paths.to(target)) is None:
                 continue
             waypoint = self._waypoint(way)
             if waypoint is not None:
-                return self._steered(waypoint)
+                return self._steer(waypoint)
             self.map.visit(target)
         return ()
 
     def _exploit(self) -> tuple[Action, ...]:
-        """Actions towards the nearest region of interest; STOP near it."""
+        """Return actions towards the nearest region of interest; STOP near it."""
         paths = Paths(self.map, self.cell)
         for region in self.map.regions:
             proxy = self._proxy(region)
             if proxy is None:
                 return (Action.STOP,)
             if self._away(region) < self._constants.stop_voxels:
-                return (*facing(self.pose, region, self._constants, self._primitives), Action.STOP)
+                return (*face(self.pose, region, self._constants, self._primitives), Action.STOP)
             if (way := paths.to(proxy)) is not None:
                 return self._follow(way)
-        targets = frontier_targets(self.map, self.cell, self._constants)
+        targets = find_frontiers(self.map, self.cell, self._constants)
         for target in sorted(targets, key=lambda t: min(math.dist(t, region) for region in self.map.regions)):
             if (way := paths.to(target)) is not None:
                 return self._follow(way)
@@ -142,21 +138,21 @@ class CowAgent:
 
     def _follow(self, way: list[Cell]) -> tuple[Action, ...]:
         waypoint = self._waypoint(way)
-        return turns(1) if waypoint is None else self._steered(waypoint)
+        return turns(1) if waypoint is None else self._steer(waypoint)
 
-    def _steered(self, waypoint: Cell) -> tuple[Action, ...]:
-        return steered(self.map, self.pose, waypoint, self._constants, self._primitives, self._failed) or ()
+    def _steer(self, waypoint: Cell) -> tuple[Action, ...]:
+        return steer(self.map, self.pose, waypoint, self._constants, self._primitives, self._failed) or ()
 
     def _away(self, cell: Cell) -> float:
-        """Distance to a cell in voxels."""
+        """Return the distance to a cell in voxels."""
         return math.dist(self.cell, cell)
 
     def _waypoint(self, way: list[Cell]) -> Cell | None:
-        """The first cell of a path that is not reached yet."""
+        """Return the first cell of a path that is not reached yet."""
         return next((cell for cell in way if self._away(cell) > self._constants.waypoint_voxels), None)
 
     def _proxy(self, region: Cell) -> Cell | None:
-        """The goal for a region: the first known cell that is not occupied on the line from the region to the agent.
+        """Return the goal for a region: the first known cell that is not occupied on the line from the region to the agent.
 
         It stays the same until the map marks it as occupied.
         """
@@ -176,6 +172,6 @@ class CowAgent:
 
 
 def agent(context: AgentContext) -> CowAgent:
-    """The arm `cow`: needs the networks, and of the settings cow.*, locobot.* and section perception."""
+    """Make the agent of the arm `cow`: needs the networks, and of the settings cow.*, locobot.* and section perception."""
     settings = context.settings
-    return CowAgent(localiser(settings, *context.networks()), settings.cow, settings.primitives)
+    return CowAgent(make_localiser(settings, *context.networks()), settings.cow, settings.primitives)

@@ -16,8 +16,7 @@ import numpy as np
 
 from ovman.agents.dualmap.mapped import RunMaps, read
 from ovman.agents.interface import VISITS, Abstention, AbstentionReason, Answer, PredictionContext, Query, UniformPick
-from ovman.agents.reference.grounding import similarities
-from ovman.agents.reference.reasoning import two_visits_recorded
+from ovman.agents.reference.reasoning import answer_query, similarities
 from ovman.language import noun
 from ovman.perception.object_map import ObjectMap
 from ovman.settings import Need
@@ -42,7 +41,7 @@ def predict_two_visits(query: Query, context: PredictionContext) -> tuple[Answer
     """
     visits = _maps(context).visits
     map_1, map_2 = (visits[context.visits[which]].object_map() for which in VISITS)
-    return two_visits_recorded(query, context, map_1, map_2)[0], None
+    return answer_query(query, context, map_1, map_2)[0], None
 
 
 def most_similar(found: ObjectMap, phrase: np.ndarray) -> Answer | Abstention:

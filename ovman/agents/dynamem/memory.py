@@ -2,26 +2,135 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from ovman.agents.dynamem.looks import Look
 from ovman.agents.dynamem.settings import Dynamem
+from ovman.agents.interface import Visit
+from ovman.perception.backprojection import Camera, pixel_points
+from ovman.perception.detected import Detected
 
 _BITS = 20
-"""Of a voxel's number along an axis."""
+"""Bits of a voxel's number along an axis."""
 _APART_M = 1000.0
 """Added to the place of a point for each frame: only points of one frame are neighbours."""
+_KEPT = 2
+"""Recorded tours whose memories are kept. A memory is large; the episodes with one first tour follow each other."""
+
+# Frames -----------------------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Look:
+    """A frame with its D detections, and N points of them. A pixel of two detections is two points.
+
+    Attributes:
+        depth: (H, W) metres along the optical axis.
+        camera: The camera.
+        masked: (H, W) bool, the pixels of a detection.
+        points: (N, 3) world points, metres.
+        of: (N,) the detection of each point.
+        features: (D, K) unit embeddings.
+        places: (D, 3) medians of the masks' world points, metres.
+        nearest_m: (D,) least depth of each mask.
+    """
+
+    depth: np.ndarray
+    camera: Camera
+    masked: np.ndarray
+    points: np.ndarray
+    of: np.ndarray
+    features: np.ndarray
+    places: np.ndarray
+    nearest_m: np.ndarray
+
+    def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return rows, columns and depths (N,) of world points (N, 3) in the picture, and which are inside.
+
+        Row and column of a point outside are 0.
+        """
+        height, width = self.depth.shape
+        aside, up, away = ((points - np.array(self.camera.position)) @ self.camera.axes()).T
+        focal_px = height / 2 / math.tan(math.radians(self.camera.field_of_view_deg) / 2)
+        ahead = np.where(away > 0, away, np.inf)
+        rows, columns = height / 2 - focal_px * up / ahead, width / 2 + focal_px * aside / ahead
+        inside = (away > 0) & (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
+        row, column = (np.where(inside, at, 0).astype(np.int64) for at in (rows, columns))
+        return row, column, away, inside
+
+
+def look_at_tour(visit: Visit, detected: Detected, constants: Dynamem) -> tuple[Look, ...]:
+    """Return the frames of a visit with their detections. Raises ValueError for a tour without pictures."""
+    if not len(visit.observations):
+        return ()
+    every = detected.masks()
+    found = []
+    for number, frame in enumerate(visit.observations):
+        if frame.depth is None:
+            raise ValueError("DynaMem reads depth; write needs: [tours, detections] in its entry")
+        pose = frame.pose
+        camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, frame.field_of_view_deg)
+        mine = detected.view == number
+        found.append(look(frame.depth, camera, every[mine], detected.feature[mine], detected.point[mine], constants))
+    return tuple(found)
+
+
+def look(
+    depth: np.ndarray, camera: Camera, masks: np.ndarray, features: np.ndarray, places: np.ndarray, constants: Dynamem
+) -> Look:
+    """Return a frame of depth (H, W) with the masks (D, H, W) bool, features (D, K) and places (D, 3) of its detections.
+
+    Of a mask the pixels at every n-th row and column become points if their depth is within the range and close to the median
+    of the pixels around them.
+    """
+    rows, columns = (np.arange(constants.every_px // 2, side, constants.every_px) for side in depth.shape)
+    steady = np.zeros((len(rows), len(columns)), bool)
+    seen = masks[:, rows[:, None], columns[None, :]]
+    asked = seen.any(axis=0)
+    at = rows[np.nonzero(asked)[0]], columns[np.nonzero(asked)[1]]
+    steady[asked] = _is_steady(depth, *at, constants)
+    of, row, column = np.nonzero(seen & steady)
+    known = np.where(depth > constants.unknown_m, depth, np.inf)
+    return Look(
+        depth=depth,
+        camera=camera,
+        masked=np.logical_or.reduce(masks, axis=0),
+        points=pixel_points(depth, rows[row], columns[column], camera),
+        of=of,
+        features=np.asarray(features, np.float64),
+        places=places,
+        nearest_m=np.array([known[mask].min(initial=np.inf) for mask in masks]),
+    )
+
+
+def _is_steady(depth: np.ndarray, rows: np.ndarray, columns: np.ndarray, constants: Dynamem) -> np.ndarray:
+    """Return which of N pixels (N,) have a depth within the range, close to the median of the square around them."""
+    half = constants.median_px // 2
+    around = np.lib.stride_tricks.sliding_window_view(np.pad(depth, half, mode="symmetric"), (constants.median_px,) * 2)
+    own = depth[rows, columns]
+    median = np.median(around[rows, columns].reshape(len(rows), constants.median_px**2), axis=1)
+    within = (own > constants.nearest_m) & (own < constants.farthest_m)
+    steady: np.ndarray = within & (np.abs(own - median) < constants.median_error_m)
+    return steady
+
+
+# Memory -----------------------------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Memory:
     """V voxels in the order of `cell`.
 
-    cell (V,): number of the voxel; point (V, 3): mean of its points, metres; weight (V,): number of its points; seen (V,): number
-    of the frame that added to it last; row (V,): where in `rows` (R, K) the mean of their features stands.
+    Attributes:
+        cell: (V,) number of the voxel.
+        point: (V, 3) mean of its points, metres.
+        weight: (V,) number of its points.
+        seen: (V,) number of the frame that added to it last.
+        row: (V,) index into `rows`, where the mean of its points' features stands.
+        rows: (R, K) features. They are nearly all of a memory and little of it goes at a time, so `add` alone copies them.
     """
 
     cell: np.ndarray
@@ -33,64 +142,88 @@ class Memory:
 
     @staticmethod
     def empty() -> Memory:
-        """A memory of nothing."""
+        """Return a memory of nothing."""
         none = np.zeros(0, np.int64)
         return Memory(none, np.zeros((0, 3)), np.zeros(0), none, none, np.zeros((0, 0)))
 
     @property
     def feature(self) -> np.ndarray:
-        """(V, K): the mean of the features of each voxel's points."""
+        """Mean (V, K) of the features of each voxel's points."""
         features: np.ndarray = self.rows[self.row]
         return features
 
     def __len__(self) -> int:
         return len(self.cell)
 
-    def where(self, kept: np.ndarray) -> Memory:
-        """The voxels of a mask (V,) bool."""
+    def select(self, kept: np.ndarray) -> Memory:
+        """Return the voxels of a mask (V,) bool."""
         if kept.all():
             return self
-        # Features are nearly all of a memory, and what goes is mostly little: they are copied once a frame, by `added`.
         return Memory(self.cell[kept], self.point[kept], self.weight[kept], self.seen[kept], self.row[kept], self.rows)
 
 
-def remembered(frames: Sequence[Look], constants: Dynamem, before: Memory | None = None, first: int = 0) -> Memory:
-    """The memory after frames in their order, which number its voxels' `seen` from `first` on.
+_recent: dict[tuple[tuple[str | None, ...], tuple[tuple[str, float], ...]], tuple[Memory, tuple[Look, ...]]] = {}
 
-    before: the memory of `first` frames that came before these, nothing where it is None.
+
+def remember_tours(tours: Sequence[tuple[Visit, Detected]], constants: Dynamem) -> tuple[Memory, tuple[Look, ...]]:
+    """Return one memory of the frames of all tours, and the frames.
+
+    Memories of recorded tours are kept for the seeds and episodes that follow.
+    """
+    if not tours:
+        return Memory.empty(), ()
+    contents = tuple(visit.content for visit, _ in tours)
+    key = contents, tuple(constants)
+    kept = _recent.pop(key, None)
+    if kept is None:
+        *before, (visit, detected) = tours
+        memory, frames = remember_tours(before, constants)
+        new = look_at_tour(visit, detected, constants)
+        kept = remember(new, constants, memory, len(frames)), (*frames, *new)
+    if None not in contents:
+        _recent[key] = kept
+    while len(_recent) > _KEPT:
+        del _recent[next(iter(_recent))]
+    return kept
+
+
+def remember(frames: Sequence[Look], constants: Dynamem, before: Memory | None = None, first: int = 0) -> Memory:
+    """Return the memory after frames in their order, whose numbers begin with `first`.
+
+    before: The memory of the `first` frames that came before these, nothing if None.
     """
     memory, end = before or Memory.empty(), first + len(frames)
     checked = np.zeros(end, np.int64)
     for number, look in enumerate(frames, first):
-        memory = cleared(memory, look, constants)
-        # Voxels of another frame are no neighbours, so that only frames that have lost or gained some can have new noise.
+        memory = clear(memory, look, constants)
+        # Voxels of different frames are not neighbours, so only frames that have lost or gained some can have new noise.
         counts = np.bincount(memory.seen, minlength=end)
-        memory = without_noise(memory, np.flatnonzero(counts != checked), constants)
+        memory = remove_noise(memory, np.flatnonzero(counts != checked), constants)
         checked = np.bincount(memory.seen, minlength=end)
-        memory = added(memory, look, number, constants.voxel_m)
+        memory = add(memory, look, number, constants.voxel_m)
     return memory
 
 
-def cleared(memory: Memory, look: Look, constants: Dynamem) -> Memory:
-    """The memory without what a frame sees through or sees anew.
+def clear(memory: Memory, look: Look, constants: Dynamem) -> Memory:
+    """Return the memory without the voxels that a frame sees through or that a detection shows again.
 
-    Of the points in the picture up to `farthest_m` away, those go whose pixel shows something farther, and those that a
-    detection shows again, which gives them its feature. What is hidden stays, and so does a surface that is seen again, as far
-    off as before by at most a voxel's side, where no detection has a feature for it.
+    Of the points in the picture up to `farthest_m` away, those go whose pixel shows something farther, and those that a detection
+    shows again, which gives them its feature. What is hidden stays, and so does a surface that is seen again without a
+    detection, as far off as before by at most a voxel's side.
     """
     if not len(memory):
         return memory
-    rows, columns, away, inside = look.projected(memory.point)
+    rows, columns, away, inside = look.project(memory.point)
     depth = look.depth[rows, columns]
     judged = inside & (away >= constants.unknown_m) & (away <= constants.farthest_m) & (depth >= constants.unknown_m)
     judged &= depth >= away - constants.hidden_m
     gone = judged & (look.masked[rows, columns] | (depth > away + constants.voxel_m))
-    return memory.where(~gone)
+    return memory.select(~gone)
 
 
-def without_noise(memory: Memory, frames: Sequence[int] | np.ndarray, constants: Dynamem) -> Memory:
-    """The memory without what DBSCAN calls noise in these frames: voxels that are not among enough others of their frame."""
-    from scipy.spatial import cKDTree  # loaded where a memory is made: it takes a quarter of a second
+def remove_noise(memory: Memory, frames: Sequence[int] | np.ndarray, constants: Dynamem) -> Memory:
+    """Return the memory without DBSCAN's noise in these frames: voxels that are not among enough others of their frame."""
+    from scipy.spatial import cKDTree  # imported only if a memory is made: the import takes a quarter of a second
 
     asked = np.flatnonzero(np.isin(memory.seen, frames))
     if not len(asked):
@@ -103,11 +236,11 @@ def without_noise(memory: Memory, frames: Sequence[int] | np.ndarray, constants:
     if core.any() and not core.all():
         distance, _ = cKDTree(places[core]).query(places[~core], distance_upper_bound=within)
         kept[asked[~core]] = np.isfinite(distance)
-    return memory.where(kept)
+    return memory.select(kept)
 
 
-def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
-    """The memory with the points of a frame of that number."""
+def add(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
+    """Return the memory with the points of the frame of that number."""
     if not len(look.points):
         return memory
     cells, which = np.unique(_cells(look.points, voxel_m), return_inverse=True)
@@ -124,7 +257,7 @@ def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
     points, features, seen = points / weight[:, None], features / weight[:, None], np.full(len(cells), number, np.int64)
     if again.all():
         return Memory(cells, points, weight, seen, np.arange(len(cells)), features)
-    left = memory.where(~again)
+    left = memory.select(~again)
     order = np.argsort(every := np.concatenate([left.cell, cells]))
     return Memory(
         every[order],
@@ -137,7 +270,7 @@ def added(memory: Memory, look: Look, number: int, voxel_m: float) -> Memory:
 
 
 def _cells(points: np.ndarray, voxel_m: float) -> np.ndarray:
-    """The numbers (N,) of the voxels of points (N, 3), in the order of x, y, z."""
+    """Return the numbers (N,) of the voxels of points (N, 3), in the order of x, y, z."""
     x, y, z = (np.floor(points / voxel_m).astype(np.int64) + (1 << (_BITS - 1))).T
     numbers: np.ndarray = (x << (2 * _BITS)) | (y << _BITS) | z
     return numbers

@@ -1,36 +1,193 @@
-"""What the joint agent answers: the object, or the end of the track, with the greatest probability of being what is meant."""
+"""From segments to an answer: names, objects, and the most probable object or end of a track."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import numpy as np
 
-from ovman.agents.interface import Abstention, AbstentionReason, Answer, Relation
-from ovman.agents.joint.naming import Nouns
-from ovman.agents.joint.objects import Objects
+from ovman.agents.interface import Abstention, AbstentionReason, Answer, Query, Relation
 from ovman.agents.joint.segments import Segments
 from ovman.agents.joint.settings import Joint
+from ovman.language import noun
+from ovman.language.vocabulary import SYNONYMS
+
+
+class Nouns:
+    """The nouns of the vocabulary as an encoder has them. embedding: from a noun phrase to its unit embedding (K,)."""
+
+    def __init__(self, embedding: Callable[[str], np.ndarray], constants: Joint) -> None:
+        self._embedding, self._constants = embedding, constants
+        self._phrases = tuple(dict.fromkeys(noun(category) for category in SYNONYMS))
+        self._all = np.stack([np.asarray(embedding(phrase), np.float64) for phrase in self._phrases])
+
+    @property
+    def chance(self) -> float:
+        """Log probability of a noun of which nothing is known."""
+        return -float(np.log(len(self._phrases)))
+
+    def log_probability(self, feature: np.ndarray, phrase: str | None) -> np.ndarray:
+        """Return the log probability (S,) that features (S, K) show what a noun phrase means.
+
+        It is the softmax over the vocabulary at the encoder's temperature, mixed with the uniform distribution: a noun that the
+        encoder never learned to name is then as good as no noun, instead of evidence against everything. It is `chance` for
+        features that are zero and without a phrase.
+        """
+        if phrase is None:
+            return np.full(len(feature), self.chance)
+        if not len(feature):
+            return np.zeros(0)
+        others = self._all if phrase in self._phrases else np.vstack([self._all, self._embedding(phrase)])
+        own = self._phrases.index(phrase) if phrase in self._phrases else len(self._phrases)
+        scaled = feature @ others.T / self._constants.temperature
+        scaled -= scaled.max(axis=1, keepdims=True)
+        softmax = np.exp(scaled)
+        share = softmax[:, own] / softmax.sum(axis=1)
+        astray = self._constants.astray
+        mixed: np.ndarray = np.log((1 - astray) * share + astray / len(others))
+        return np.where(feature.any(axis=1), mixed, self.chance)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Objects:
+    """N objects of a tour: the segments that show one instance at one place.
+
+    Attributes:
+        place: (N, 3) median of the segments' places, metres.
+        feature: (N, K) unit mean of their embeddings, zeros for an object without a detection.
+        named: (N,) log probability that it is what the noun means.
+        changed: (N,) log odds that its place is different in the other tour.
+        views: (N,) number of frames that show it.
+    """
+
+    place: np.ndarray
+    feature: np.ndarray
+    named: np.ndarray
+    changed: np.ndarray
+    views: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.place)
+
+
+def group_objects(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Objects:
+    """Return the objects of a tour's segments. phrase: the noun that is asked for, None without one (input ablation)."""
+    named = np.flatnonzero(seen.named)
+    parts = np.flatnonzero(~seen.named)
+    groups = _group(seen, named, constants)
+    known = [np.median(seen.place[group], axis=0) for group in groups if _mean(seen, group, seen.changed) > 0]
+    loose = [k for k in parts if all(np.linalg.norm(seen.place[k] - place) > constants.radius_m for place in known)]
+    groups += _group(seen, np.array(loose, np.int64), constants)
+    log = nouns.log_probability(seen.feature, phrase)
+    feature = [_unit(np.average(seen.feature[group], axis=0, weights=_weights(seen, group))) for group in groups]
+    views = np.array([len(np.unique(seen.view[group])) for group in groups], np.int64)
+    share = views / (views + constants.views)
+    pooled = np.array([_mean(seen, group, log) for group in groups])
+    return Objects(
+        place=np.array([np.median(seen.place[group], axis=0) for group in groups]).reshape(len(groups), 3),
+        feature=np.array(feature).reshape(len(groups), seen.feature.shape[1]),
+        named=share * pooled + (1 - share) * nouns.chance,
+        changed=np.array([_mean(seen, group, seen.changed) for group in groups]),
+        views=views,
+    )
+
+
+def _group(seen: Segments, chosen: np.ndarray, constants: Joint) -> list[np.ndarray]:
+    """Group the chosen segments: average linkage over the distance of their places plus that of their features."""
+    if len(chosen) < 2:
+        return [chosen] if len(chosen) else []
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import squareform
+
+    place, feature = seen.place[chosen], seen.feature[chosen]
+    apart = np.linalg.norm(place[:, None] - place[None], axis=2) / constants.radius_m
+    if seen.named[chosen].all():
+        apart += np.maximum(1 - feature @ feature.T, 0) / constants.feature_distance
+    np.fill_diagonal(apart, 0)
+    of = fcluster(linkage(squareform((apart + apart.T) / 2, checks=False), "average"), 1.0, "distance")
+    return [chosen[of == k] for k in np.unique(of)]
+
+
+def _weights(seen: Segments, group: np.ndarray) -> np.ndarray:
+    # Larger segments say more, but not in proportion to their areas: pixels of one view are not independent.
+    weights: np.ndarray = np.sqrt(seen.cells[group])
+    return weights
+
+
+def _mean(seen: Segments, group: np.ndarray, values: np.ndarray) -> float:
+    return float(np.average(values[group], weights=_weights(seen, group)))
+
+
+def _unit(vector: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vector)
+    return vector / length if length > 0 else vector
+
+
+def answer(query: Query, first: Segments, second: Segments, nouns: Nouns, constants: Joint) -> Answer | Abstention:
+    """Answer a query from the segments of both visits. Without a category the noun is no evidence."""
+    phrase = noun(query.category) if query.category else None
+    relation = Relation(query.relation)
+    if relation is Relation.MOVING:
+        return decide_moving(second, phrase, nouns, constants)
+    objects_1, objects_2 = (group_objects(seen, phrase, nouns, constants) for seen in (first, second))
+    return decide(relation, objects_1, objects_2, constants)
 
 
 def decide(relation: Relation, first: Objects, second: Objects, constants: Joint) -> Answer | Abstention:
-    """The place of the object that is most likely named and changed as the relation says; of equal ones the first.
+    """Answer with the place of the object that is most likely named and changed as the relation says; of equal ones the first.
 
-    FORMER, REMOVED: among the objects of visit 1, MOVED, APPEARED: of visit 2, whose place is otherwise in the other visit. MOVED
-    and FORMER want a look-alike that vanished or came elsewhere, APPEARED and REMOVED want none. STABLE: among the objects of
-    visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED where nothing is seen, and as `best`.
+    FORMER and REMOVED choose among the objects of visit 1, MOVED and APPEARED among those of visit 2, whose place is different
+    in the other visit. MOVED and FORMER want a look-alike that vanished or appeared elsewhere, APPEARED and REMOVED want none.
+    STABLE chooses among the objects of visit 2 whose place is the same in visit 1. Abstains with NOTHING_GROUNDED if nothing is
+    seen, and as `pick_best`.
     """
     here, there = (first, second) if relation.past else (second, first)
     if not len(here):
         return Abstention(AbstentionReason.NOTHING_GROUNDED)
     scores = here.named + log_sigmoid(-here.changed if relation is Relation.STABLE else here.changed)
     if relation is not Relation.STABLE:
-        elsewhere = counterpart(here, there, constants)
+        elsewhere = counterpart_log_odds(here, there, constants)
         wanted = elsewhere if relation in (Relation.MOVED, Relation.FORMER) else -elsewhere
         scores = scores + constants.identity * log_sigmoid(wanted)
-    return best(here.place, scores, constants)
+    return pick_best(here.place, scores, constants)
 
 
-def best(places: np.ndarray, scores: np.ndarray, constants: Joint) -> Answer | Abstention:
-    """The place (N, 3) with the highest log probability (N,), up to a factor, the first of equal ones.
+def counterpart_log_odds(here: Objects, there: Objects, constants: Joint) -> np.ndarray:
+    """Return the log odds (N,) that an object is elsewhere in the other visit, at a place where nothing was in its own."""
+    if not len(there):
+        return np.full(len(here), constants.unlike)
+    apart = np.linalg.norm(here.place[:, None] - there.place[None], axis=2)
+    alike = constants.likeness * (here.feature @ there.feature.T - constants.alike) + log_sigmoid(there.changed)[None]
+    alike = np.where(apart > constants.radius_m, alike, constants.unlike)
+    found: np.ndarray = np.maximum(alike.max(axis=1), constants.unlike)
+    return found
+
+
+def decide_moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Answer | Abstention:
+    """Answer with the end of the most likely track of something that moves through the views of visit 2.
+
+    A track goes from view to view no faster than a mover. Each of its segments adds the log odds that it is what the noun means,
+    relative to chance, and that its place is different in the first visit or in other views. Abstains as `decide`.
+    """
+    if not len(seen):
+        return Abstention(AbstentionReason.NOTHING_GROUNDED)
+    named = nouns.log_probability(seen.feature, phrase)
+    own = named - nouns.chance + constants.motion * log_sigmoid(np.maximum(seen.changed, seen.moving))
+    total = own.copy()
+    order = np.argsort(seen.view, kind="stable")
+    for number, j in enumerate(order):
+        before = order[:number]
+        before = before[seen.view[before] < seen.view[j]]
+        metres = np.hypot(*(seen.place[before] - seen.place[j])[:, [0, 2]].T)
+        reach = constants.radius_m + constants.speed_m * (seen.view[j] - seen.view[before])
+        possible = total[before][metres <= reach]
+        total[j] = own[j] + max(float(possible.max(initial=0.0)), 0.0)
+    return pick_best(seen.place, total, constants)
+
+
+def pick_best(places: np.ndarray, scores: np.ndarray, constants: Joint) -> Answer | Abstention:
+    """Return the place of (N, 3) with the highest log probability (N,), known up to a factor, the first of equal ones.
 
     Its confidence is the share of the probability that lies no farther than `radius_m` from it. Abstains with UNSURE below
     `least_confidence`.
@@ -44,41 +201,7 @@ def best(places: np.ndarray, scores: np.ndarray, constants: Joint) -> Answer | A
     return Answer(float(place[0]), float(place[2]), confidence)
 
 
-def counterpart(here: Objects, there: Objects, constants: Joint) -> np.ndarray:
-    """(N,) log odds that an object is to be found elsewhere in the other visit, where nothing was in its own."""
-    best = np.full(len(here), constants.unlike)
-    if not len(there):
-        return best
-    apart = np.linalg.norm(here.place[:, None] - there.place[None], axis=2)
-    alike = constants.likeness * (here.feature @ there.feature.T - constants.alike) + log_sigmoid(there.changed)[None]
-    alike = np.where(apart > constants.radius_m, alike, constants.unlike)
-    found: np.ndarray = np.maximum(alike.max(axis=1), constants.unlike)
-    return found
-
-
-def moving(seen: Segments, phrase: str | None, nouns: Nouns, constants: Joint) -> Answer | Abstention:
-    """The end of the most likely track of something that moves through the views of visit 2.
-
-    A track goes from view to view no faster than a mover. Each of its segments adds the log odds that it is what the noun means,
-    beside chance, and that its place is otherwise in the first visit or in other views. Abstains as `decide`.
-    """
-    if not len(seen):
-        return Abstention(AbstentionReason.NOTHING_GROUNDED)
-    named = nouns.log_probability(seen.feature, phrase) if phrase else np.full(len(seen), nouns.chance)
-    own = named - nouns.chance + constants.motion * log_sigmoid(np.maximum(seen.changed, seen.moving))
-    total = own.copy()
-    order = np.argsort(seen.view, kind="stable")
-    for number, j in enumerate(order):
-        before = order[:number]
-        before = before[seen.view[before] < seen.view[j]]
-        metres = np.hypot(*(seen.place[before] - seen.place[j])[:, [0, 2]].T)
-        reach = constants.radius_m + constants.speed_m * (seen.view[j] - seen.view[before])
-        possible = total[before][metres <= reach]
-        total[j] = own[j] + max(float(possible.max(initial=0.0)), 0.0)
-    return best(seen.place, total, constants)
-
-
 def log_sigmoid(odds: np.ndarray) -> np.ndarray:
-    """log(1 / (1 + exp(-odds))): the log probability of log odds."""
+    """Return log(1 / (1 + exp(-odds))): the log probability of log odds."""
     found: np.ndarray = -np.logaddexp(0.0, -odds)
     return found

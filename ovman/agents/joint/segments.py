@@ -1,29 +1,44 @@
 """Segments: what one frame shows in one piece, and what both tours say of its place.
 
 A segment is a detection, or a part of the picture that the other tour sees through and no detection has: something whose name is
-not known.
+not known. Whether a place has changed is read from depth: a frame of the other tour sees through it, or sees something at it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import cv2
 import numpy as np
 
-from ovman.agents.interface import Visit
+from ovman.agents.interface import Observation, Visit
 from ovman.agents.joint.settings import Joint
-from ovman.agents.joint.sight import Frame, frames, grid_votes
+from ovman.perception.array_file import read_arrays, write_arrays
+from ovman.perception.backprojection import Camera, pixel_points
 from ovman.perception.detected import Detected
+
+NEAREST_M = 0.2
+"""A place that is nearer to a camera than this, or behind it, is not in its picture."""
+AROUND_PX = 3
+"""Side of the square around a pixel of which some depth may be the place's."""
+SCHEMA = "ovman-segments/1"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segments:
     """S segments of a tour, detections first, each in the order of the views.
 
-    view (S,): index in the tour; place (S, 3): median of the points, metres; cells (S,): of the grid, with depth; feature (S, K):
-    unit embeddings, zeros where there is no detection; named (S,) bool: whether there is one; changed (S,): log odds that the
-    place is otherwise in the other tour; moving (S,): the same for the other frames of the segment's own tour.
+    Attributes:
+        view: (S,) index of the frame in the tour.
+        place: (S, 3) median of the points, metres.
+        cells: (S,) number of the grid's cells with depth.
+        feature: (S, K) unit embeddings, zeros for a segment that is not a detection.
+        named: (S,) bool, whether it is a detection.
+        changed: (S,) log odds that the place is different in the other tour.
+        moving: (S,) log odds that the place is different in the other frames of the segment's own tour.
     """
 
     view: np.ndarray
@@ -38,25 +53,24 @@ class Segments:
         return len(self.view)
 
 
-def log_odds(open_share: np.ndarray, standing_share: np.ndarray, doubt: float) -> np.ndarray:
-    """Log odds that something is gone, by the shares of its cells that are seen through and at which something is seen.
+def weigh_tours(
+    first: Visit, second: Visit, in_first: Detected, in_second: Detected, constants: Joint
+) -> tuple[Segments, Segments]:
+    """Return the segments of both visits, which depend on no query. in_first, in_second: the detections in their frames."""
+    frames_1, frames_2 = grid_frames(first, constants), grid_frames(second, constants)
+    return segment(frames_1, in_first, frames_2, constants), segment(frames_2, in_second, frames_1, constants)
 
-    doubt: share of the cells that may be wrong. Cells that the other frames do not observe count for neither, so that what is
-    hidden has odds of 1.
+
+def segment(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
+    """Return the segments of a tour.
+
+    Args:
+        mine: The frames of the tour.
+        detected: The detections in them.
+        other: The frames of the other tour.
+        constants: Section joint.
     """
-    odds: np.ndarray = np.log((open_share + doubt) / (standing_share + doubt))
-    return odds
-
-
-def evidence(first: Visit, second: Visit, in_first: Detected, in_second: Detected, constants: Joint) -> tuple[Segments, Segments]:
-    """The segments of both visits, which know no query. in_first, in_second: what was detected in their frames."""
-    frames_1, frames_2 = frames(first, constants), frames(second, constants)
-    return segments(frames_1, in_first, frames_2, constants), segments(frames_2, in_second, frames_1, constants)
-
-
-def segments(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], constants: Joint) -> Segments:
-    """The segments of a tour. mine: its frames; detected: in them; other: the frames of the other tour."""
-    there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, itself=True)
+    there, here = grid_votes(mine, other, constants), grid_votes(mine, mine, constants, same_tour=True)
     masks = detected.masks() if len(detected) else ()
     found: list[tuple[int, np.ndarray, int]] = []
     for number in range(len(detected)):
@@ -67,18 +81,32 @@ def segments(mine: Sequence[Frame], detected: Detected, other: Sequence[Frame], 
         for seen_in, cells, _ in found:
             if seen_in == view:
                 taken |= cells
-        found += [(view, cells, -1) for cells in left_over(there[view], taken, constants)]
+        found += [(view, cells, -1) for cells in find_unnamed_parts(there[view], taken, constants)]
     rows = [row for view, cells, number in found if (row := _row(view, cells, number, mine[view], there[view], here[view]))]
-    return _gathered(rows, detected, constants)
+    return _gather(rows, detected, constants)
 
 
-def left_over(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:
-    """The parts (h, w) bool of a picture's grid that the other tour sees through and no detection has."""
+def find_unnamed_parts(grid: np.ndarray, taken: np.ndarray, constants: Joint) -> list[np.ndarray]:
+    """Return the parts (h, w) bool of a picture's grid that the other tour sees through and no detection has."""
     from scipy.ndimage import label
 
     parts, count = label((grid[0] > grid[1]) & ~taken)
     sizes = np.bincount(parts.ravel(), minlength=count + 1)
     return [parts == k for k in range(1, count + 1) if sizes[k] >= constants.part_cells]
+
+
+def log_odds(open_share: np.ndarray, standing_share: np.ndarray, doubt: float) -> np.ndarray:
+    """Return the log odds that a segment is gone.
+
+    Cells that the other frames do not observe count for neither share, so that a hidden segment has odds of 1.
+
+    Args:
+        open_share: Share of its cells that are seen through.
+        standing_share: Share of its cells at which something is seen.
+        doubt: Share of the cells that may be wrong.
+    """
+    odds: np.ndarray = np.log((open_share + doubt) / (standing_share + doubt))
+    return odds
 
 
 _Row = tuple[int, np.ndarray, int, int, tuple[float, float], tuple[float, float]]
@@ -96,7 +124,7 @@ def _row(view: int, cells: np.ndarray, number: int, one: Frame, there: np.ndarra
     return view, place, number, count, shares[0], shares[1]
 
 
-def _gathered(rows: Sequence[_Row], detected: Detected, constants: Joint) -> Segments:
+def _gather(rows: Sequence[_Row], detected: Detected, constants: Joint) -> Segments:
     numbers = np.array([row[2] for row in rows], np.int64)
     feature = np.zeros((len(rows), detected.feature.shape[1]))
     feature[numbers >= 0] = detected.feature[numbers[numbers >= 0]]
@@ -110,3 +138,136 @@ def _gathered(rows: Sequence[_Row], detected: Detected, constants: Joint) -> Seg
         changed=log_odds(shares[:, 0, 0], shares[:, 0, 1], constants.doubt),
         moving=log_odds(shares[:, 1, 0], shares[:, 1, 1], constants.doubt),
     )
+
+
+# Frames and their votes on places ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Frame:
+    """A frame and its grid of every n-th pixel, h rows of w cells.
+
+    Attributes:
+        nearest: (H, W) least depth around each pixel, metres along the optical axis, inf where unknown.
+        farthest: (H, W) greatest depth around each pixel, -inf where unknown.
+        camera: The camera.
+        rows: (h,) rows of the grid's pixels.
+        columns: (w,) columns of the grid's pixels.
+        points: (h, w, 3) world coordinates of the grid's pixels, metres.
+        known: (h, w) bool, whether they have depth.
+    """
+
+    nearest: np.ndarray
+    farthest: np.ndarray
+    camera: Camera
+    rows: np.ndarray
+    columns: np.ndarray
+    points: np.ndarray
+    known: np.ndarray
+
+
+def grid_frames(visit: Visit, constants: Joint) -> tuple[Frame, ...]:
+    """Return the frames of a visit. Raises ValueError for a tour without pictures."""
+    return tuple(grid_frame(one, constants) for one in visit.observations)
+
+
+def grid_frame(observation: Observation, constants: Joint) -> Frame:
+    """Return the frame of one observation. Raises ValueError for one without depth."""
+    if observation.depth is None:
+        raise ValueError("the joint agent reads depth; write needs: [tours, detections] in its entry")
+    depth, pose = np.asarray(observation.depth, np.float64), observation.pose
+    camera = Camera((pose.x, pose.y, pose.z), pose.yaw_deg, pose.horizon_deg, observation.field_of_view_deg)
+    rows, columns = (np.arange(constants.every_px // 2, side, constants.every_px) for side in depth.shape)
+    at = np.meshgrid(rows, columns, indexing="ij")
+    points = pixel_points(depth, at[0].ravel(), at[1].ravel(), camera).reshape(*at[0].shape, 3)
+    known = depth > 0
+    around = np.ones((AROUND_PX, AROUND_PX))
+    nearest, farthest = cv2.erode(np.where(known, depth, np.inf), around), cv2.dilate(np.where(known, depth, -np.inf), around)
+    return Frame(nearest, farthest, camera, rows, columns, points, known[at[0], at[1]])
+
+
+def grid_votes(mine: Sequence[Frame], seen_by: Sequence[Frame], constants: Joint, same_tour: bool = False) -> list[np.ndarray]:
+    """Return for each frame of a tour the votes (2, h, w) of another tour's frames on its grid: through, at.
+
+    same_tour: Both tours are one, and a frame has no vote on its own places.
+    """
+    found = []
+    for number, one in enumerate(mine):
+        others = [other for k, other in enumerate(seen_by) if not (same_tour and k == number)]
+        grid = np.zeros((2, *one.known.shape), np.int64)
+        grid[:, one.known] = vote(one.points[one.known], others, constants)
+        found.append(grid)
+    return found
+
+
+def vote(points: np.ndarray, seen_by: Iterable[Frame], constants: Joint) -> np.ndarray:
+    """Count how many frames see through each of N places (N, 3), and how many see something at it: (2, N).
+
+    A frame sees through a place if everything around its pixel is farther by more than the tolerance, and something at it if
+    some of that is within the tolerance. The tolerance grows with the distance of the place, as the errors of depth and poses
+    do. A place that is hidden from a frame gets no vote.
+    """
+    votes = np.zeros((2, len(points)), np.int64)
+    for one in seen_by:
+        places, beyond, away = _look_beyond(points, one)
+        tolerance = constants.tolerance_m + constants.tolerance_per_m * away
+        votes[0, places[beyond > tolerance]] += 1
+        votes[1, places[np.abs(beyond) <= tolerance]] += 1
+    return votes
+
+
+def _look_beyond(points: np.ndarray, seen_by: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return which places (M,) are in a frame's picture, by how many metres it shows something farther, and their depths.
+
+    Of the depths around a place's pixel the one nearest to its own counts; the difference is 0 if its own lies among them.
+    """
+    height, width = seen_by.nearest.shape
+    aside, up, away = ((points - np.array(seen_by.camera.position)) @ seen_by.camera.axes()).T
+    ahead = np.flatnonzero(away > NEAREST_M)
+    focal_px = height / 2 / math.tan(math.radians(seen_by.camera.field_of_view_deg) / 2)
+    rows = np.floor(height / 2 - focal_px * up[ahead] / away[ahead]).astype(np.int64)
+    columns = np.floor(width / 2 + focal_px * aside[ahead] / away[ahead]).astype(np.int64)
+    inside = (rows >= 1) & (rows < height - 1) & (columns >= 1) & (columns < width - 1)
+    places, rows, columns = ahead[inside], rows[inside], columns[inside]
+    nearest, farthest, own = seen_by.nearest[rows, columns], seen_by.farthest[rows, columns], away[places]
+    beyond = np.where(nearest > own, nearest - own, np.minimum(farthest - own, 0.0))
+    seen = np.isfinite(beyond)
+    return places[seen], beyond[seen], own[seen]
+
+
+# Files ------------------------------------------------------------------------------------------------------------------------
+
+Tours = tuple[str, str]
+"""Content of the first and the second tour (`Visit.content`), since names of visits reveal the change."""
+
+
+def select_segments(every: Mapping[Tours, tuple[Segments, Segments]], first: Visit, second: Visit) -> tuple[Segments, Segments]:
+    """Return the segments of two tours. Raises ValueError for tours that were not weighed against each other."""
+    contents = str(first.content), str(second.content)
+    if contents not in every:
+        raise ValueError(f"no segments of the tours with the contents {' and '.join(contents)}; make the stage segments again")
+    return every[contents]
+
+
+def write_segments(path: Path, every: Mapping[Tours, tuple[Segments, Segments]]) -> None:
+    """Write the segments of pairs of tours."""
+    parts = [segments for pair in every.values() for segments in pair]
+    counts = np.array([len(part) for part in parts], np.int64)
+    arrays = {"tours": np.array(list(every), str).reshape(len(every), 2), "counts": counts}
+    for name in Segments.__slots__ if parts else ():
+        values = np.concatenate([getattr(part, name) for part in parts])
+        arrays[name] = values.astype(np.float32) if name == "feature" else values
+    write_arrays(path, SCHEMA, arrays)
+
+
+def read_segments(path: Path) -> dict[Tours, tuple[Segments, Segments]]:
+    """Read the segments of pairs of tours. Raises ArrayFileError for a damaged file or one of another kind."""
+    arrays = read_arrays(path, SCHEMA)
+    ends = np.cumsum(arrays["counts"]).tolist()
+    starts = [0, *ends]
+    arrays["feature"] = arrays["feature"].astype(np.float64) if ends else np.zeros((0, 0))
+    parts = [
+        Segments(**{name: arrays[name][start:end] for name in Segments.__slots__})
+        for start, end in zip(starts[:-1], ends, strict=True)
+    ]
+    return {(first, second): (parts[2 * k], parts[2 * k + 1]) for k, (first, second) in enumerate(arrays["tours"].tolist())}

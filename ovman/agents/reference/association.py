@@ -6,16 +6,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-
-from ovman.agents.reference.assignment import assigned
+from scipy.optimize import linear_sum_assignment
 
 
 @dataclass(frozen=True, slots=True)
 class Association:
-    """Which instance of visit 1 is which instance of visit 2.
+    """Which instance of visit 1 is which instance of visit 2. Every index is in exactly one pair or unmatched tuple.
 
-    ``pairs`` holds (i, j), i an index into visit 1 and j into visit 2, sorted; every index of either visit is in exactly one
-    pair or in the unmatched tuple of its visit, which is sorted too.
+    Attributes:
+        pairs: (i, j), i an index into visit 1 and j into visit 2, sorted.
+        unmatched_1: The other indices into visit 1, sorted.
+        unmatched_2: The other indices into visit 2, sorted.
     """
 
     pairs: tuple[tuple[int, int], ...]
@@ -33,19 +34,24 @@ def associate(
     feature_scale_m: float,
     disagreement: ArrayLike | None = None,
 ) -> Association:
-    """Minimum-cost partial matching of the instances of two visits.
-
-    p_1 (N, 2), p_2 (M, 2): floor-plane positions (x, z) in metres, world frame. f_1 (N, K), f_2 (M, K): unit feature vectors,
-    or both None for the arms that are given positions, whose cost is pure distance. gate_m: gamma; feature_scale_m: lambda.
-    disagreement (N, M), at least 0: how unlike two instances look, in place of one minus the inner product of their features.
+    """Match the instances of two visits at minimum cost, some of them with nothing (Eq. cost, Eq. pad).
 
     Leaving i and j unmatched costs gate_m together, so no pair of cost >= gate_m is returned. The result does not depend on the
     order in which the instances are listed: among equal optima the one that the solver finds for the instances in lexicographic
     order of (x, z, features) is taken.
 
-    Raises ValueError for a wrong shape, a value that is not finite, features of one visit only, a disagreement below 0, or
-    gate_m <= 0.
-    Source: Eq. cost, Eq. pad.
+    Args:
+        p_1: (N, 2) floor-plane positions (x, z) in metres, world frame.
+        p_2: (M, 2) floor-plane positions of the second visit.
+        f_1: (N, K) unit feature vectors, or None for arms that are given positions, whose cost is distance alone.
+        f_2: (M, K) unit feature vectors, None if f_1 is.
+        gate_m: gamma, metres.
+        feature_scale_m: lambda, metres.
+        disagreement: (N, M), at least 0: how unlike two instances look, in place of one minus the inner product of their
+            features.
+
+    Raises:
+        ValueError: A wrong shape, a value that is not finite, features of one visit only, a disagreement below 0, or gate_m <= 0.
     """
     if not gate_m > 0:
         raise ValueError(f"gate_m must be positive, not {gate_m}")
@@ -71,7 +77,7 @@ def associate(
             feature_scale_m=feature_scale_m,
             disagreement=None if unlike is None else unlike[np.ix_(order_1, order_2)],
         )
-        rows, columns = assigned(padded(cost, gate_m))
+        rows, columns = linear_sum_assignment(pad_costs(cost, gate_m))
         pairs = sorted(
             (int(order_1[i]), int(order_2[j]))
             for i, j in zip(rows, columns, strict=True)
@@ -95,9 +101,9 @@ def cost_matrix(
     feature_scale_m: float,
     disagreement: np.ndarray | None = None,
 ) -> np.ndarray:
-    """(N, M) metres: distance plus feature_scale_m times (1 - inner product of the unit features), or times `disagreement`.
+    """Return (N, M) metres: distance plus feature_scale_m times (1 - inner product of features) or times `disagreement`.
 
-    Source: Eq. cost.
+    Eq. cost.
     """
     cost = distances(p_1, p_2)
     if disagreement is not None:
@@ -108,10 +114,10 @@ def cost_matrix(
     return cost
 
 
-def padded(cost: np.ndarray, gate_m: float) -> np.ndarray:
-    """The square (N+M, N+M) matrix of Eq. pad: one dummy a row and column at D = gate_m / 2, a prohibitive finite cost elsewhere.
+def pad_costs(cost: np.ndarray, gate_m: float) -> np.ndarray:
+    """Return the square (N+M, N+M) matrix of Eq. pad: one dummy per row and column at D = gate_m / 2.
 
-    The prohibitive cost exceeds that of leaving everything unmatched, (N + M) D, so no optimum contains it. Source: Eq. pad.
+    Elsewhere it has a prohibitive finite cost, which exceeds that of leaving everything unmatched, (N + M) D: no optimum has it.
     """
     n, m = cost.shape
     dummy = gate_m / 2
@@ -125,15 +131,16 @@ def padded(cost: np.ndarray, gate_m: float) -> np.ndarray:
 
 
 def distances(p_1: np.ndarray, p_2: np.ndarray) -> np.ndarray:
-    """(N, M) floor-plane distances in metres between the rows of (N, 2) and (M, 2)."""
+    """Return (N, M) floor-plane distances in metres between the rows of (N, 2) and (M, 2)."""
     gaps: np.ndarray = np.hypot(p_1[:, None, 0] - p_2[None, :, 0], p_1[:, None, 1] - p_2[None, :, 1])
     return gaps
 
 
 def positions(points: ArrayLike, name: str = "positions") -> np.ndarray:
-    """(N, 2) float64 of any sequence of floor-plane points, the empty one included.
+    """Return any sequence of floor-plane points, also the empty one, as (N, 2) float64.
 
-    Raises ValueError, naming ``name``, for another shape or a value that is not finite.
+    Raises:
+        ValueError: Another shape, or a value that is not finite; the message has `name`.
     """
     array = np.asarray(points, dtype=np.float64)
     if array.size == 0:

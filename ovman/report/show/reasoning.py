@@ -14,7 +14,7 @@ import numpy as np
 
 from ovman.agents.interface import VISITS
 from ovman.agents.reference.association import associate, cost_matrix, distances
-from ovman.agents.reference.grounding import similarities
+from ovman.agents.reference.reasoning import similarities
 from ovman.perception.clusters import Cluster
 from ovman.records.episode import Episode
 from ovman.records.geometry import Point

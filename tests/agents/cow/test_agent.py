@@ -7,7 +7,7 @@ import math
 import pytest
 
 from ovman.agents.cow.agent import CowAgent, Mode
-from ovman.agents.cow.voxel_map import VoxelState
+from ovman.agents.cow.map import VoxelState
 from ovman.agents.interface import Action, Agent, CameraPose
 from tests.agents.cow.world import CONSTANTS, NOWHERE, PRIMITIVES, Room, Sight, walked
 

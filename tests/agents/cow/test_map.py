@@ -10,12 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.cow.frontiers import frontier_targets
-from ovman.agents.cow.odometry import Pose
-from ovman.agents.cow.paths import DIAGONAL, STRAIGHT, Paths
-from ovman.agents.cow.scan import Scan, scan, square
-from ovman.agents.cow.steering import facing, headings, steered
-from ovman.agents.cow.voxel_map import VoxelMap, VoxelState
+from ovman.agents.cow.map import Pose, Scan, VoxelMap, VoxelState, scan, square
+from ovman.agents.cow.planning import DIAGONAL, STRAIGHT, Paths, face, find_frontiers, headings, steer
 from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, PRIMITIVES, SIDE, Room
 
@@ -56,7 +52,7 @@ def test_frontiers_are_free_and_border_on_what_is_unknown(scans):
             assert VoxelState.UNKNOWN in beside
         if known.at((i, j)) is VoxelState.FREE:
             assert VoxelState.UNKNOWN not in beside
-    targets = frontier_targets(known, (0, 0), CONSTANTS)
+    targets = find_frontiers(known, (0, 0), CONSTANTS)
     assert all(known.at(target) is VoxelState.FRONTIER for target in targets)
     assert [math.hypot(*t) for t in targets] == sorted(math.hypot(*t) for t in targets)
     assert len(set(targets)) == len(targets)
@@ -99,7 +95,7 @@ def test_the_nearest_voxel_of_interest_becomes_a_region_and_keeps_its_greatest_r
 def test_a_visited_frontier_takes_its_neighbourhood_with_it():
     known = mapped(seen(floor=square_of(6)))
     known.visit((6, 6))
-    assert known.visited((4, 4)) and known.visited((6, 4)) and not known.visited((3, 6))
+    assert known.is_visited((4, 4)) and known.is_visited((6, 4)) and not known.is_visited((3, 6))
 
 
 @given(SCANS, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
@@ -133,7 +129,7 @@ POSES = st.builds(Pose, st.floats(-0.4, 0.4), st.floats(-0.4, 0.4), st.integers(
 @given(SCANS, POSES, st.tuples(st.integers(-12, 12), st.integers(-12, 12)))
 def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
     known = mapped(*(seen(floor, obstacles) for floor, obstacles in scans))
-    actions = steered(known, pose, goal, CONSTANTS, PRIMITIVES)
+    actions = steer(known, pose, goal, CONSTANTS, PRIMITIVES)
     if actions is None:
         return
     assert actions[-1] is Action.MOVE_AHEAD
@@ -146,8 +142,8 @@ def test_steering_enters_no_occupied_cell_and_comes_near(scans, pose, goal):
 
 def test_steering_does_not_begin_with_what_has_just_failed():
     known = mapped(seen(floor=square_of(10)))
-    assert steered(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES) == (Action.MOVE_AHEAD, Action.MOVE_AHEAD)
-    around = steered(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES, Action.MOVE_AHEAD)
+    assert steer(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES) == (Action.MOVE_AHEAD, Action.MOVE_AHEAD)
+    around = steer(known, Pose(), (0, 6), CONSTANTS, PRIMITIVES, Action.MOVE_AHEAD)
     assert around is not None and around[0] is not Action.MOVE_AHEAD
 
 
@@ -157,7 +153,7 @@ def test_there_are_twelve_macro_headings():
 
 @given(POSES, st.tuples(st.integers(-9, 9), st.integers(-9, 9)).filter(lambda c: max(map(abs, c)) > 4))
 def test_facing_looks_within_half_a_turn(pose, target):
-    for action in facing(pose, target, CONSTANTS, PRIMITIVES):
+    for action in face(pose, target, CONSTANTS, PRIMITIVES):
         pose = pose.after(action, PRIMITIVES.step_m, PRIMITIVES.turn_deg)
     bearing = math.degrees(math.atan2(target[0] * CONSTANTS.voxel_m - pose.x, target[1] * CONSTANTS.voxel_m - pose.z))
     assert abs((bearing - pose.yaw_deg + 180.0) % 360.0 - 180.0) <= 15.0 + 1e-6

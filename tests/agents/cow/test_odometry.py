@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman.agents.cow.odometry import Pose, failed
+from ovman.agents.cow.map import Pose, has_failed
 from ovman.agents.interface import Action
 from tests.agents.cow.world import CONSTANTS, PRIMITIVES, Room
 
@@ -46,7 +46,7 @@ def seems_failed(yaw_deg: float, action: Action | None) -> bool:
     before = room.look()[0]
     assert action is None or room.do(action)
     noise = np.random.default_rng(0).normal(0.0, 0.003, before.shape).astype(np.float32)
-    return failed(before, room.look()[0] + noise, CONSTANTS.unchanged_depth_m)
+    return has_failed(before, room.look()[0] + noise, CONSTANTS.unchanged_depth_m)
 
 
 @settings(max_examples=25, deadline=None)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from ovman.agents.cow.relevance import OpenVocabularyLocaliser, prompt
+from ovman.agents.cow.localiser import OpenVocabularyLocaliser, prompt
 from tests.agents.cow import world
 
 SIDE = 224

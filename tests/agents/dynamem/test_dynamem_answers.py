@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from ovman.agents.dynamem import agent
-from ovman.agents.dynamem.answers import Tours, located, meant, predict_current, predict_two_visits
-from ovman.agents.dynamem.looks import Look, looks
-from ovman.agents.dynamem.memory import Memory, remembered
+from ovman.agents.dynamem.agent import locate, map_noun, predict_current, predict_two_visits
+from ovman.agents.dynamem.memory import Look, Memory, look_at_tour, remember, remember_tours
 from ovman.agents.interface import Abstention, AbstentionReason, Action, Answer, CameraPose, Observation, Query, Relation, Visit
 from ovman.agents.pilot import Pilot
 from ovman.perception.backprojection import Camera
@@ -53,34 +52,34 @@ LESS, MORE = unlike(CONSTANTS.similarity - 0.01), unlike(CONSTANTS.similarity + 
 def test_the_best_voxel_names_the_frame_whose_best_detection_is_the_answer():
     found = memory((0.0, 0.0, MORE, 0), (5.0, 5.0, MUG, 1))
     frames = [frame(((0.1, 0.0), MUG, 1.0)), frame(((5.2, 5.0), MORE, 1.0), ((5.4, 5.0), MUG, 1.0), ((9.0, 9.0), LAMP, 1.0))]
-    assert located(found, frames, MUG, CONSTANTS) == Answer(5.4, 5.0)
-    assert located(found, [frames[0], frame()], MUG, CONSTANTS) == Answer(5.0, 5.0)
+    assert locate(found, frames, MUG, CONSTANTS) == Answer(5.4, 5.0)
+    assert locate(found, [frames[0], frame()], MUG, CONSTANTS) == Answer(5.0, 5.0)
     far = frame(((5.4, 5.0), MUG, CONSTANTS.detected_m))
-    assert located(found, [frames[0], far], MUG, CONSTANTS) == Answer(5.0, 5.0)
+    assert locate(found, [frames[0], far], MUG, CONSTANTS) == Answer(5.0, 5.0)
 
 
 def test_what_is_like_the_noun_too_little_is_no_answer():
     dim = memory((0.0, 0.0, LESS, 0))
-    assert located(dim, [frame()], MUG, CONSTANTS) == NOTHING
-    assert located(dim, [frame(((1.0, 1.0), LESS, 1.0))], MUG, CONSTANTS) == NOTHING
-    assert located(dim, [frame(((1.0, 1.0), MORE, 1.0))], MUG, CONSTANTS) == Answer(1.0, 1.0)
-    assert located(memory((0.0, 0.0, MORE, 0)), [frame()], MUG, CONSTANTS) == Answer(0.0, 0.0)
-    assert located(Memory.empty(), [], MUG, CONSTANTS) == NOTHING
+    assert locate(dim, [frame()], MUG, CONSTANTS) == NOTHING
+    assert locate(dim, [frame(((1.0, 1.0), LESS, 1.0))], MUG, CONSTANTS) == NOTHING
+    assert locate(dim, [frame(((1.0, 1.0), MORE, 1.0))], MUG, CONSTANTS) == Answer(1.0, 1.0)
+    assert locate(memory((0.0, 0.0, MORE, 0)), [frame()], MUG, CONSTANTS) == Answer(0.0, 0.0)
+    assert locate(Memory.empty(), [], MUG, CONSTANTS) == NOTHING
 
 
 def test_the_length_of_a_mean_feature_is_of_no_consequence():
     short = memory((0.0, 0.0, 0.2 * MUG, 0), (3.0, 0.0, MORE, 0))
-    assert located(short, [frame()], MUG, CONSTANTS) == Answer(0.0, 0.0)
+    assert locate(short, [frame()], MUG, CONSTANTS) == Answer(0.0, 0.0)
 
 
 def test_objects_are_groups_of_neighbouring_voxels_that_the_noun_means():
     reach = CONSTANTS.cluster_voxels * CONSTANTS.voxel_m
     one, other = [(reach * 0.9 * k, 0.0, MUG, k) for k in range(4)], [(9.0, reach * 0.9 * k, MUG, 7) for k in range(3)]
-    objects = meant(memory(*one, *other, (4.0, 4.0, LAMP, 9)), MUG, 0.03, CONSTANTS)
+    objects = map_noun(memory(*one, *other, (4.0, 4.0, LAMP, 9)), MUG, 0.03, CONSTANTS)
     assert np.allclose(objects.p[np.argsort(objects.p[:, 0])], [(reach * 1.35, 0.0), (9.0, reach * 0.9)])
     assert sorted(objects.last_seen) == [3, 7] and np.allclose(objects.f, MUG)
     assert [track.shape for track in objects.tracks] == [(1, 2)] * 2
-    assert not len(meant(Memory.empty(), MUG, 0.03, CONSTANTS))
+    assert not len(map_noun(Memory.empty(), MUG, 0.03, CONSTANTS))
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +111,7 @@ def off(found: Answer | Abstention, at: tuple[float, float]) -> float:
 
 
 def test_in_a_real_scene_the_memory_of_both_tours_holds_the_new_place_of_a_chair_alone(home):
-    frames = [frame for one in (home.before, home.after) for frame in looks(one.visit, one.detected, CONSTANTS)]
+    frames = [frame for one in (home.before, home.after) for frame in look_at_tour(one.visit, one.detected, CONSTANTS)]
 
     def places(memory: Memory) -> np.ndarray:
         return memory.point[memory.feature @ home.chair > 0.5][:, [0, 2]]
@@ -120,15 +119,15 @@ def test_in_a_real_scene_the_memory_of_both_tours_holds_the_new_place_of_a_chair
     def near(memory: Memory, place: tuple[float, float]) -> int:
         return int(np.count_nonzero(np.hypot(*(places(memory) - place).T) < RADIUS_M))
 
-    before, both = remembered(frames[: len(home.before.visit.observations)], CONSTANTS), remembered(frames, CONSTANTS)
+    before, both = remember(frames[: len(home.before.visit.observations)], CONSTANTS), remember(frames, CONSTANTS)
     assert near(before, home.old) > CONSTANTS.cluster_points and near(before, home.new) == 0
     assert near(both, home.new) > CONSTANTS.cluster_points and near(both, home.old) <= 0.1 * near(before, home.old)
 
 
 def test_in_a_real_scene_a_memory_of_both_tours_goes_on_from_that_of_the_first(home):
     seen = [(one.visit, one.detected) for one in (home.before, home.after)]
-    both, frames = Tours.of(seen, CONSTANTS).remembered()
-    once = remembered([frame for visit, detected in seen for frame in looks(visit, detected, CONSTANTS)], CONSTANTS)
+    both, frames = remember_tours(seen, CONSTANTS)
+    once = remember([frame for visit, detected in seen for frame in look_at_tour(visit, detected, CONSTANTS)], CONSTANTS)
     assert len(frames) == sum(len(visit.observations) for visit, _ in seen)
     assert all(np.array_equal(getattr(both, name), getattr(once, name)) for name in Memory.__slots__)
 
@@ -178,4 +177,4 @@ def test_the_embodied_arm_drives_to_the_static_answer_and_abstains_without_one(h
 def test_a_tour_without_depth_is_one_line(home):
     blind = tuple(replace(one, depth=None) for one in home.before.visit.observations[:1])
     with pytest.raises(ValueError, match=r"^DynaMem reads depth; write needs: \[tours, detections\] in its entry$"):
-        looks(Visit(blind, home.before.visit.reachable), home.before.detected, CONSTANTS)
+        look_at_tour(Visit(blind, home.before.visit.reachable), home.before.detected, CONSTANTS)

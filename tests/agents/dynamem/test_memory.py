@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.dynamem.looks import Look, look
-from ovman.agents.dynamem.memory import Memory, added, cleared, remembered, without_noise
+from ovman.agents.dynamem.memory import Look, Memory, add, clear, look, remember, remove_noise
 from ovman.perception.backprojection import Camera
 from tests.arms import CONFIG
 
@@ -46,44 +45,44 @@ SEEN = frame((MIDDLE, BOX_M, MUG))
 
 
 def test_points_are_where_the_pixels_show_them_and_have_their_detections_feature():
-    memory = remembered([SEEN], CONSTANTS)
+    memory = remember([SEEN], CONSTANTS)
     assert len(memory) and np.allclose(memory.point[:, 2], BOX_M) and np.allclose(memory.feature, MUG)
-    rows, columns, away, inside = SEEN.projected(memory.point)
+    rows, columns, away, inside = SEEN.project(memory.point)
     assert inside.all() and np.allclose(away, BOX_M)
     assert SEEN.masked[rows, columns].all() and memory.weight.sum() == len(SEEN.points) > 0
     assert (np.ptp(memory.point, axis=0) <= [0.76, 0.76, 1e-9]).all() and (np.diff(memory.cell) > 0).all()
 
 
 def test_what_a_later_view_sees_through_is_forgotten():
-    assert not len(remembered([SEEN, frame()], CONSTANTS))
+    assert not len(remember([SEEN, frame()], CONSTANTS))
 
 
 def test_what_is_hidden_behind_something_nearer_is_kept():
-    memory = remembered([SEEN, frame((MIDDLE, BOX_M - 0.5, LAMP))], CONSTANTS)
+    memory = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, LAMP))], CONSTANTS)
     assert kinds(memory) == {0, 1}
-    undetected = remembered([SEEN, frame((MIDDLE, BOX_M - 0.5, None))], CONSTANTS)
-    assert same(undetected, remembered([SEEN], CONSTANTS))
+    undetected = remember([SEEN, frame((MIDDLE, BOX_M - 0.5, None))], CONSTANTS)
+    assert same(undetected, remember([SEEN], CONSTANTS))
 
 
 def test_what_is_out_of_the_picture_or_too_far_or_without_depth_is_kept():
-    before = remembered([SEEN], CONSTANTS)
+    before = remember([SEEN], CONSTANTS)
     behind = Camera((0.0, 1.5, 0.0), 180.0, 0.0, 90.0)
     far = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m - 0.1), 0.0, 0.0, 90.0)
     for later in (frame(camera=behind), frame(camera=far, wall_m=9.0), frame(wall_m=0.0)):
-        assert same(cleared(before, later, CONSTANTS), before)
+        assert same(clear(before, later, CONSTANTS), before)
     near = Camera((0.0, 1.5, BOX_M - CONSTANTS.farthest_m + 0.1), 0.0, 0.0, 90.0)
-    assert not len(cleared(before, frame(camera=near, wall_m=9.0), CONSTANTS))
+    assert not len(clear(before, frame(camera=near, wall_m=9.0), CONSTANTS))
 
 
 def test_a_surface_that_is_seen_again_takes_the_feature_of_its_detection_and_keeps_its_own_without_one():
-    renewed = remembered([SEEN, frame((MIDDLE, BOX_M, LAMP))], CONSTANTS)
+    renewed = remember([SEEN, frame((MIDDLE, BOX_M, LAMP))], CONSTANTS)
     assert np.allclose(renewed.feature, LAMP) and set(renewed.seen) == {1}
-    assert same(remembered([SEEN, frame((MIDDLE, BOX_M, None))], CONSTANTS), remembered([SEEN], CONSTANTS))
+    assert same(remember([SEEN, frame((MIDDLE, BOX_M, None))], CONSTANTS), remember([SEEN], CONSTANTS))
 
 
 def test_a_thing_that_moved_is_remembered_where_it_is_alone():
     moved = frame((CORNER, BOX_M, MUG))
-    alone, after = remembered([moved], CONSTANTS), remembered([SEEN, moved], CONSTANTS)
+    alone, after = remember([moved], CONSTANTS), remember([SEEN, moved], CONSTANTS)
     assert np.array_equal(alone.cell, after.cell) and np.allclose(alone.feature, after.feature) and (after.seen == 1).all()
 
 
@@ -99,20 +98,20 @@ def test_the_order_of_detections_is_of_no_consequence(order):
         mask[box] = True
     features = np.array([feature for _, _, feature in boxes])
     one, other = (
-        remembered([SEEN, look(depth, AHEAD, masks[of], features[of], np.zeros((3, 3)), CONSTANTS)], CONSTANTS)
+        remember([SEEN, look(depth, AHEAD, masks[of], features[of], np.zeros((3, 3)), CONSTANTS)], CONSTANTS)
         for of in (list(range(3)), list(order))
     )
     assert same(one, other) and len(one)
 
 
 def test_a_pixel_of_two_detections_counts_for_both():
-    memory = remembered([frame((MIDDLE, BOX_M, MUG), (MIDDLE, BOX_M, LAMP))], CONSTANTS)
+    memory = remember([frame((MIDDLE, BOX_M, MUG), (MIDDLE, BOX_M, LAMP))], CONSTANTS)
     assert np.allclose(memory.feature, (MUG + LAMP) / 2)
 
 
 def test_adding_in_two_steps_is_adding_at_once_but_for_the_time():
-    twice = added(added(Memory.empty(), SEEN, 0, CONSTANTS.voxel_m), SEEN, 1, CONSTANTS.voxel_m)
-    once = added(Memory.empty(), SEEN, 1, CONSTANTS.voxel_m)
+    twice = add(add(Memory.empty(), SEEN, 0, CONSTANTS.voxel_m), SEEN, 1, CONSTANTS.voxel_m)
+    once = add(Memory.empty(), SEEN, 1, CONSTANTS.voxel_m)
     assert np.array_equal(twice.cell, once.cell) and np.allclose(twice.feature, once.feature)
     assert np.allclose(twice.point, once.point) and np.array_equal(twice.weight, 2 * once.weight) and (twice.seen == 1).all()
 
@@ -128,7 +127,7 @@ def test_noise_is_what_has_too_few_neighbours_of_its_frame():
         point, seen = np.array([one[:3] for one in every]), np.array([one[3] for one in every])
         number = np.arange(len(every))
         memory = Memory(number, point, np.ones(len(every)), seen, number, np.ones((len(every), 1)))
-        return without_noise(memory, [0, 1], CONSTANTS).cell.tolist()
+        return remove_noise(memory, [0, 1], CONSTANTS).cell.tolist()
 
     assert kept(row(least, 0.0, 0)) == list(range(least)) and kept(row(least - 1, 0.0, 0)) == []
     assert kept(row(least - 1, 0.0, 0), row(least - 1, 0.0, 1)) == []
@@ -141,17 +140,17 @@ def test_checking_only_what_changed_is_checking_everything():
     frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
     memory = Memory.empty()
     for number, one in enumerate(frames):
-        memory = without_noise(cleared(memory, one, CONSTANTS), range(len(frames)), CONSTANTS)
-        memory = added(memory, one, number, CONSTANTS.voxel_m)
-    assert same(memory, remembered(frames, CONSTANTS))
+        memory = remove_noise(clear(memory, one, CONSTANTS), range(len(frames)), CONSTANTS)
+        memory = add(memory, one, number, CONSTANTS.voxel_m)
+    assert same(memory, remember(frames, CONSTANTS))
 
 
 @pytest.mark.parametrize("first", range(5))
 def test_going_on_from_a_memory_is_remembering_at_once(first):
     frames = [SEEN, frame((CORNER, 2.0, LAMP)), frame((MIDDLE, BOX_M, None), (CORNER, 2.0, LAMP)), frame((CORNER, 1.0, MUG))]
     found, once = (
-        remembered(frames[first:], CONSTANTS, remembered(frames[:first], CONSTANTS), first),
-        remembered(frames, CONSTANTS),
+        remember(frames[first:], CONSTANTS, remember(frames[:first], CONSTANTS), first),
+        remember(frames, CONSTANTS),
     )
     assert all(np.array_equal(getattr(found, name), getattr(once, name)) for name in Memory.__slots__)
 
@@ -170,4 +169,4 @@ def test_pixels_that_stick_out_of_their_surroundings_become_no_points():
 
 
 def test_nothing_is_remembered_of_nothing():
-    assert not len(remembered([], CONSTANTS)) and not len(remembered([frame(), frame()], CONSTANTS))
+    assert not len(remember([], CONSTANTS)) and not len(remember([frame(), frame()], CONSTANTS))

@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, Action, Answer, Query, Relation, Visit
-from ovman.agents.joint import parts
-from ovman.agents.joint.agent import agent
-from ovman.agents.joint.answers import answer, predict
-from ovman.agents.joint.naming import Nouns
-from ovman.agents.joint.recorded import read, write
-from ovman.agents.joint.segments import Segments, evidence
+from ovman.agents.joint.agent import (
+    JointAgent,
+    predict,
+    predict_without_depth,
+    predict_without_identity,
+    predict_without_objects,
+)
+from ovman.agents.joint.decision import Nouns, answer
+from ovman.agents.joint.segments import Segments, read_segments, weigh_tours, write_segments
 from ovman.agents.pilot import Pilot
 from ovman.evaluation.context import nothing_detected
 from ovman.settings import Need
@@ -47,7 +50,7 @@ class Told:
         self.pilot = Pilot(CONFIG.primitives, np.random.default_rng(0))
         tours = self._tours["first"], self._tours["second"]
         visits = [toured.visit for toured in tours]
-        weighed = evidence(*visits, *(toured.detected for toured in tours), SETTINGS.joint)
+        weighed = weigh_tours(*visits, *(toured.detected for toured in tours), SETTINGS.joint)
         self._weighed = {tuple(str(visit.content) for visit in visits): weighed}
 
     def made(self, need, read):
@@ -80,7 +83,7 @@ def test_what_is_stable_is_neither_place(home):
     assert min(math.dist(place(found), where) for where in (home.new, home.old)) > 0.5
 
 
-@pytest.mark.parametrize("without", [parts.predict_without_depth, parts.predict_without_identity, parts.predict_without_objects])
+@pytest.mark.parametrize("without", [predict_without_depth, predict_without_identity, predict_without_objects])
 def test_a_part_taken_away_still_answers_what_the_others_tell(home, without):
     # Features that are the instance make every part enough on its own.
     for relation, expected in ((Relation.APPEARED, home.new), (Relation.REMOVED, home.old)):
@@ -91,7 +94,7 @@ def test_a_part_taken_away_still_answers_what_the_others_tell(home, without):
 def test_identity_tells_moved_from_appeared_and_former_from_removed(home):
     # The chair that came is the one that went: as something that only came it is less likely than with no such likeness.
     constants = SETTINGS.joint.model_copy(update={"identity": 50.0})
-    segments = evidence(home.before.visit, home.after.visit, home.before.detected, home.after.detected, constants)
+    segments = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, constants)
     nouns = Nouns(Told(home).noun, constants)
     moved, appeared = (answer(Query("Chair", relation), *segments, nouns, constants) for relation in NEW)
     assert math.dist(place(moved), home.new) <= RADIUS_M and math.dist(place(appeared), home.new) > RADIUS_M
@@ -112,7 +115,7 @@ def test_a_tour_that_showed_nothing_raises_nothing(home, blind):
 
 
 def test_it_drives_there_without_images_and_looks_for_movers_alone(home):
-    drives = agent(Told(home))
+    drives = JointAgent(Told(home))
     drives.familiarise(home.before.visit)
     drives.revisit(home.after.visit)
     drives.ask(Query("Chair", Relation.MOVING))
@@ -126,13 +129,13 @@ def test_it_drives_there_without_images_and_looks_for_movers_alone(home):
 
 
 def test_segments_are_the_same_when_they_are_read_again(home, tmp_path):
-    weighed = evidence(home.before.visit, home.after.visit, home.before.detected, home.after.detected, SETTINGS.joint)
-    write(tmp_path / "segments.npz", {("a", "b"): weighed, ("b", "a"): weighed[::-1]})
-    again = read(tmp_path / "segments.npz")
+    weighed = weigh_tours(home.before.visit, home.after.visit, home.before.detected, home.after.detected, SETTINGS.joint)
+    write_segments(tmp_path / "segments.npz", {("a", "b"): weighed, ("b", "a"): weighed[::-1]})
+    again = read_segments(tmp_path / "segments.npz")
     assert list(again) == [("a", "b"), ("b", "a")]
     for was, now in ((weighed, again["a", "b"]), (weighed[::-1], again["b", "a"])):
         for one, other in zip(was, now, strict=True):
             assert all(np.array_equal(getattr(one, name), getattr(other, name)) for name in Segments.__slots__)
             assert len(one)
-    write(tmp_path / "none.npz", {})
-    assert read(tmp_path / "none.npz") == {}
+    write_segments(tmp_path / "none.npz", {})
+    assert read_segments(tmp_path / "none.npz") == {}

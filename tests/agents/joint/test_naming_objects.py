@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import Abstention, AbstentionReason, Answer
-from ovman.agents.joint.decision import best, moving
-from ovman.agents.joint.naming import Nouns
-from ovman.agents.joint.objects import objects
+from ovman.agents.joint.decision import Nouns, decide_moving, group_objects, pick_best
 from ovman.agents.joint.segments import Segments
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
@@ -65,13 +63,13 @@ def test_a_name_is_never_ruled_out_and_a_new_noun_is_one_more():
 
 
 def test_more_views_are_believed_more():
-    named = [objects(seen([(0, 0)] * count), "chair", NOUNS, CONSTANTS).named for count in (1, 2, 8)]
+    named = [group_objects(seen([(0, 0)] * count), "chair", NOUNS, CONSTANTS).named for count in (1, 2, 8)]
     assert [len(one) for one in named] == [1, 1, 1] and NOUNS.chance < named[0] < named[1] < named[2] < 0
 
 
 def test_one_place_and_one_look_make_one_object_and_two_of_either_make_two():
     def count(places, features=None):
-        return len(objects(seen(places, features), "chair", NOUNS, CONSTANTS))
+        return len(group_objects(seen(places, features), "chair", NOUNS, CONSTANTS))
 
     assert count([(0, 0), (0.1, 0)]) == 1 and count([(0, 0), (2 * CONSTANTS.radius_m, 0)]) == 2
     assert count([(0, 0), (0, 0)], [FEATURES[CHAIR], -FEATURES[CHAIR]]) == 2
@@ -83,23 +81,23 @@ def test_objects_do_not_depend_on_the_order_of_the_segments():
     many = seen(rng.uniform(0, 3, (20, 2)))
     order = rng.permutation(20)
     other = replace(many, **{name: getattr(many, name)[order] for name in Segments.__slots__})
-    one, two = (objects(segments, "chair", NOUNS, CONSTANTS) for segments in (many, other))
+    one, two = (group_objects(segments, "chair", NOUNS, CONSTANTS) for segments in (many, other))
     assert np.allclose(one.place[np.lexsort(one.place.T)], two.place[np.lexsort(two.place.T)])
 
 
 def test_a_track_follows_views_no_faster_than_a_mover_and_ends_where_it_was_seen_last():
     walk = [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (1.5, 0.0)]
     away = seen([*walk, (6.0, 0.0)], views=[0, 1, 2, 3, 4], moving=3.0)
-    assert place(moving(away, "chair", NOUNS, CONSTANTS)) == (1.5, 0.0)
+    assert place(decide_moving(away, "chair", NOUNS, CONSTANTS)) == (1.5, 0.0)
     still = replace(away, moving=np.array([-6.0] * 4 + [3.0]), changed=np.full(5, -6.0))
     heavier = CONSTANTS.model_copy(update={"motion": 10.0})
-    assert place(moving(still, "chair", NOUNS, heavier)) == (6.0, 0.0)
+    assert place(decide_moving(still, "chair", NOUNS, heavier)) == (6.0, 0.0)
 
 
 def test_confidence_is_the_share_of_the_probability_that_lies_at_the_place():
     def confidence(*scores, least=0.0):
         places = np.array([(0.0, 0.5, 0.0), (0.1, 0.5, 0.0), (5.0, 0.5, 0.0)])[: len(scores)]
-        return best(places, np.log(np.array(scores)), CONSTANTS.model_copy(update={"least_confidence": least}))
+        return pick_best(places, np.log(np.array(scores)), CONSTANTS.model_copy(update={"least_confidence": least}))
 
     assert confidence(0.3).confidence == 1.0
     assert confidence(0.3, 0.1, 0.4) == Answer(5.0, 0.0, 0.5) and confidence(0.5, 0.1, 0.4) == Answer(0.0, 0.0, 0.6)

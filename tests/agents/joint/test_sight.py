@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from ovman.agents.interface import CameraPose, Observation
-from ovman.agents.joint.segments import log_odds
-from ovman.agents.joint.sight import frame, grid_votes, votes
+from ovman.agents.joint.segments import grid_frame, grid_votes, log_odds, vote
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 
@@ -29,15 +28,13 @@ def wall(box_m: float | None = None) -> np.ndarray:
 
 def test_a_frame_sees_through_what_is_before_a_wall_stands_at_it_and_says_nothing_of_what_is_hidden():
     places = np.array([[0.0, 1.5, z] for z in (1.0, 3.0, 4.0, 5.0, -1.0)] + [[9.0, 1.5, 1.0]])
-    said = votes(places, [frame(looking(wall()), CONSTANTS)], CONSTANTS)
-    assert said.through.tolist() == [1, 1, 0, 0, 0, 0] and said.at.tolist() == [0, 0, 1, 0, 0, 0]
-    assert said.open.tolist() == [True, True, False, False, False, False]
-    assert said.observed.tolist() == [True, True, True, False, False, False]
+    said = vote(places, [grid_frame(looking(wall()), CONSTANTS)], CONSTANTS)
+    assert said[0].tolist() == [1, 1, 0, 0, 0, 0] and said[1].tolist() == [0, 0, 1, 0, 0, 0]
 
 
 def test_what_is_unknown_says_nothing():
-    said = votes(np.array([[0.0, 1.5, 1.0]]), [frame(looking(np.zeros((SIDE, SIDE))), CONSTANTS)], CONSTANTS)
-    assert not said.observed.any()
+    said = vote(np.array([[0.0, 1.5, 1.0]]), [grid_frame(looking(np.zeros((SIDE, SIDE))), CONSTANTS)], CONSTANTS)
+    assert not said.any()
 
 
 @pytest.mark.parametrize("metres", [2.0, 10.0])
@@ -47,36 +44,36 @@ def test_the_tolerance_grows_with_the_distance(metres):
         np.full((SIDE, SIDE), metres + off) for off in (0.9 * tolerance, 1.1 * tolerance, -0.9 * tolerance, -1.1 * tolerance)
     ]
     place = np.array([[0.0, 1.5, metres]])
-    said = [votes(place, [frame(looking(depth), CONSTANTS)], CONSTANTS) for depth in depths]
-    assert [int(one.at[0]) for one in said] == [1, 0, 1, 0] and [int(one.through[0]) for one in said] == [0, 1, 0, 0]
+    said = [vote(place, [grid_frame(looking(depth), CONSTANTS)], CONSTANTS) for depth in depths]
+    assert [int(one[1, 0]) for one in said] == [1, 0, 1, 0] and [int(one[0, 0]) for one in said] == [0, 1, 0, 0]
 
 
 def test_an_edge_next_to_a_place_is_no_proof_that_it_is_gone():
     # An error of one pixel puts the edge of the box beside the place that is on it.
     column = np.full((SIDE, SIDE), WALL_M)
     column[:, SIDE // 2 + 1 :] = 2.0
-    said = votes(np.array([[0.001, 1.5, 2.0]]), [frame(looking(column), CONSTANTS)], CONSTANTS)
-    assert said.at.tolist() == [1] and said.through.tolist() == [0]
+    said = vote(np.array([[0.001, 1.5, 2.0]]), [grid_frame(looking(column), CONSTANTS)], CONSTANTS)
+    assert said[1].tolist() == [1] and said[0].tolist() == [0]
 
 
 def test_votes_do_not_depend_on_where_the_world_is():
     rng = np.random.default_rng(4)
     places = np.column_stack([rng.uniform(-2, 2, 300), rng.uniform(0, 3, 300), rng.uniform(0, 6, 300)])
     depth = rng.uniform(1, 6, (SIDE, SIDE))
-    here = votes(places, [frame(looking(depth), CONSTANTS)], CONSTANTS)
+    here = vote(places, [grid_frame(looking(depth), CONSTANTS)], CONSTANTS)
     turned = np.column_stack([places[:, 2] + 7.0, places[:, 1], -places[:, 0] - 3.0])  # yaw 90: +z becomes +x
-    there = votes(turned, [frame(looking(depth, 7.0, -3.0, 90.0), CONSTANTS)], CONSTANTS)
-    assert np.mean(here.through != there.through) < 0.01 and np.mean(here.at != there.at) < 0.01
-    assert here.observed.any() and here.open.any()
+    there = vote(turned, [grid_frame(looking(depth, 7.0, -3.0, 90.0), CONSTANTS)], CONSTANTS)
+    assert (np.mean(here != there, axis=1) < 0.01).all()
+    assert here.any() and (here[0] > here[1]).any()
 
 
 def test_only_the_box_that_is_gone_is_seen_through():
-    with_box, without = frame(looking(wall(2.0)), CONSTANTS), frame(looking(wall()), CONSTANTS)
+    with_box, without = grid_frame(looking(wall(2.0)), CONSTANTS), grid_frame(looking(wall()), CONSTANTS)
     gone = grid_votes([with_box], [without], CONSTANTS)[0]
     boxed = np.ix_(*((ticks >= 20) & (ticks < 40) for ticks in (with_box.rows, with_box.columns)))
     seen_through = gone[0] > gone[1]
     assert seen_through[boxed].all() and seen_through.sum() == seen_through[boxed].size
-    alone = grid_votes([with_box], [with_box], CONSTANTS, itself=True)[0]
+    alone = grid_votes([with_box], [with_box], CONSTANTS, same_tour=True)[0]
     assert not alone.any()
 
 
@@ -88,4 +85,4 @@ def test_odds_are_even_where_nothing_is_observed_and_symmetric():
 
 def test_a_frame_without_depth_is_refused():
     with pytest.raises(ValueError, match="reads depth"):
-        frame(Observation(None, None, CameraPose(0, 0, 0, 0, 0), 90.0), CONSTANTS)
+        grid_frame(Observation(None, None, CameraPose(0, 0, 0, 0, 0), 90.0), CONSTANTS)

@@ -9,9 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.agents.react.clusters import clusters
-from ovman.agents.react.instances import Instances, class_features, instances
-from ovman.agents.react.matching import matched
+from ovman.agents.react.agent import Instances, class_features, cluster_instances, find_instances, match_instances
 from ovman.language import noun
 from ovman.language.vocabulary import SYNONYMS
 from ovman.perception.clusters import Cluster
@@ -41,13 +39,13 @@ def reordered(visit: Instances, order) -> Instances:
 
 @given(homes)
 def test_a_home_that_is_as_it_was_is_all_matched_where_it_stands(home):
-    found = matched(home, home, APPEARANCE)
+    found = match_instances(home, home, APPEARANCE)
     assert found.pairs == tuple((i, i) for i in range(len(home))) and not found.unmatched_1 and not found.unmatched_2
 
 
 @given(homes, homes)
 def test_every_instance_is_matched_once_or_absent_or_new(first, second):
-    found = matched(first, second, APPEARANCE)
+    found = match_instances(first, second, APPEARANCE)
     assert sorted([i for i, _ in found.pairs] + list(found.unmatched_1)) == list(range(len(first)))
     assert sorted([j for _, j in found.pairs] + list(found.unmatched_2)) == list(range(len(second)))
     for look in range(len(LOOKS)):
@@ -59,14 +57,14 @@ def test_every_instance_is_matched_once_or_absent_or_new(first, second):
 @given(homes, homes, st.randoms(use_true_random=False))
 def test_the_order_of_instances_is_of_no_consequence(first, second, random):
     orders = [random.sample(range(len(visit)), len(visit)) for visit in (first, second)]
-    again = matched(*(reordered(visit, order) for visit, order in zip((first, second), orders, strict=True)), APPEARANCE)
-    assert sorted((orders[0][i], orders[1][j]) for i, j in again.pairs) == list(matched(first, second, APPEARANCE).pairs)
+    again = match_instances(*(reordered(visit, order) for visit, order in zip((first, second), orders, strict=True)), APPEARANCE)
+    assert sorted((orders[0][i], orders[1][j]) for i, j in again.pairs) == list(match_instances(first, second, APPEARANCE).pairs)
 
 
 @given(st.lists(places, min_size=1, max_size=4, unique=True), st.lists(places, min_size=1, max_size=4, unique=True))
 def test_alike_instances_travel_least_in_all(old, new):
     first, second = (seen(*((*place, 0) for place in found)) for found in (old, new))
-    pairs = matched(first, second, APPEARANCE).pairs
+    pairs = match_instances(first, second, APPEARANCE).pairs
     few, many = sorted((old, new), key=len)
     least = min(
         sum(np.hypot(a[0] - b[0], a[1] - b[1]) for a, b in zip(few, chosen, strict=True))
@@ -78,13 +76,13 @@ def test_alike_instances_travel_least_in_all(old, new):
 
 def test_an_object_that_moved_is_matched_by_its_looks_however_far_it_went():
     before, now = seen((0, 0, 0), (1, 0, 1)), seen((0, 0, 1), (50, 0, 0))
-    assert matched(before, now, APPEARANCE).pairs == ((0, 1), (1, 0))
+    assert match_instances(before, now, APPEARANCE).pairs == ((0, 1), (1, 0))
 
 
 def test_another_class_is_never_matched_however_alike():
     first, second = seen((0, 0, 0)), seen((0, 0, 0))
     other = Instances(second.place, second.feature, second.kind + 1, second.views)
-    found = matched(first, other, APPEARANCE)
+    found = match_instances(first, other, APPEARANCE)
     assert (found.pairs, found.unmatched_1, found.unmatched_2) == ((), (0,), (0,))
 
 
@@ -99,20 +97,20 @@ def joined(*visits: Instances) -> Instances:
 
 def test_looks_up_to_the_distance_are_alike():
     apart = 2 * np.degrees(np.arcsin(APPEARANCE / 2))
-    assert len(matched(turned(0.0), turned(apart - 0.1), APPEARANCE).pairs) == 1
-    assert not matched(turned(0.0), turned(apart + 0.1), APPEARANCE).pairs
+    assert len(match_instances(turned(0.0), turned(apart - 0.1), APPEARANCE).pairs) == 1
+    assert not match_instances(turned(0.0), turned(apart + 0.1), APPEARANCE).pairs
 
 
 def test_a_cluster_looks_like_the_mean_over_its_views():
     first = joined(turned(0.0, views=3), turned(10.0, views=1))
-    (cluster,) = clusters(first, seen(), APPEARANCE)
+    (cluster,) = cluster_instances(first, seen(), APPEARANCE)
     assert cluster.views == 4 and cluster.first == (0, 1) and cluster.second == ()
     assert np.allclose(cluster.feature, 0.75 * first.feature[0] + 0.25 * first.feature[1])
 
 
 def test_the_nearest_looks_are_one_cluster_before_others():
     # 10 and 19 degrees are one at 14.5, which is too far from 0 degrees. From 0 and 10 on, all three would have become one.
-    found = clusters(
+    found = cluster_instances(
         joined(turned(0.0), turned(10.0), turned(19.0), turned(40.0)), joined(*(turned(d) for d in (41.0,))), APPEARANCE
     )
     assert sorted((one.first, one.second) for one in found) == [((0,), ()), ((1, 2), ()), ((3,), (0,))]
@@ -123,6 +121,6 @@ def test_the_class_of_an_object_is_the_nearest_name():
     embedding = dict(zip(names, np.eye(len(names)), strict=True))
     chair = embedding["chair"] * 0.8 + embedding["mug"] * 0.6
     track = np.array([[1.0, 2.0], [1.2, 2.0]])
-    found = instances(ObjectMap.of([Cluster(track[0], chair, track, np.arange(2))]), class_features(embedding.__getitem__))
+    found = find_instances(ObjectMap.of([Cluster(track[0], chair, track, np.arange(2))]), class_features(embedding.__getitem__))
     assert [names[kind] for kind in found.kind] == ["chair"] and found.views.tolist() == [2]
-    assert len(instances(ObjectMap.of(()), class_features(embedding.__getitem__))) == 0
+    assert len(find_instances(ObjectMap.of(()), class_features(embedding.__getitem__))) == 0

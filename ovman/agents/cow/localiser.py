@@ -16,6 +16,7 @@ from ovman.settings import Settings
 if TYPE_CHECKING:
     from ovman.perception.detector import Detector
 
+
 PROMPT = "a photo of a {}"
 """CoW's prompt without its full stop, which the default text tower was not trained on."""
 
@@ -27,11 +28,11 @@ class Localiser(Protocol):
         """Set the category of `relevance`."""
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """Relevance (image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
+        """Return the relevance (image_px, image_px) float32 in [0, 1] of an image (H, W, 3) uint8."""
 
 
 def prompt(category: str) -> str:
-    """The prompt of a category: "a photo of a house plant"."""
+    """Return the prompt of a category: "a photo of a house plant"."""
     return PROMPT.format(noun(category))
 
 
@@ -49,11 +50,11 @@ class OpenVocabularyLocaliser:
         self._text = np.zeros(0, np.float32)
 
     def look_for(self, category: str) -> None:
-        """Embeds the prompt of a category."""
+        """Embed the prompt of a category."""
         self._text = self._encoder.texts([prompt(category)])[0]
 
     def relevance(self, rgb: np.ndarray) -> np.ndarray:
-        """1 at the centre of the box of every instance that is similar enough, or all over the box; else 0."""
+        """Return 1 at the centre of the box of every instance that is similar enough, or all over the box; else 0."""
         boxes, similarity = self.similarities(rgb)
         side_px, found = self._constants.image_px, np.zeros((self._constants.image_px,) * 2, np.float32)
         scale = side_px / np.array(rgb.shape[:2] * 2)
@@ -65,12 +66,12 @@ class OpenVocabularyLocaliser:
         return found
 
     def similarities(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Boxes (N, 4) of the instances of an image (H, W, 3), and their cosines (N,) to the prompt."""
+        """Return boxes (N, 4) of the instances of an image (H, W, 3), and their cosines (N,) to the prompt."""
         boxes, features = self.instances(rgb)
         return boxes, features @ self._text
 
     def instances(self, rgb: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The instances of an image (H, W, 3): boxes (N, 4), and unit embeddings (N, K) of their crops.
+        """Return the instances of an image (H, W, 3): boxes (N, 4), and unit embeddings (N, K) of their crops.
 
         A box is top, left, bottom, right in pixels, bottom and right exclusive.
         """
@@ -82,8 +83,8 @@ class OpenVocabularyLocaliser:
         return np.stack([_box(mask) for mask in masks]), self._encoder.images(np.stack(crops))
 
 
-def localiser(constants: Settings, detector: Detector, encoder: ImageTextEncoder) -> OpenVocabularyLocaliser:
-    """The localiser of the LoCoBot's frames; `constants` owns cow.*, locobot.*, camera.* and perception.*.
+def make_localiser(constants: Settings, detector: Detector, encoder: ImageTextEncoder) -> OpenVocabularyLocaliser:
+    """Make the localiser of the LoCoBot's frames. Reads cow.*, locobot.*, camera.* and perception.*.
 
     The smallest mask is the same share of the frame as for the reference agent.
     """
@@ -96,6 +97,6 @@ def localiser(constants: Settings, detector: Detector, encoder: ImageTextEncoder
 
 
 def _box(mask: np.ndarray) -> np.ndarray:
-    """(4,): top, left, bottom, right of a mask (H, W), bottom and right exclusive."""
+    """Return top, left, bottom, right (4,) of a mask (H, W), bottom and right exclusive."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1], dtype=float)
