@@ -37,8 +37,8 @@ from ovman.records.scene import Scene
 from ovman.settings.config import load
 from ovman.shipped import HOME as ROOT
 from ovman.sim import visit
-from ovman.sim.change import World
 from ovman.sim.session import Session
+from ovman.sim.world import World
 from ovman.workflow.parameter import stage_settings
 
 SCENES = ("FloorPlan201", "FloorPlan1", "FloorPlan429")

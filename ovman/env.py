@@ -25,12 +25,11 @@ from ovman.records.run import Terms as StopTerms
 from ovman.records.sensors import Light, Sensors
 from ovman.settings import Settings
 from ovman.sim import measurement
-from ovman.sim.change import World, dynamic, position
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.light import illuminate
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.sensing import Sensing
-from ovman.sim.session import AgentPose, Session
+from ovman.sim.session import AgentPose, Session, illuminate
+from ovman.sim.world import World, is_dynamic, position
 
 
 class Runnable(Protocol):
@@ -228,7 +227,7 @@ class Env:
 
     def _positions(self, name_of: Callable[[str], str]) -> tuple[SeenInstance, ...]:
         gone = self._episode.gone
-        present = {k: o for k, o in self.session.objects.items() if dynamic(o) and k not in gone}
+        present = {k: o for k, o in self.session.objects.items() if is_dynamic(o) and k not in gone}
         at = {k: position(o) for k, o in present.items()}
         return tuple(SeenInstance(name_of(k), present[k]["objectType"], at[k].x, at[k].z) for k in sorted(at))
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import pytest
 from hypothesis import settings
 
-from ovman.sim import client
+from ovman.sim import controller
 from ovman_engine import forked
 from tests import shared
 
@@ -73,7 +73,7 @@ LONGEST = (
 def _forked_engines() -> Generator[None, None, None]:
     """Engines of this process are forks of it, as those of the workflow's jobs are; those of the engine's own tests are not. What
     they need is loaded with the first: a process that starts none, as that of a mutant, loads nothing."""
-    found = client.controller
+    found = controller.controller_class
 
     def forking() -> type[Controller]:
         made = found()
@@ -81,7 +81,7 @@ def _forked_engines() -> Generator[None, None, None]:
         return made
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(client, "controller", forking)
+        patch.setattr(controller, "controller_class", forking)
         yield
 
 

@@ -13,7 +13,7 @@ from statistics import median
 from ovman import seeds
 from ovman.records.change import Roam
 from ovman.records.episode import Episode
-from ovman.sim.mover import Mover, walk
+from ovman.sim.world import Mover, walk
 from ovman.task import displacement_m
 
 BETWEEN_VISITS = "between the visits"

@@ -15,8 +15,8 @@ from ovman.records.episode import Episode
 from ovman.records.visit import Visit
 from ovman.records.visit_files import kept
 from ovman.sim import visit
-from ovman.sim.change import World, dynamic
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World, is_dynamic
 
 MIN_MASK_PX = 1
 """Smaller masks are not recorded by `TourCache`; no agent reads them."""
@@ -49,7 +49,7 @@ def record_tour(
     """
     alterations, name, tour = episode.alterations(which), episode.visits[which], episode.tours[which]
     rng = seeds.generator(episode.provenance.seed, *seeds.tour_movers(episode.id))
-    world = World(session, alterations, episode.protocol.mover, rng, dynamic)
+    world = World(session, alterations, episode.protocol.mover, rng, is_dynamic)
     key = tour_key(episode, which, min_mask_px, made_by)
     views, folder = visit.views(tour), directory / name
     return visit.record(session, world, name, alterations, views, min_mask_px, folder, key, tour.light, tour.sensors, place_view)

@@ -23,7 +23,7 @@ from ovman.records.rejection import Rejection
 from ovman.records.relation import Relation
 from ovman.records.scene import Scene, SceneObject
 from ovman.settings import Settings
-from ovman.sim.mover import streams
+from ovman.sim.world import spawn_streams
 
 KINDS: tuple[Kind, ...] = ("displace", "enable", "disable")
 """What may change beside any scripted change; instances move on their own beside such a one only."""
@@ -143,7 +143,7 @@ def _walks(
     begins: where those begin that are put somewhere first; walk_rng: of the movers, as a world has it.
     """
     walks, steps = [], len(beside.tours.second.waypoints) * beside.tours.second.headings
-    for item, stream in zip(moving, streams(walk_rng, len(moving)), strict=True):
+    for item, stream in zip(moving, spawn_streams(walk_rng, len(moving)), strict=True):
         floor = roam(there, item, beside.floor(there, item), constants.mover.step_m)
         for other in moving:
             if other is not item and floor is not None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Scene, SceneObject
-from ovman.sim.change import AGENT_RADIUS_M
+from ovman.sim.world import AGENT_RADIUS_M
 
 SURFACES = frozenset(
     (

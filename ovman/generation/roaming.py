@@ -16,9 +16,8 @@ from ovman.records.change import Cell, Roam
 from ovman.records.geometry import Point
 from ovman.records.scene import Scene, SceneObject
 from ovman.settings.benchmark import Mover
-from ovman.sim import mover as walking
-from ovman.sim.change import AGENT_RADIUS_M
-from ovman.sim.mover import WAYS
+from ovman.sim import world as walking
+from ovman.sim.world import AGENT_RADIUS_M, WAYS
 
 ON_FLOOR_M = 0.05
 """What ends this much above the floor stands on something else."""

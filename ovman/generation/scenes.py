@@ -14,8 +14,8 @@ from ovman.navigation import Cell, Grid, farthest_points
 from ovman.records.change import Alteration
 from ovman.records.geometry import Point, Position
 from ovman.records.scene import Scene, SceneObject
-from ovman.sim.change import World, dynamic, position
 from ovman.sim.session import Session, SimulatorError
+from ovman.sim.world import World, is_dynamic, position
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 
@@ -91,7 +91,7 @@ def mobile(session: Session, scene: Scene, constants: StageSettings) -> tuple[st
         if walk is not None:
             alteration = Alteration(kind="motion", instance=item.id, roam=walk)
             with suppress(SimulatorError):
-                World(session, [alteration], constants.mover, np.random.default_rng(0), dynamic)
+                World(session, [alteration], constants.mover, np.random.default_rng(0), is_dynamic)
                 found.append(item.id)
     return tuple(found)
 

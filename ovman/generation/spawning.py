@@ -14,7 +14,7 @@ from ovman.records.record import DEGREE_DECIMALS
 from ovman.records.relation import Relation
 from ovman.records.scene import SceneObject
 from ovman.settings import Settings
-from ovman.sim.change import AGENT_RADIUS_M
+from ovman.sim.world import AGENT_RADIUS_M
 
 Box = tuple[Point, Point, float]
 """A rectangle on the floor: its centre and half extents, and what is kept from it; metres."""

@@ -30,9 +30,9 @@ from ovman.records.visit import Visit
 from ovman.records.visit_files import VisitFiles, VisitManifest, kept
 from ovman.records.world_state import Instance, WorldState
 from ovman.sim import measurement, visit
-from ovman.sim.change import World, dynamic
 from ovman.sim.measurement import ReachableRegion
 from ovman.sim.session import AgentPose, Session, SimulatorError
+from ovman.sim.world import World, is_dynamic
 from ovman.workflow.journal import Journal, digest
 from ovman.workflow.parameter import StageSettings
 
@@ -59,7 +59,7 @@ class Trials:
 
     def _world(self, alterations: Sequence[Alteration], candidate: str) -> World:
         rng = seeds.generator(self._constants.benchmark.seed, *seeds.tour_movers(candidate))
-        return World(self._session, alterations, self._constants.mover, rng, dynamic)
+        return World(self._session, alterations, self._constants.mover, rng, is_dynamic)
 
     def _visit(self, which: str, candidate: Candidate) -> Visit:
         alterations, tour = (candidate.first if which == "first" else candidate.second), candidate.tours[which]

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ovman.sim import client
 from ovman.sim.embodiment import Embodiment
 
 if TYPE_CHECKING:
@@ -35,10 +34,18 @@ NONSENSE = bytes(5)
 def start(backend: str, scene: str, embodiment: Embodiment) -> Controller:
     """A running ai2thor Controller on `scene` with the body and camera of `embodiment`. backend, errors: as for `launched`."""
     sizes = {"width": embodiment.width_px, "height": embodiment.height_px}
-    made = launched(client.controller(), backend, scene=scene, **sizes, **embodiment.initialization())
+    made = launched(controller_class(), backend, scene=scene, **sizes, **embodiment.initialization())
     if backend == "thor":
         _lengthen_depth(made)
     return made
+
+
+def controller_class() -> type[Controller]:
+    """Import the client's class of Controllers."""
+    from ai2thor.controller import Controller
+
+    found: type[Controller] = Controller
+    return found
 
 
 def launched(kind: type[Controller], backend: str, **options: Any) -> Controller:

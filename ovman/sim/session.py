@@ -11,12 +11,13 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from ovman.records.sensors import Light
 from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
 
 DEATHS = 3
-"""Deaths of simulators after which a piece of work is given up."""
+"""Number of dead simulators after which a piece of work is given up."""
 
 Result = TypeVar("Result")
 
@@ -40,17 +41,17 @@ class AgentPose:
 
 
 def bearing_deg(from_x: float, from_z: float, to_x: float, to_z: float) -> float:
-    """Yaw in [0, 360) from one floor-plane point to another; 0 for equal points."""
+    """Return the yaw in [0, 360) from one floor-plane point to another; 0 for equal points."""
     return math.degrees(math.atan2(to_x - from_x, to_z - from_z)) % 360.0
 
 
 class Session:
-    """One scene on a simulator. The simulator starts at the first reset: a job without work starts none. A context manager.
+    """One scene on a simulator, which starts at the first reset. A context manager.
 
-    scene: the one that the next reset makes; it may be set to another one between two pieces of work.
-    constants: a stage's settings; must own benchmark.backend, camera.*, primitives.step_m and primitives.turn_deg. embodiment:
-    None for that of the benchmark. start: gives the Controller, None for `controller.start`. A step that fails raises
-    SimulatorError unless failure is allowed, and SimulatorDied if the simulator has ended; see `with_restarts`.
+    scene: loaded by the next reset; it may be changed between two pieces of work. constants: benchmark.backend, camera.*,
+    primitives.step_m and primitives.turn_deg. embodiment: None for that of the benchmark. start: returns the Controller, None for
+    `controller.start`. A failed step raises SimulatorError unless failure is allowed, and SimulatorDied if the simulator ended
+    (`with_restarts`).
     """
 
     def __init__(
@@ -59,7 +60,6 @@ class Session:
         self.scene = scene
         self.embodiment = Embodiment.of(constants) if embodiment is None else embodiment
         self._start = start
-        # A recording must be replayable on any simulator.
         self._masks_only = controller.masks_only(constants.benchmark.backend) if start is None else {}
         self._constants = constants
         self._controller: Any = None
@@ -78,9 +78,9 @@ class Session:
             self._controller = None
 
     def with_restarts(self, work: Callable[[], Result]) -> Result:
-        """The result of `work`. If the simulator dies, `work` is repeated from its beginning on a new one.
+        """Return the result of `work`. If the simulator dies, repeat `work` from its beginning on a new one.
 
-        work: begins with a reset and depends on nothing that it changed itself. SimulatorDied after DEATHS simulators.
+        work: begins with a reset and does not depend on its own changes. SimulatorDied after DEATHS simulators.
         """
         for _ in range(DEATHS - 1):
             try:
@@ -107,7 +107,7 @@ class Session:
         return self._controller is not None
 
     def reset(self) -> None:
-        """The untouched scene, at rest; starts the simulator the first time."""
+        """Load the untouched scene, at rest; start the simulator the first time."""
         with self._watched("Reset"):
             if self._controller is None:
                 start = self._start or controller.start
@@ -119,7 +119,7 @@ class Session:
         self.settle()
 
     def step(self, action: str, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
-        """Execute an action; its event. image: whether it carries RGB, depth, ids. allowed: a failure does not raise."""
+        """Execute an action and return its event. image: with RGB, depth, ids. allowed: a failure does not raise."""
         with self._watched(action):
             self._event = self._controller.step(action=action, renderImage=image, **arguments)
         if not self._event.metadata["lastActionSuccess"] and not allowed:
@@ -157,7 +157,7 @@ class Session:
         return {o["objectId"]: o for o in self._event.metadata["objects"]}
 
     def filter_objects(self, object_ids: Collection[str]) -> None:
-        """Report only these objects in `objects` until the next reset: metadata are most of an imageless step's cost."""
+        """Report only these objects until the next reset; metadata are most of the cost of a step without an image."""
         self.step("SetObjectFilter", objectIds=sorted(object_ids))
 
     def teleport(self, pose: AgentPose, image: bool = False, allowed: bool = False, **arguments: Any) -> Any:
@@ -176,20 +176,20 @@ class Session:
         )
 
     def reachable(self) -> list[tuple[float, float]]:
-        """Floor-plane points (x, z) of the navigation grid around the agent in the present state of the world, metres."""
+        """Return the floor-plane points (x, z) of the navigation grid around the agent in the present world, metres."""
         return [(p["x"], p["z"]) for p in self.step("GetReachablePositions").metadata["actionReturn"]]
 
     def pixels(self, object_id: str) -> int:
-        """Size of an object's instance mask in the last image, in pixels of the benchmark's camera for every embodiment."""
+        """Return the size of an object's mask in the last image, in pixels of the benchmark's camera for every embodiment."""
         mask = self._event.instance_masks.mask(object_id)
         return 0 if mask is None else int(np.count_nonzero(self.embodiment.seen_by(Embodiment.of(self._constants), mask)))
 
     def sweep(self, object_id: str, pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[int, int]:
-        """Mask sizes of an object in pixels by pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
+        """Return mask sizes of an object in pixels by pitch, over the look-down sweep from `pose` (Eq. 4, vis)."""
         return self.sweeps([object_id], pose, pitches_deg)[object_id]
 
     def sweeps(self, object_ids: Collection[str], pose: AgentPose, pitches_deg: tuple[int, ...]) -> dict[str, dict[int, int]]:
-        """The sweeps of several objects in the same images, by object id."""
+        """Return the sweeps of several objects in the same images, by object id."""
         seen: dict[str, dict[int, int]] = {k: {} for k in object_ids}
         for pitch in pitches_deg:
             self.teleport(AgentPose(pose.x, pose.z, pose.yaw_deg, float(pitch)), image=True, **self._masks_only)
@@ -203,3 +203,22 @@ class Session:
             if self._event.metadata["isSceneAtRest"]:
                 return
             self.step("Pass")
+
+
+def illuminate(session: Session, light: Light | None) -> None:
+    """Give a scene that was just reset the light of a visit; None leaves its own.
+
+    Every range of AI2-THOR's action has equal ends, so it draws nothing; its draws of materials have a seed.
+    """
+    if light is not None:
+        if light.materials is not None:
+            session.step("SetRandomSeed", seed=light.materials)
+            session.step("RandomizeMaterials")
+        session.step(
+            "RandomizeLighting",
+            synchronized=True,
+            randomizeColor=True,
+            brightness=[light.brightness] * 2,
+            hue=[light.hue] * 2,
+            saturation=[light.saturation] * 2,
+        )

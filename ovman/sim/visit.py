@@ -1,8 +1,8 @@
-"""Visits: the tour of a scene in one world state, recorded as files in common formats.
+"""Recorded visits: the tour of a scene in one world state, as files in common formats.
 
-`visit.json` has the poses, what was seen and where every dynamic instance was; beside it lie, for view i, `{i:02d}_rgb.png`,
+`visit.json` has the poses, the instances seen and the place of every dynamic instance. View i has `{i:02d}_rgb.png`,
 `{i:02d}_depth.png` (16 bit, millimetres) and `{i:02d}_ids.png` (16 bit; 0 is nothing, k is the k-th entry of "instances").
-A visit is written to a temporary directory and renamed, so that what exists is whole.
+A visit is written to a temporary directory and renamed, so a visit that exists is whole.
 """
 
 from __future__ import annotations
@@ -15,23 +15,21 @@ import numpy as np
 
 from ovman import seeds
 from ovman.atomic import check_own, clear_partials, partial_path, put, remove
+from ovman.cache import digest
 from ovman.records.change import Alteration, MoverRecord
 from ovman.records.geometry import Point, Position
 from ovman.records.sensors import Light, Sensors
 from ovman.records.tour import Tour
 from ovman.records.visit import Present, SensedPose, View, ViewPose, Visit
 from ovman.records.visit_files import FILES, MILLIMETRES, seal
-from ovman.sim.change import World, dynamic, position
-from ovman.sim.light import illuminate
-from ovman.sim.masks import indexed
-from ovman.sim.png import write_png
+from ovman.sim.images import index_instances, write_png
 from ovman.sim.sensing import Sensing, placed
-from ovman.sim.session import AgentPose, Session
-from ovman.workflow import journal
+from ovman.sim.session import AgentPose, Session, illuminate
+from ovman.sim.world import World, is_dynamic, position
 
 
 def mover_seed(root: int, of: str, alterations: Sequence[Alteration]) -> int | None:
-    """What stands for the draws of the movers of a visit in its name, None where nothing moves.
+    """Return the part of a visit's name that stands for the draws of its movers, or None if nothing moves.
 
     root: of the benchmark; of: id of the candidate or the episode for which the tour is recorded.
     """
@@ -39,27 +37,27 @@ def mover_seed(root: int, of: str, alterations: Sequence[Alteration]) -> int | N
 
 
 def visit_name(alterations: Sequence[Alteration], seed: int | None, tour: Tour, waypoints: tuple[Point, ...]) -> str:
-    """Name of the visit of a world state; equal visits of a scene share it.
+    """Return the name of the visit of a world state; equal visits of a scene share it.
 
-    seed: as `mover_seed` has it. waypoints: of the scene's own tour, which no name mentions.
+    seed: from `mover_seed`. waypoints: of the scene's own tour, which names do not mention.
     """
-    own = [] if tour == Tour(waypoints=waypoints, headings=tour.headings) else [journal.digest(tour.to_json())[:6]]
+    own = [] if tour == Tour(waypoints=waypoints, headings=tour.headings) else [digest(tour.to_json())[:6]]
     if not alterations:
         return "-".join(["untouched", *own])
-    content = journal.digest([a.to_json() for a in alterations], seed)
+    content = digest([a.to_json() for a in alterations], seed)
     return "-".join([alterations[0].kind, alterations[0].instance.split("|")[0], content[:10], *own])
 
 
 def views(tour: Tour) -> list[AgentPose]:
-    """The views of a tour, in order."""
+    """Return the views of a tour, in order."""
     return [AgentPose(pose.x, pose.z, pose.yaw_deg) for pose in tour.poses]
 
 
 def look(session: Session, world: World, pose: AgentPose) -> Any:
-    """The event of the agent's view from `pose`, after every mover of the world has taken its step."""
+    """Return the event of the agent's view from `pose`, after every mover of the world has taken its step."""
     if not world.movers:
         return session.teleport(pose, image=True)
-    session.step("UnpausePhysicsAutoSim")  # a walk stops time between its views; every view takes the same time
+    session.step("UnpausePhysicsAutoSim")  # a dense tour stops time between its views; every view takes the same time
     session.teleport(pose)
     world.after_action()
     return session.step("Pass", image=True)
@@ -95,7 +93,7 @@ def record(
     gone = {a.instance for a in alterations if a.kind == "disable"}
 
     def there() -> dict[str, Mapping[str, Any]]:
-        return {k: o for k, o in session.objects.items() if dynamic(o) and k not in gone}
+        return {k: o for k, o in session.objects.items() if is_dynamic(o) and k not in gone}
 
     present = {k: Present(category=o["objectType"], position=position(o)) for k, o in there().items()}
     here: dict[str, Position] = {k: v.position for k, v in present.items()}
@@ -105,7 +103,7 @@ def record(
     for i, view in enumerate(views):
         pose = view if standing is None else standing(view)
         event = look(session, world, pose)
-        index, names, sizes = indexed(event.instance_masks, event.depth_frame.shape, min_mask_px)
+        index, names, sizes = index_instances(event.instance_masks, min_mask_px)
         now = {k: position(o) for k, o in there().items()}
         camera = event.metadata["cameraPosition"]
         recorded.append(
@@ -149,7 +147,7 @@ def _sensed(sensing: Sensing, pose: AgentPose, camera: Position) -> SensedPose:
 
 
 def movers_of(world: World) -> tuple[MoverRecord, ...]:
-    """The movers of a world as they are now, in the order in which they were set off."""
+    """Return the movers of a world as they are now, in the order in which they set off."""
     return tuple(
         MoverRecord(instance=k, position=mover.position, heading_deg=mover.heading_deg, path=tuple(world.paths[k]))
         for k, mover in world.movers.items()
@@ -157,5 +155,5 @@ def movers_of(world: World) -> tuple[MoverRecord, ...]:
 
 
 def drift_m(visit: Visit, instance: str, placement: Point) -> float:
-    """Farthest that an instance was from `placement` (x, z) at any view of a visit, metres on the floor plane."""
+    """Return the farthest distance of an instance from `placement` (x, z) at any view of a visit, metres on the floor plane."""
     return max(float(np.hypot(p[instance].x - placement[0], p[instance].z - placement[1])) for p in visit.positions)

@@ -19,9 +19,9 @@ from ovman.navigation import Grid, shortest_path
 from ovman.perception.backprojection import Camera
 from ovman.records.visit import Visit
 from ovman.sim import visit
-from ovman.sim.change import World, position
-from ovman.sim.masks import coloured
+from ovman.sim.images import colour_numbers
 from ovman.sim.session import AgentPose, Session, bearing_deg
+from ovman.sim.world import World, position
 
 SAME_M, SAME_DEG = 1e-3, 1e-3
 """Tolerances within which two places, or two yaws, are the same."""
@@ -55,7 +55,7 @@ def instances(masks: Any) -> tuple[np.ndarray, dict[int, str]]:
 
     Of ids that share a number the last is given.
     """
-    numbers, colours = coloured(masks)
+    numbers, colours = colour_numbers(masks)
     return numbers, {number: name for name, number in colours.items()}
 
 

@@ -20,9 +20,9 @@ from ovman.agents.cow.localiser import OpenVocabularyLocaliser, make_localiser, 
 from ovman.perception.networks import detector_of, encoder_of
 from ovman.settings.config import load
 from ovman.shipped import HOME
-from ovman.sim.change import dynamic
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import is_dynamic
 from ovman.training.floorplans import floor_plans
 from ovman.training.pictures import Picture, picture_of
 
@@ -70,7 +70,7 @@ def scores(looked: list[Looked], thresholds: np.ndarray) -> list[ThresholdScore]
 def views(session: Session, count: int, rng: np.random.Generator) -> Iterator[tuple[Picture, list[str]]]:
     """Pictures from random places and headings, and the movable categories of the scene."""
     session.reset()
-    categories = sorted({o["objectType"] for o in session.objects.values() if dynamic(o)})
+    categories = sorted({o["objectType"] for o in session.objects.values() if is_dynamic(o)})
     places = sorted(session.reachable())
     for _ in range(count):
         x, z = places[rng.integers(len(places))]

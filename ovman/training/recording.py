@@ -17,7 +17,7 @@ from ovman.seeds import generator
 from ovman.settings import Settings
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
-from ovman.sim.png import write_png
+from ovman.sim.images import write_png
 from ovman.training.floorplans import floor_plans
 from ovman.training.outlines import labels
 from ovman.training.pictures import Picture, pictures

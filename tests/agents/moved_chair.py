@@ -19,8 +19,8 @@ from ovman.records.change import Alteration
 from ovman.records.visit import Visit as Record
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit
-from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World, position
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.shared import made_once

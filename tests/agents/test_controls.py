@@ -25,8 +25,8 @@ from ovman.evaluation.recorded_tours import load_visit
 from ovman.records.change import Alteration
 from ovman.settings.benchmark import Mover
 from ovman.sim import visit
-from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World, position
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 

@@ -42,9 +42,9 @@ from ovman.records.relation import Relation
 from ovman.records.run import Score
 from ovman.records.visit_files import VisitFiles, VisitManifest
 from ovman.settings.benchmark import Camera as Lens
-from ovman.sim.change import World, dynamic
 from ovman.sim.session import Session
 from ovman.sim.visit import look, views
+from ovman.sim.world import World, is_dynamic
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA, ROOT
@@ -216,7 +216,7 @@ def test_depth_is_the_simulators_to_half_a_millimetre(small, loaded):
     episode = next(one for one in small.every if one.tours.first.sensors is None)
     rows = [row for of in loaded("tours").values() for row in of if row["tour"] == tour_id(episode, "first")]
     with Session(SCENE, episode.settings) as session:
-        world = World(session, episode.alterations("first"), episode.protocol.mover, np.random.default_rng(0), dynamic)
+        world = World(session, episode.alterations("first"), episode.protocol.mover, np.random.default_rng(0), is_dynamic)
         for row, pose in zip(rows, views(episode.tours.first), strict=True):
             exact = look(session, world, pose).depth_frame
             error = np.abs(np.asarray(Image.open(io.BytesIO(row["depth"]["bytes"]))) / 1000 - exact)

@@ -29,7 +29,7 @@ from ovman.records.scene import Scene
 from ovman.records.sighting import VisitPair
 from ovman.records.trial import Displaced, TrialMeasurement
 from ovman.settings import SecondTour
-from ovman.sim.mover import Mover, walk
+from ovman.sim.world import Mover, walk
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import DATA

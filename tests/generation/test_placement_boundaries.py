@@ -20,7 +20,7 @@ from ovman.generation.placement import (
     surface_spots,
 )
 from ovman.records.geometry import Position
-from ovman.sim.change import AGENT_RADIUS_M
+from ovman.sim.world import AGENT_RADIUS_M
 from tests.generation.test_candidates import room
 from tests.generation.test_placement import thing
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from ovman.generation.placement import CLEARANCE_M, FreeFloor
 from ovman.generation.roaming import ON_FLOOR_M, carries, roam
 from ovman.records.scene import Scene
-from ovman.sim.change import AGENT_RADIUS_M
+from ovman.sim.world import AGENT_RADIUS_M
 from tests.episodes import DATA
 from tests.generation.test_placement import thing
 

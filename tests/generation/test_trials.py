@@ -20,7 +20,7 @@ from ovman.sim import controller
 from ovman.workflow.parameter import stage_settings
 from tests.workflow.test_reruns import CONFIG
 
-SCENE = "FloorPlan429"
+SCENE = "FloorPlan227"
 DRAWN = (Relation.MOVED, Relation.REMOVED)
 
 

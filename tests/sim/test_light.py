@@ -13,8 +13,8 @@ from ovman.records.episode import Episode
 from ovman.records.relation import Relation
 from ovman.records.sensors import Light
 from ovman.sim import visit
-from ovman.sim.change import World
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World
 from tests.episodes import of_scene
 from tests.runs import run_agent
 

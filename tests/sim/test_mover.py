@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from ovman.records.change import MoverStart, Roam
 from ovman.settings.benchmark import Mover as MoverParams
-from ovman.sim.mover import WAYS, Mover, walk
+from ovman.sim.world import WAYS, Mover, walk
 
 PARAMS = MoverParams(step_m=0.1, pause_probability=0.1, turn_probability=0.1)
 STEADY = MoverParams(step_m=0.1, pause_probability=0.0, turn_probability=0.0)

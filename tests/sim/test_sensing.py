@@ -19,9 +19,9 @@ from ovman.records.sensors import Light, Sensors
 from ovman.records.tour import Tour
 from ovman.settings.sensors import Errors
 from ovman.sim import visit
-from ovman.sim.change import World
 from ovman.sim.sensing import Sensing, placed
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World
 from ovman.workflow.parameter import stage_settings
 from tests.arms import CONFIG
 from tests.episodes import EPISODES

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -133,33 +132,6 @@ def test_ids_outlive_all_that_changes_a_world(engine):
     engine.step("SetObjectPoses", objectPoses=moved, placeStationary=True)
     after = {o["name"]: k for k, o in engine.objects.items()}
     assert after.keys() <= before.keys() and any(after[name] != before[name] for name in after)
-
-
-def _actions(tree: ast.AST) -> set[str]:
-    return {node.value for node in ast.walk(tree) if isinstance(node, ast.Constant) and isinstance(node.value, str)}
-
-
-def test_nobody_calls_what_gives_new_ids_and_nobody_asks_which_backend_runs():
-    own = [path for path in sorted((ROOT / "ovman").rglob("*.py")) if "engine" not in path.relative_to(ROOT / "ovman").parts]
-    assert len(own) > 100
-    texts = {path.relative_to(ROOT / "ovman").as_posix(): _actions(ast.parse(path.read_text())) for path in own}
-    calling = {name for name, found in texts.items() if "SetObjectPoses" in found}
-    assert not calling
-    knowing = {name for name, found in texts.items() if found & {"embedded", "thor"}}
-    assert knowing <= KNOWING
-    assert "sim/controller.py" in knowing
-
-
-KNOWING = {
-    "sim/controller.py",  # starts it
-    "models/settings/benchmark.py",  # what may stand in config.yaml
-    "models/episode.py",  # what may stand in a released episode
-    "doctor/checks.py",  # looks at both
-    "doctor/recording.py",  # records on the one or the other, as told
-    "playback/command.py",  # records the tours of the engine's episodes alone
-    "report/results_page.py",  # says which figures these are
-}
-"""Whose text may name a backend."""
 
 
 @pytest.fixture

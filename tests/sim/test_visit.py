@@ -16,8 +16,8 @@ from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
 from ovman.settings.config import load
 from ovman.sim import controller, visit
-from ovman.sim.change import World, position
 from ovman.sim.session import AgentPose, Session, SimulatorError, bearing_deg
+from ovman.sim.world import World, position
 from ovman.workflow.parameter import StageSettings, canonical
 
 ROOT = Path(__file__).parents[2]

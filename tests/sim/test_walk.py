@@ -23,9 +23,9 @@ from ovman.records.visit import Visit
 from ovman.settings.benchmark import Mover
 from ovman.settings.config import load
 from ovman.sim import visit, walk
-from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import World
 from ovman.workflow.parameter import StageSettings, canonical
 from tests.episodes import DATA
 

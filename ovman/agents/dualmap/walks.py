@@ -33,10 +33,10 @@ from ovman.records.visit import Visit
 from ovman.settings import Settings
 from ovman.settings.networks import Perception
 from ovman.sim import walk
-from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
 from ovman.sim.walk import Frame, instances
+from ovman.sim.world import World
 from ovman.workflow.journal import digest
 from ovman.workflow.parameter import StageSettings
 

@@ -20,9 +20,9 @@ from ovman.env import measure_at_stop, prepare_world
 from ovman.records.episode import Episode, root_seed
 from ovman.records.record import Text
 from ovman.records.run import InstanceTerms, Terms
-from ovman.sim.change import World
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session, SimulatorError
+from ovman.sim.world import World
 from ovman_released.cow_episodes import runner_name
 
 ARM = "cow_released"

@@ -24,7 +24,7 @@ import yaml
 
 from ovman.atomic import clear_partials, partial_path, put, remove
 from ovman.perception.backprojection import Camera
-from ovman.sim.png import write_png
+from ovman.sim.images import write_png
 
 DATASET = "self_collected"
 DEPTH_SCALE = 1000.0
