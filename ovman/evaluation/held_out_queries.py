@@ -57,7 +57,7 @@ class Asked:
 def ask(episode: Episode, held_out: HeldOut) -> Asked:
     """A held-out sentence for an episode, drawn by its seed and id alone, and the parser's result."""
     draws = generator(episode.provenance.seed, "language", episode.id)
-    noun, sentence = held_out.drawn(episode.relation, episode.category, draws)
+    noun, sentence = held_out.draw(episode.relation, episode.category, draws)
     return Asked(episode.id, sentence, noun, episode.relation, parse(sentence))
 
 

@@ -1,20 +1,25 @@
 """Cues: the phrases of a sentence that tell which change relation is meant.
 
-Patterns are written in the notation of ``ovman.language.grammar``; X stands for the noun phrase. Of all patterns the longest
-match that begins at a word is taken, and what it covers is read as nothing else: "not moved" is no "moved", "new place" no "new".
+Of all patterns the longest match that begins at a word counts, and its words are not read again: "not moved" is not "moved", "new
+place" is not "new".
+
+A pattern is words separated by spaces; X stands for the noun phrase. "p | q" is either pattern within the brackets around them,
+"( p )"; "<name>" is the fragment of that name; "?" behind a word, a fragment or a closing bracket makes it optional, "*"
+repeats it. The order of alternatives does not matter. A pattern becomes a regular expression over words that each end with a
+space.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, auto
-
-from ovman.language.grammar import Grammar
+from functools import cache
 
 
 class Tag(Enum):
-    """What a phrase says of the thing, or of the time and the place that are asked for."""
+    """Meaning of a phrase for the thing, or for the time and the place that are asked for."""
 
     MOVED = auto()  # it stands elsewhere in the home
     MOVING = auto()
@@ -27,17 +32,17 @@ class Tag(Enum):
     NOW = auto()
     FROM = auto()
     TO = auto()
-    WAS_HERE = auto()  # it was in the home, and nothing says that it no longer is
-    ASIDE = auto()  # tells of other things, or what did not happen without telling what did
+    WAS_HERE = auto()  # it was in the home, and nothing says that it is gone
+    ASIDE = auto()  # about other things, or about what did not happen
 
 
 _FRAGMENTS: Mapping[str, str] = {
-    # Verbs that help, and what may stand among them.
+    # Auxiliary verbs and adverbs.
     "is": "is | are | 's",
     "was": "was | were",
     "has": "has | have | had | 's",
     "be": "am | be | been | being | <is> | <was>",
-    "aux": "<be> | <has> | having | do | does | did | will | would | can | could | get | gets | got | getting",
+    "aux": "<be> | has | have | had | having | do | does | did | will | would | can | could | get | gets | got | getting",
     "adv": """just | now | then | ever | even | yet | already | also | really | suddenly | somehow | meanwhile | since
         | all | once | again | currently | recently | apparently | only | simply | obviously | clearly | lately | quite
         | exactly | right | physically | actually | always | still | first | last | originally | initially | previously
@@ -46,7 +51,7 @@ _FRAGMENTS: Mapping[str, str] = {
     "mid": "( <aux> | <adv> )*",
     "not": "not | never",
     "nobody": "nobody | noone | none | no one | no person",
-    # Who and what.
+    # Persons and things.
     "the": "the | this | that | these | those | a | an | its | their | my | our | your | his | her",
     "person": "i | you | we | they | he | she | someone | somebody | people | anyone | anybody | everyone | everybody | who",
     "it": "<the>? ( X | one | ones | thing | things | object | item ) | it | they | them | he | she",
@@ -109,7 +114,7 @@ _FRAGMENTS: Mapping[str, str] = {
         | joined | ( popped | showed | shown | shows | turned | cropped | sprung | sprang ) up""",
     "seen": """see | seen | saw | notice | noticed | meet | met | encountered | encounter | spotted | spot | existed
         | exist | know | known | find | found | remember | have | had | observe | observed""",
-    # Other things, whose fate tells nothing.
+    # Other things, whose change says nothing.
     "others": """<the>? all? <the>? ( others | rest | everything else | all else | other ( X | ones | one | things
         | thing ) | another ( X | one )? | everything around it )""",
 }
@@ -249,9 +254,49 @@ class Cue:
     end: int
 
 
-def cues(said: Sequence[str]) -> tuple[Cue, ...]:
-    """The cues in the words of a sentence from left to right, none of which overlap. X among the words is the noun phrase."""
-    return tuple(Cue(frozenset(_PATTERNS[index][0]), start, end) for index, start, end in _GRAMMAR.matches(said))
+def find_cues(said: Sequence[str]) -> tuple[Cue, ...]:
+    """Find the cues in the words of a sentence from left to right, none of which overlap. X among the words is the noun phrase.
+
+    Of equally long matches the first pattern's counts.
+    """
+    found, start = [], 0
+    starts = [sum(len(word) + 1 for word in said[:at]) for at in range(len(said) + 1)]
+    text = "".join(f"{word} " for word in said)
+    while start < len(said):
+        longest, tags = start, frozenset[Tag]()
+        for of, pattern in _compiled_patterns():
+            # A match that `re` finds need not be the longest, so the ends are tried from the last one on.
+            ends = range(len(said), longest, -1) if pattern.match(text, starts[start]) else ()
+            longer = next((end for end in ends if pattern.fullmatch(text, starts[start], starts[end])), None)
+            if longer is not None:
+                longest, tags = longer, of
+        if longest > start:
+            found.append(Cue(tags, start, longest))
+        start = max(longest, start + 1)
+    return tuple(found)
 
 
-_GRAMMAR = Grammar(_FRAGMENTS, [pattern for _, pattern in _PATTERNS])
+@cache
+def _compiled_patterns() -> tuple[tuple[frozenset[Tag], re.Pattern[str]], ...]:
+    """Compile the patterns at the first use: it takes a second."""
+    return tuple((frozenset(tags), re.compile(to_regex(pattern, _FRAGMENTS))) for tags, pattern in _PATTERNS)
+
+
+def to_regex(pattern: str, fragments: Mapping[str, str]) -> str:
+    """Translate a pattern into a regular expression over words that each end with a space.
+
+    Raises:
+        KeyError: The pattern has an unknown fragment.
+    """
+    parts = []
+    for piece in pattern.replace("|", " | ").split():
+        body, suffix = (piece[:-1], piece[-1]) if piece[-1] in "?*" else (piece, "")
+        if body == "(":
+            parts.append("(?:")
+        elif body == ")" or piece == "|":
+            parts.append(piece)
+        elif body.startswith("<"):
+            parts.append(to_regex(fragments[body[1:-1]], fragments) + suffix)
+        else:
+            parts.append(f"(?:{re.escape(body)} ){suffix}")
+    return f"(?:{''.join(parts)})"

@@ -1,4 +1,4 @@
-"""Held-out surface forms for the evaluation of the parser, which was written without them."""
+"""Surface forms, and those that the parser is evaluated with, which was written without them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from ovman.language.forms import Form
+from ovman.language.noun import is_plural
 from ovman.language.sentence import RELATIONS
 from ovman.language.vocabulary import nouns
 
@@ -19,24 +19,42 @@ HELD_OUT = Path(__file__).with_name("held_out.yaml")
 
 
 @dataclass(frozen=True, slots=True)
+class Form:
+    """A sentence with one "{noun}" in it, for a singular and for a plural noun phrase. Raises ValueError for other braces."""
+
+    singular: str
+    plural: str
+
+    def __post_init__(self) -> None:
+        for text in (self.singular, self.plural):
+            if text.count("{noun}") != 1 or text.count("{") != 1 or text.count("}") != 1:
+                raise ValueError(f'a form has one "{{noun}}" and no other braces: {text!r}')
+
+    def fill(self, noun: str) -> str:
+        """Return the sentence about a noun phrase."""
+        return (self.plural if is_plural(noun) else self.singular).replace("{noun}", noun)
+
+
+@dataclass(frozen=True, slots=True)
 class HeldOut:
-    """origin: author of the forms and their knowledge of the parser, as a clause. forms: by the name of the relation."""
+    """Held-out forms by relation. origin: who wrote them, and what the author knew of the parser, as a clause."""
 
     origin: str
     forms: Mapping[str, tuple[Form, ...]]
 
-    def drawn(self, relation: str, category: str, generator: np.random.Generator) -> tuple[str, str]:
-        """(noun, sentence): a noun of the category and a form, each as likely as the others; the noun is one of ``nouns``."""
+    def draw(self, relation: str, category: str, generator: np.random.Generator) -> tuple[str, str]:
+        """Draw a noun of the category, one of `nouns`, and a sentence about it; nouns and forms are equally likely."""
         said = nouns(category)
         noun = said[int(generator.integers(len(said)))]
         forms = self.forms[relation]
-        return noun, forms[int(generator.integers(len(forms)))].of(noun)
+        return noun, forms[int(generator.integers(len(forms)))].fill(noun)
 
 
 def read_held_out(path: Path = HELD_OUT) -> HeldOut:
-    """The forms of a YAML file: "origin", and "forms" with a list for each relation, of texts or {"singular", "plural"}.
+    """Read a YAML file with "origin", and "forms" with a list per relation, of texts or {"singular", "plural"}.
 
-    Raises ValueError in one line that names the file, the key and the remedy.
+    Raises:
+        ValueError: One line that names the file, the key and the remedy.
     """
     with path.open(encoding="utf-8") as file:
         tree = yaml.safe_load(file)

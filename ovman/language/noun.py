@@ -1,4 +1,4 @@
-"""The noun of a category."""
+"""Nouns: the noun of a category, and the plural or singular of a noun phrase."""
 
 from __future__ import annotations
 
@@ -16,16 +16,20 @@ _SPOKEN = {
     "TableTopDecor": "table decoration",
 }
 
+# Of categories, and of synonyms by their last word.
 _PLURAL = frozenset({"blinds", "boots", "curtains"})
+_PLURAL_HEADS = frozenset({"drapes", "keys", "shades", "shelves", "shoes", "tissues"})
 
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+|[A-Z]+|[0-9]+")
 
 
 def noun(category: str) -> str:
-    """The noun phrase of an AI2-THOR category, without article: "HousePlant" -> "house plant", "TVStand" -> "TV stand".
+    """Return the noun phrase of an AI2-THOR category, without article: "HousePlant" -> "house plant", "TVStand" -> "TV stand".
 
     Works for any name in CamelCase; abbreviations keep their capitals. Distinct for the 118 categories of the iTHOR floor plans.
-    Raises ValueError for a name without letters.
+
+    Raises:
+        ValueError: The name has no letters.
     """
     if category in _SPOKEN:
         return _SPOKEN[category]
@@ -35,6 +39,39 @@ def noun(category: str) -> str:
     return " ".join(word if len(word) > 1 and word.isupper() else word.lower() for word in words)
 
 
-def is_plural(noun_phrase: str) -> bool:
-    """Whether one object goes by a plural noun: "the curtains were moved"."""
+def is_plural_category(noun_phrase: str) -> bool:
+    """Say whether one object of a category goes by a plural noun: "the curtains were moved"."""
     return noun_phrase in _PLURAL
+
+
+def is_plural(noun_phrase: str) -> bool:
+    """Say whether one object goes by a plural noun, synonyms included.
+
+    "The drapes were moved", but "the pair of boots was moved".
+    """
+    words = noun_phrase.split()
+    return "of" not in words and (words[-1] in _PLURAL_HEADS or is_plural_category(words[-1]))
+
+
+def other_number(noun_phrase: str) -> str:
+    """Return the plural of a singular noun phrase, or the singular of a plural one; its head is the word before "of" or "to".
+
+    >>> other_number("loaf of bread"), other_number("window blinds"), other_number("tap")
+    ('loaves of bread', 'window blind', 'taps')
+    """
+    words = noun_phrase.split()
+    head = next((k for k, word in enumerate(words) if word in ("of", "to")), len(words)) - 1
+    turned = _singular(words[head]) if is_plural(noun_phrase) else _plural(words[head])
+    return " ".join([*words[:head], turned, *words[head + 1 :]])
+
+
+def _plural(word: str) -> str:
+    if re.search(r"[^aeiou]y$", word):
+        return word[:-1] + "ies"
+    if word in ("knife", "loaf", "shelf", "bookshelf"):
+        return re.sub(r"fe?$", "ves", word)
+    return word + ("es" if re.search(r"(s|x|z|ch|sh)$", word) else "s")
+
+
+def _singular(word: str) -> str:
+    return "shelf" if word == "shelves" else word.removesuffix("s")

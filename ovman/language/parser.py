@@ -1,28 +1,33 @@
 """The parser: from a sentence to its noun phrase and change relation, or to the reason of a failure. It has no defaults.
 
-Whether a sentence asks for the thing or for its place is read off its structure: "the chair that is not where it was" is a thing,
-"where the chair was" a place. Which thing, or which place, the cues say (``ovman.language.cues``).
+The structure of a sentence says whether it asks for the thing or for its place: "the chair that is not where it was" is a thing,
+"where the chair was" a place. The cues say which thing or which place (`ovman.language.cues`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+import re
+import unicodedata
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import cache
+from types import MappingProxyType
 
-from ovman.language.cues import Cue, Tag, cues
-from ovman.language.words import Mention, mentions, words
+from ovman.language.cues import Cue, Tag, find_cues
+from ovman.language.noun import other_number
+from ovman.language.vocabulary import all_nouns
 
 
 class ParseFailure(StrEnum):
-    """Why a sentence names no query; the value is what records hold."""
+    """Why a sentence names no query; records hold the value."""
 
     NO_WORDS = "no_words"
     NO_NOUN = "no_noun"  # nothing is named
     UNKNOWN_NOUN = "unknown_noun"  # something is named that is not in the vocabulary
     AMBIGUOUS_NOUN = "ambiguous_noun"  # several things are named and none is the one that is asked for
-    NO_RELATION = "no_relation"  # nothing says what became of the thing
-    AMBIGUOUS_RELATION = "ambiguous_relation"  # what is said fits several relations, or contradicts itself
+    NO_RELATION = "no_relation"  # nothing says how the thing changed
+    AMBIGUOUS_RELATION = "ambiguous_relation"  # the sentence fits several relations, or contradicts itself
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,22 +39,91 @@ class Parsed:
 
 
 def parse(sentence: str) -> Parsed | ParseFailure:
-    """What a sentence asks for. Articles, case, punctuation and politeness do not matter; any noun of the vocabulary will
-    do."""
-    said = words(sentence)
+    """Parse a sentence. Articles, case, punctuation and politeness do not matter; any noun of the vocabulary will do."""
+    said = split_words(sentence)
     if not said:
         return ParseFailure.NO_WORDS
-    found = _referents(said, mentions(said))
+    found = _find_referents(said, find_mentions(said))
     if not found:
         return ParseFailure.UNKNOWN_NOUN if _names_something(said) else ParseFailure.NO_NOUN
     if len({mention.noun for mention in found}) > 1:
         return ParseFailure.AMBIGUOUS_NOUN
-    masked = _masked(said, found)
-    read = cues(masked)
+    masked = _mask(said, found)
+    read = find_cues(masked)
     if _is_part_of_another_noun(masked, read):
         return ParseFailure.UNKNOWN_NOUN
     relation = _relation(masked, read)
     return relation if isinstance(relation, ParseFailure) else Parsed(found[0].noun, relation)
+
+
+# Words and nouns --------------------------------------------------------------------------------------------------------------
+
+_NOT = re.compile(r"\b(is|are|was|were|has|have|had|do|does|did|would|could|should)(?:n't|nt)\b")
+_CONTRACTED = ((re.compile(r"\bwon'?t\b"), "will not"), (re.compile(r"\b(?:can't|cannot|cant)\b"), "can not")) + (
+    (_NOT, r"\1 not"),
+    (re.compile(r"\bain't\b"), "is not"),
+    (
+        re.compile(r"'(ve|re|ll|m|d)\b"),
+        lambda found: {"ve": " have", "re": " are", "ll": " will", "m": " am", "d": " would"}[found[1]],
+    ),
+    (re.compile(r"\b(it|there|that|where|what|who|he|she|here|let)'s\b"), r"\1 is"),
+    # After a noun "'s" is "is", "has" or a possessive; the words that follow tell which.
+    (re.compile(r"'s\b"), " 's"),
+    (re.compile(r"s'(?=\s|$)"), "s 's"),
+)
+
+
+def split_words(sentence: str) -> tuple[str, ...]:
+    """Return the words of a sentence. "The T.V. isn't Tom's!" -> ("the", "tv", "is", "not", "tom", "'s")."""
+    text = unicodedata.normalize("NFKC", sentence).casefold()
+    text = re.sub("[\u2018\u2019\u02bc`\u00b4]", "'", text)
+    text = re.sub(r"\b(?:[a-z]\.){2,}", lambda found: found[0].replace(".", ""), text)
+    for pattern, plain in _CONTRACTED:
+        text = pattern.sub(plain, text)
+    return tuple(re.findall(r"'s(?!\w)|\w+", text))
+
+
+@dataclass(frozen=True, slots=True)
+class Mention:
+    """A noun of the vocabulary in a sentence: its words are those from start up to end."""
+
+    noun: str
+    start: int
+    end: int
+
+
+def find_mentions(said: Sequence[str]) -> tuple[Mention, ...]:
+    """Find the nouns in the words of a sentence from left to right, the longest one if one is part of another.
+
+    Words may be joined or split ("houseplant", "arm chair") and the noun may be in the other number.
+    """
+    lexicon, longest = _lexicon()
+    mentions, start = [], 0
+    while start < len(said):
+        ends = range(min(start + longest, len(said)), start, -1)
+        spellings = ((joint.join(said[start:end]), end) for end in ends for joint in (" ", ""))
+        found = next((Mention(lexicon[spelling], start, end) for spelling, end in spellings if spelling in lexicon), None)
+        if found:
+            mentions.append(found)
+        start = found.end if found else start + 1
+    return tuple(mentions)
+
+
+@cache
+def _lexicon() -> tuple[Mapping[str, str], int]:
+    """Return the nouns by spelling, with and without spaces, and the greatest number of words that a noun is split into."""
+    nouns = all_nouns()
+    spelled: dict[str, str] = {}
+    # The vocabulary's own spellings ("washbasin" and "wash basin" are two of its nouns) take precedence over derived ones.
+    for joint in (" ", ""):
+        for said in (lambda noun: noun, other_number):
+            for noun in nouns:
+                spelled.setdefault(joint.join(split_words(said(noun))), noun)
+    # "footstool" may be said "foot stool", one word more than in the vocabulary.
+    return MappingProxyType(spelled), 1 + max(len(split_words(noun)) for noun in nouns)
+
+
+# Referents and relations ------------------------------------------------------------------------------------------------------
 
 
 def _set(text: str) -> frozenset[str]:
@@ -84,16 +158,18 @@ _STRONG = frozenset({Tag.MOVED, Tag.MOVING, Tag.STAYED, Tag.NEW, Tag.TAKEN})
 _OF_THE_THING = {Tag.MOVED: "moved", Tag.MOVING: "moving", Tag.STAYED: "stable", Tag.NEW: "appeared", Tag.TAKEN: "removed"}
 
 
-def _referents(said: Sequence[str], found: Sequence[Mention]) -> tuple[Mention, ...]:
-    """The mentions of the thing: those with a determiner where any has one ("to be safe, go to the chair"), no landmarks
-    ("the vase on the table")."""
+def _find_referents(said: Sequence[str], found: Sequence[Mention]) -> tuple[Mention, ...]:
+    """Return the mentions of the thing, without landmarks ("the vase on the table").
+
+    Mentions without a determiner count only if none has one ("to be safe, go to the chair").
+    """
     with_article = tuple(mention for mention in found if _determiner(said, mention.start) is not None) or tuple(found)
     landmarks = {mention for mention in with_article[1:] if _is_landmark(said, mention.start)}
     return tuple(mention for mention in with_article if mention not in landmarks)
 
 
 def _determiner(said: Sequence[str], start: int) -> int | None:
-    """The place of the determiner of the noun phrase whose noun begins at `start`, at most four words before it."""
+    """Return the place of the determiner of the noun that begins at `start`, with at most four words between them."""
     return next((k for k in range(start - 1, max(start - 6, -1), -1) if said[k] in _DETERMINERS), None)
 
 
@@ -105,14 +181,14 @@ def _is_landmark(said: Sequence[str], start: int) -> bool:
 
 
 def _names_something(said: Sequence[str]) -> bool:
-    """Whether a determiner is followed by a word that is neither of the grammar nor of a cue."""
-    cue = {k for found in cues(said) for k in range(found.start, found.end)}
+    """Say whether a determiner is followed by a word that is neither of the grammar nor of a cue."""
+    cue = {k for found in find_cues(said) for k in range(found.start, found.end)}
     beginnings = (k for k in range(1, len(said)) if said[k - 1] in _DETERMINERS - {"that", "which"})
     return any(k not in cue and said[k] not in _KNOWN | _MODIFIERS for k in beginnings)
 
 
-def _masked(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
-    """The words with X for each of the mentions."""
+def _mask(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
+    """Return the words with X for each of the mentions."""
     by_start = {mention.start: mention for mention in found}
     masked, at = [], 0
     while at < len(said):
@@ -122,7 +198,7 @@ def _masked(said: Sequence[str], found: Collection[Mention]) -> tuple[str, ...]:
 
 
 def _is_part_of_another_noun(masked: Sequence[str], read: Sequence[Cue]) -> bool:
-    """Whether X is one word of a compound that is not in the vocabulary: "the pool X", "the X leg that ..."."""
+    """Say whether X is one word of a compound that is not in the vocabulary: "the pool X", "the X leg that ..."."""
     cue = {k for found in read for k in range(found.start, found.end)}
 
     def strange(k: int) -> bool:
@@ -146,45 +222,47 @@ def _relation(masked: Sequence[str], read: Sequence[Cue]) -> str | ParseFailure:
     if strong - {Tag.MOVED, Tag.TAKEN} and len(strong) > 1:
         return ParseFailure.AMBIGUOUS_RELATION
     if goal is None:
-        return _of_thing(tags, strong)
-    return _of_place(masked, tags, strong, goal)
+        return _relation_of_thing(tags, strong)
+    return _relation_of_place(masked, tags, strong, goal)
 
 
-def _of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | ParseFailure:
-    """The relation of a sentence that asks for the thing itself."""
+def _relation_of_thing(tags: Collection[Tag], strong: Collection[Tag]) -> str | ParseFailure:
+    """Return the relation of a sentence that asks for the thing itself."""
     if len(strong) > 1:
         return ParseFailure.AMBIGUOUS_RELATION
     if strong:
         return _OF_THE_THING[next(iter(strong))]
-    # "The chair that used to be here" is in the home no more, or it would not be called so.
+    # "The chair that used to be here" is no longer in the home, or the sentence would not say so.
     return "removed" if Tag.WAS_HERE in tags else ParseFailure.NO_RELATION
 
 
-def _of_place(masked: Sequence[str], tags: frozenset[Tag], strong: frozenset[Tag], goal: Tag) -> str | ParseFailure:
-    """The relation of a sentence that asks for a place; goal: WHERE ("where the chair ...") or PLACE ("the spot of the
-    chair")."""
+def _relation_of_place(masked: Sequence[str], tags: frozenset[Tag], strong: frozenset[Tag], goal: Tag) -> str | ParseFailure:
+    """Return the relation of a sentence that asks for a place.
+
+    goal: WHERE ("where the chair ...") or PLACE ("the spot of the chair").
+    """
     past = bool({Tag.PAST, Tag.FROM, Tag.WAS_HERE} & set(tags))
-    # Whatever was taken away is in no other place, so "moved" beside it is the same event.
+    # A thing that was taken away is in no other place, so "moved" next to "taken" is the same event.
     if Tag.TAKEN in strong:
         return "removed"
     if strong - {Tag.MOVED}:
-        # Where a thing was that is new, or has not moved, is no place that any relation asks for.
+        # No relation asks for the former place of a thing that is new or has not moved.
         return ParseFailure.AMBIGUOUS_RELATION if past else _OF_THE_THING[next(iter(strong))]
     if past:
         return "former"
     if goal is Tag.WHERE:
         return "moved" if Tag.MOVED in strong or Tag.NOW in tags else ParseFailure.NO_RELATION
     if Tag.MOVED in strong and Tag.TO not in tags:
-        # "The place of the chair that was moved" may be either end of its way.
+        # "The place of the chair that was moved" may be either end of its path.
         return ParseFailure.AMBIGUOUS_RELATION
     return "moved" if strong or Tag.NOW in tags else ParseFailure.NO_RELATION
 
 
 def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
-    """WHERE or PLACE if the sentence asks for a place, None if for the thing.
+    """Return WHERE or PLACE if the sentence asks for a place, None if for the thing.
 
-    It asks for what stands first behind the last imperative that has an object of its own ("... was moved; go to where it
-    was"), or first in the sentence.
+    The goal is the first phrase after the last imperative that has an object of its own ("... was moved; go to where it was"),
+    or the first phrase of the sentence.
     """
     inside = {k for cue in read for k in range(cue.start, cue.end)}
     heads: list[tuple[int, Tag | None]] = [
@@ -197,7 +275,7 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     if not heads:
         return None
     goal = heads[0][1]
-    orders = [k for k, word in enumerate(masked) if word in _IMPERATIVES and k not in inside and _orders(masked, k)]
+    orders = [k for k, word in enumerate(masked) if word in _IMPERATIVES and k not in inside and _is_order(masked, k)]
     for order in orders:
         following = next((head for head in heads if head[0] > order), None)
         if following and following[0] - order <= 8 and not any(order < other < following[0] for other in orders):
@@ -205,20 +283,20 @@ def _goal(masked: Sequence[str], read: Sequence[Cue]) -> Tag | None:
     return goal
 
 
-def _orders(masked: Sequence[str], k: int) -> bool:
-    """Whether the verb at `k` is an imperative and not "someone's move"."""
+def _is_order(masked: Sequence[str], k: int) -> bool:
+    """Say whether the verb at `k` is an imperative and not "someone's move"."""
     return masked[k] != "move" or k == 0 or masked[k - 1] in _OPENING
 
 
 def _leads(masked: Sequence[str], cue: Cue, tag: Tag) -> bool:
-    """Whether the phrase of a place is one that is asked for: "where is the chair" asks for the chair."""
+    """Say whether the sentence asks for the place of a phrase: "where is the chair" asks for the chair instead."""
     if tag is Tag.PLACE:
         return True
     after = masked[cue.end : cue.end + 1]
-    # What the question asks of the past it asks of the place: "where was the chair".
+    # A question about the past asks for the place: "where was the chair".
     return after not in (("is",), ("are",), ("'s",)) and masked[cue.end : cue.end + 2] != ("can", "i")
 
 
 def _owns_place(masked: Sequence[str], k: int, read: Sequence[Cue]) -> bool:
-    """Whether X at `k` only says whose place it is: "the chair's old spot"."""
+    """Say whether X at `k` only says whose place it is: "the chair's old spot"."""
     return masked[k + 1 : k + 2] == ("'s",) and any(k + 1 < cue.start <= k + 4 and Tag.PLACE in cue.tags for cue in read)

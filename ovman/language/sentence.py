@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ovman.language.noun import is_plural
+from ovman.language.noun import is_plural_category
 
-# (singular, plural). A thing that was moved is still in the home, one that was taken away left nothing but its place: FORMER and
-# REMOVED differ in their words, though either asks for where the thing was in the first visit.
+# (singular, plural). A thing that was moved is still in the home; one that was taken away left only its place. FORMER and REMOVED
+# differ in their words, though both ask for where the thing was in the first visit.
 _FORMS: dict[str, tuple[str, str]] = {
     "moved": ("go to the {noun} that was moved", "go to the {noun} that were moved"),
     "former": ("go to where the {noun} used to be", "go to where the {noun} used to be"),
@@ -19,13 +19,19 @@ RELATIONS: tuple[str, ...] = tuple(_FORMS)
 
 
 def sentence(relation: str, noun: str) -> str:
-    """The canonical surface form of a query: ("former", "vase") -> "go to where the vase used to be".
+    """Return the canonical surface form of a query: ("former", "vase") -> "go to where the vase used to be".
 
-    relation: a change relation by its name; noun: a noun phrase as ``ovman.language.noun.noun`` gives it. No two pairs share a
-    sentence. Raises ValueError for an unknown relation or an empty noun.
+    No two pairs share a sentence.
+
+    Args:
+        relation: The name of a change relation.
+        noun: A noun phrase as `ovman.language.noun.noun` gives it.
+
+    Raises:
+        ValueError: An unknown relation or an empty noun.
     """
     if relation not in _FORMS:
         raise ValueError(f"{relation!r} is not a change relation; the relations are {', '.join(_FORMS)}")
     if not noun.strip():
         raise ValueError("the noun of a sentence is empty")
-    return _FORMS[relation][is_plural(noun)].format(noun=noun)
+    return _FORMS[relation][is_plural_category(noun)].format(noun=noun)

@@ -130,10 +130,10 @@ SYNONYMS: Mapping[str, tuple[str, ...]] = {
 
 
 def nouns(category: str) -> tuple[str, ...]:
-    """All nouns of an AI2-THOR category without article, the one of ``noun`` first."""
+    """Return all nouns of an AI2-THOR category without article, the one of `noun` first."""
     return (noun(category), *SYNONYMS.get(category, ()))
 
 
 def all_nouns() -> tuple[str, ...]:
-    """Every noun of the vocabulary once: what ``nouns`` gives for all categories of the iTHOR floor plans."""
+    """Return every noun of the vocabulary once: `nouns` of all categories of the iTHOR floor plans."""
     return tuple(dict.fromkeys(phrase for category in (*SYNONYMS, "Floor") for phrase in nouns(category)))

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.language.forms import FORMS
 from ovman.language.held_out import read_held_out
+from ovman.language.parser import split_words
 from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import nouns
-from ovman.language.words import words
 from ovman.seeds import generator
+from tests.language.forms import FORMS
 
 FORMS_PER_RELATION = 12
 
@@ -27,7 +27,7 @@ def test_there_are_enough_forms_for_every_relation_and_it_is_said_where_they_are
 
 def test_no_form_is_one_of_the_vocabulary_or_of_two_relations(held_out):
     def plain(text: str) -> tuple[str, ...]:
-        return words(text.replace("{noun}", "chair"))
+        return split_words(text.replace("{noun}", "chair"))
 
     known = {plain(text) for forms in FORMS.values() for form in forms for text in (form.singular, form.plural)}
     known |= {plain(sentence(relation, "chair")) for relation in RELATIONS}
@@ -37,8 +37,8 @@ def test_no_form_is_one_of_the_vocabulary_or_of_two_relations(held_out):
 
 
 def test_a_draw_is_by_seed_and_reaches_every_noun_and_form(held_out):
-    draws = [held_out.drawn("moved", "Sofa", generator(0, "test", k)) for k in range(600)]
-    assert draws == [held_out.drawn("moved", "Sofa", generator(0, "test", k)) for k in range(600)]
+    draws = [held_out.draw("moved", "Sofa", generator(0, "test", k)) for k in range(600)]
+    assert draws == [held_out.draw("moved", "Sofa", generator(0, "test", k)) for k in range(600)]
     assert {noun for noun, _ in draws} == set(nouns("Sofa"))
     assert len({text.replace(noun, "{noun}") for noun, text in draws}) == len(held_out.forms["moved"])
 

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from ovman.language.noun import is_plural, noun
+from ovman.language.noun import is_plural_category, noun
 from ovman_engine.plan import floorplan
 
 
@@ -36,4 +36,4 @@ def test_a_name_without_letters_is_refused(name):
 
 
 def test_plural_nouns_are_those_of_the_floor_plans(categories):
-    assert {category for category in categories if is_plural(noun(category))} == {"Blinds", "Boots", "Curtains"}
+    assert {category for category in categories if is_plural_category(noun(category))} == {"Blinds", "Boots", "Curtains"}

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import string
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.language.forms import FORMS, drawn, sentences
+from ovman.language import cues
+from ovman.language.cues import find_cues, to_regex
 from ovman.language.parser import Parsed, ParseFailure, parse
 from ovman.language.sentence import RELATIONS, sentence
 from ovman.language.vocabulary import all_nouns, nouns
-from ovman.seeds import generator
 from ovman_engine.plan import floorplan
+from tests.language.forms import FORMS, sentences
 
 QUERIES = st.tuples(st.sampled_from(RELATIONS), st.sampled_from(all_nouns()))
 FORM = st.integers(min_value=0, max_value=min(map(len, FORMS.values())))
@@ -110,14 +112,43 @@ def test_structure_counts_and_not_single_words(said, noun, relation):
     assert parse(said) == Parsed(noun, relation)
 
 
-def test_sentences_are_drawn_from_all_forms_and_by_seed_alone():
-    every = sentences("former", "vase")
-    draws = [drawn("former", "vase", generator(0, "language", k)) for k in range(200)]
-    assert set(draws) == set(every)
-    assert draws == [drawn("former", "vase", generator(0, "language", k)) for k in range(200)]
-    assert every[0] == sentence("former", "vase")
-
-
 def test_no_form_belongs_to_two_relations():
     said = [text for relation in RELATIONS for text in sentences(relation, "chair")]
     assert len(set(said)) == len(said)
+
+
+@pytest.mark.parametrize(("pattern", "said", "whole"), [
+    ("<was> moved", "was moved", True),
+    ("<was> <adv>* moved", "was really just moved", True),
+    ("a b?", "a", True),
+    ("( a | a b ) b?", "a b b", True),
+    ("( a b )* c", "a b a c", False),
+    ("a | b c", "b c", True),
+    ("( a? )* b", "a a b", True),
+    ("moved", "removed", False),
+])  # fmt: skip
+def test_patterns_match_whole_words(pattern, said, whole):
+    regex = to_regex(pattern, {"was": "was | were", "adv": "really | just"})
+    assert bool(re.fullmatch(regex, "".join(f"{word} " for word in said.split()))) is whole
+
+
+def test_an_unknown_fragment_is_refused():
+    with pytest.raises(KeyError):
+        to_regex("<none>", {})
+
+
+def test_the_longest_cue_counts_and_cues_do_not_overlap():
+    said = ["the", "X", "that", "was", "not", "moved", "is", "in", "a", "new", "place", "now"]
+    found = find_cues(said)
+    assert [(one.start, one.end) for one in found if cues.Tag.STAYED in one.tags] == [(3, 6)]
+    assert not any(cues.Tag.NEW in one.tags for one in found), "a new place is not a new thing"
+    assert all(one.end <= other.start for one, other in zip(found, found[1:], strict=False))
+
+
+def test_repeated_words_take_no_time():
+    assert find_cues([*(["'s", "just", "still", "is", "not"] * 30), "moved"])[-1].end == 151
+
+
+def test_every_fragment_of_the_cues_is_used():
+    patterns = [*cues._FRAGMENTS.values(), *(pattern for _, pattern in cues._PATTERNS)]
+    assert set(cues._FRAGMENTS) == {name for pattern in patterns for name in re.findall(r"<(\w+)>", pattern)}

@@ -1,31 +1,11 @@
-"""Surface forms of the six relations: what people say when they send a robot to a thing that changed, or to where it was."""
+"""Surface forms that the parser was written with: what people say when they send a robot to a thing that changed."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
-import numpy as np
-
-from ovman.language.number import is_plural
+from ovman.language.held_out import Form
 from ovman.language.sentence import sentence
-
-
-@dataclass(frozen=True, slots=True)
-class Form:
-    """A sentence with one "{noun}" in it, for a singular and for a plural noun phrase. Raises ValueError without a "{noun}"."""
-
-    singular: str
-    plural: str
-
-    def __post_init__(self) -> None:
-        for text in (self.singular, self.plural):
-            if text.count("{noun}") != 1 or text.count("{") != 1 or text.count("}") != 1:
-                raise ValueError(f'a form has one "{{noun}}" and no other braces: {text!r}')
-
-    def of(self, noun: str) -> str:
-        """The sentence about a noun phrase."""
-        return (self.plural if is_plural(noun) else self.singular).replace("{noun}", noun)
 
 
 def _both(text: str) -> Form:
@@ -124,18 +104,9 @@ FORMS: Mapping[str, tuple[Form, ...]] = {
         Form("which {noun} is missing? Go to where it was", "which {noun} are missing? Go to where they were"),
     ),
 }
-"""Beside the canonical form of ``ovman.language.sentence``, by the name of the relation."""
+"""Next to the canonical form of `ovman.language.sentence`, by the name of the relation."""
 
 
 def sentences(relation: str, noun: str) -> tuple[str, ...]:
-    """Every sentence of the vocabulary for a query, the canonical one first; relation and noun as ``sentence`` takes them.
-
-    Raises ValueError for an unknown relation or an empty noun.
-    """
-    return (sentence(relation, noun), *(form.of(noun) for form in FORMS[relation]))
-
-
-def drawn(relation: str, noun: str, generator: np.random.Generator) -> str:
-    """One of ``sentences``, each as likely; the same for a generator in the same state."""
-    choices = sentences(relation, noun)
-    return choices[int(generator.integers(len(choices)))]
+    """Every sentence of a query, the canonical one first."""
+    return (sentence(relation, noun), *(form.fill(noun) for form in FORMS[relation]))
