@@ -45,7 +45,7 @@ def no_words_beat_every_agent(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "And so it does where agents drive.",
+    "The same control beats every agent when all navigate.",
     holds_if="its success rate is higher than that of every agent, and under every seed the exact p against the reference agent "
     "is below 0.001",
 )
@@ -126,7 +126,7 @@ def deciding_last_beats_the_reference(here: Evidence) -> bool:
 
 
 @JOINT.statement(
-    "And so it is where agents drive, by at least 0.12.",
+    "The joint agent is ahead of the reference agent by at least 0.12 when both navigate.",
     holds_if="its success rate is higher by at least 0.12, and under every seed the exact p is below 0.001",
 )
 def deciding_last_beats_the_reference_driving(here: Evidence) -> bool:
@@ -137,8 +137,8 @@ def deciding_last_beats_the_reference_driving(here: Evidence) -> bool:
 
 
 @JOINT.statement(
-    "On the paper's own split what changed is so plain that an agent which sees it does nearly as well without the noun; where "
-    "other things change as well, the noun decides.",
+    "On the paper's own split the change is so plain that an agent which sees it does nearly as well without the noun. If other "
+    "things change as well, the noun decides.",
     holds_if="without the noun its rate falls by less than 0.1 on main, and by more than 0.25 on everyday",
 )
 def the_noun_decides_on_everyday_alone(here: Evidence) -> bool:
@@ -151,7 +151,7 @@ def the_noun_decides_on_everyday_alone(here: Evidence) -> bool:
 
 
 @JOINT.statement(
-    "On the paper's own split it is ahead of the control that reads no word.",
+    "On the paper's own split the joint agent is ahead of the control that reads no word.",
     holds_if="its rate is higher, and the exact p is below 0.05",
 )
 def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
@@ -163,8 +163,8 @@ def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        It is ahead by what the control gives away: on STABLE nothing differs, and it has {stable} there against {depth_stable}.
-        On the other relations one thing changes, and an agent that sees it is right; none can be far ahead.
+        Its lead comes from STABLE, where nothing differs: it reaches {stable} there, the control {depth_stable}. On the other
+        relations one thing changes, and an agent that sees this change is right, so neither can be far ahead.
         """,
         given=last > depth and stable > depth_stable,
     )
@@ -172,7 +172,8 @@ def deciding_last_beats_the_control_without_words(here: Evidence) -> bool:
 
 
 @JOINT.statement(
-    "Where instances of one category change in several ways, it finds the one that appeared more often than two times in five.",
+    "Where instances of one category change in several ways, the joint agent finds the one that appeared in more than two of "
+    "five episodes.",
     holds_if="its rate on APPEARED of multi is above 0.4",
 )
 def appeared_is_told_from_moved(here: Evidence) -> bool:
@@ -184,9 +185,9 @@ def appeared_is_told_from_moved(here: Evidence) -> bool:
         FAILS,
         f"""
         In all 19 episodes of APPEARED that it fails on multi it answers the place of another instance of the category that
-        changed: the noun and the change are found, and which of two look-alikes came from nowhere is not. With true positions,
-        and so with names and changes free of error, the rules of association find 11 of 29. The features of the encoder tell an
-        instance from another one of its category, where places do not help, with an AUROC of {apart}.
+        changed: it finds the noun and the change, but not which of two similar instances is new. With oracle positions, and so
+        without errors in names and changes, the rules of association find 11 of 29. The features of the encoder tell an instance
+        from another one of its category, where places do not help, with an AUROC of {apart}.
         """,
         given=last <= 0.4 and apart < 0.6,
         episodes=(

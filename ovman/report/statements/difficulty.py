@@ -18,7 +18,7 @@ def positions_solve_it(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "Handing the grounding over does not hurt.",
+    "Oracle grounding does not hurt.",
     holds_if="the rate with oracle grounding is at least that with the agent's own",
     readings=GROUNDING,
 )
@@ -27,8 +27,8 @@ def grounding_helps(here: Evidence) -> bool:
     here.explain(
         SOME,
         f"""
-        By majority success is {handed} instead of {own}: an object in which the target's detections are fewer than its
-        neighbours' is no candidate any more, while the mean of its features can still be similar enough to the noun.
+        By majority success is {handed} instead of {own}: an object with fewer detections of the target than of its neighbours is
+        not a candidate, although the mean of its features can be similar enough to the noun.
         """,
         under=("any", "nearest"),
         given=handed < own,
@@ -37,7 +37,7 @@ def grounding_helps(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "What the handover of grounding gains is not significant.",
+    "The gain from oracle grounding is not significant.",
     holds_if="the exact p is at least 0.05",
     readings=GROUNDING,
 )
@@ -51,9 +51,10 @@ def grounding_is_not_significant(here: Evidence) -> bool:
         SOME,
         f"""
         By majority {wins} episodes are gained and {losses} lost (the paper: {here.quote("handover_wins", COUNT)} and
-        {here.quote("handover_losses", COUNT)}); in neither is the difference significant, since knowing the names does not part
-        what the map has joined. The other readings forgive the map as well: an object with one detection of the target, or one
-        within a metre of it, is handed over although most of it is something else. By them success is {by_any} and {by_nearest}.
+        {here.quote("handover_losses", COUNT)}); neither difference is significant, since true names do not separate instances
+        that the map has joined. The other readings also forgive faults of the map: they give the agent an object with one
+        detection of the target, or one within a metre of it, although most of it is something else. Under them success is
+        {by_any} and {by_nearest}.
         """,
         under=("majority",),
     )
@@ -74,11 +75,11 @@ def mapping_is_the_largest_rung(here: Evidence) -> bool:
     here.explain(
         SOME,
         f"""
-        The reading decides what counts as a fault of the map. By majority only the names are handed over, and mapping costs
-        {mapping} (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
-        detection, false pairs. To hand over every object with one right detection leaves {positions - by_any:difference} to
-        mapping, still the largest rung. By the nearest object the handover passes over nearly all of these faults (success
-        {by_nearest} of {here.measure(positions)} with positions), and the rung of grounding takes them in.
+        The reading decides what counts as a fault of the map. By majority only the names are given, and mapping costs {mapping}
+        (the paper: {here.quote("rung_mapping", DIFFERENCE)}): objects that hold a neighbour's detections, targets in no
+        detection, false pairs. Giving every object with one right detection leaves {positions - by_any:difference} to mapping,
+        still the largest rung. The nearest object hides nearly all of these faults (success {by_nearest} of
+        {here.measure(positions)} with positions), and the rung of grounding includes them.
         """,
         under=("any", "majority"),
         given=mapping > 0 and by_any < by_nearest,
@@ -87,7 +88,7 @@ def mapping_is_the_largest_rung(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "Selecting the answer, once positions are known, costs next to nothing.",
+    "Selecting the answer, once positions are known, costs almost nothing.",
     holds_if="it costs at most 0.02",
 )
 def selection_is_free(here: Evidence) -> bool:
@@ -107,7 +108,7 @@ def selection_is_free(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "With oracle positions, executing the plan costs next to nothing.",
+    "With oracle positions, executing the plan costs almost nothing.",
     holds_if="static minus embodied success is at most 0.02",
 )
 def navigation_is_free(here: Evidence) -> bool:
@@ -135,7 +136,7 @@ def embodied_is_near_static(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "Navigating wins more episodes than it loses, since the stop test accepts what is near the object's box.",
+    "Navigating wins more episodes than it loses, since the stop test accepts places near the object's box.",
     holds_if="more runs are gained than lost",
 )
 def embodied_exceeds_static(here: Evidence) -> bool:
@@ -150,7 +151,7 @@ def embodied_exceeds_static(here: Evidence) -> bool:
     "answer; mostly on MOVING and STABLE.",
     holds_if="more than half of the runs gained are rescued, and more than half of the rescued are of the two relations",
 )
-def rescued_beside_the_box(here: Evidence) -> bool:
+def rescued_next_to_the_box(here: Evidence) -> bool:
     rows, on_moving, on_stable = (
         here.rows("rescued", arm="embodied.two", relation=relation) for relation in ("all", "moving", "stable")
     )

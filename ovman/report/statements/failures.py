@@ -29,7 +29,7 @@ def wrong_instances_are_rare(here: Evidence) -> bool:
     return wrong <= 0.05 * here.use("of episodes", episodes, COUNT, "taxonomy.episodes.all")
 
 
-@GROUP.statement("Abstaining is the commonest failure.", holds_if="no other kind of failure is commoner")
+@GROUP.statement("Abstaining is the most common failure.", holds_if="no other kind of failure is more common")
 def abstaining_is_the_commonest_failure(here: Evidence) -> bool:
     abstain, elsewhere, near_miss, wrong_instance = (
         _use_outcome(here, verdict) for verdict in ("abstain", "elsewhere", "near_miss", "wrong_instance")
@@ -75,8 +75,8 @@ def appeared_and_removed_abstain_most(here: Evidence) -> bool:
         FAILS,
         f"""
         MOVING abstains more often than both ({moving}), and has no fallback either: its rule asks for an object of the second
-        visit that is matched with none of the first. A mover comes {median} away between the visits, less than gamma ({gate}), so
-        that it is matched with where it stood.
+        visit without a match in the first. A mover moves {median} between the visits (median), less than gamma ({gate}), so it is
+        matched with its former place.
         """,
         given=moving > least and median < gate,
     )
@@ -93,8 +93,8 @@ def stable_is_the_weakest(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        STABLE is weak for the paper's reason, and MOVING is as weak ({moving} and {stable}): its rule finds nothing where a mover
-        has gone less than gamma (statement {here.number("two_beat_one_moving")}).
+        STABLE is weak for the paper's reason, and MOVING is as weak ({moving} and {stable}): its rule finds nothing if a mover
+        moved less than gamma (statement {here.number("two_beat_one_moving")}).
         """,
         given=moving <= stable < min(rate for relation, rate in rates.items() if relation != "moving"),
     )
@@ -114,9 +114,9 @@ def stable_fails_ungrounded(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        A missing target makes the wrong pair likelier ({missing} of {of_missing} against {grounded} of {of_grounded}), as the
-        paper says, but more targets are grounded than missing, so that half of the wrong pairs are a steadier one beside a target
-        that was there.
+        A missing target makes the wrong pair more likely ({missing} of {of_missing} against {grounded} of {of_grounded}), as the
+        paper says. But more targets are grounded than missing, so in half of the wrong answers the target was grounded and
+        another pair was steadier.
         """,
         given=missing * of_grounded > grounded * of_missing,
     )
@@ -133,7 +133,7 @@ def movers_fall_apart(here: Evidence) -> bool:
         return here.use(label, here.rows("fragments", relation=relation).one("objects"), EXPECTED)
 
     share = here.use("share of movers in several", here.rows("fragments", relation="moving").one("several / seen"))
-    moving = use("clusters a target, MOVING", "moving")
+    moving = use("clusters per target, MOVING", "moving")
     others = [use(relation.upper(), relation) for relation in RELATIONS if relation != "moving"]
     return share > 0.5 and moving > max(others)
 
@@ -142,15 +142,15 @@ def movers_fall_apart(here: Evidence) -> bool:
 def gate_hardly_matters(here: Evidence) -> bool:
     rows = here.rows("gate_sweep")
     highest, lowest = here.use("highest success", rows.highest("success")), here.use("lowest", rows.lowest("success"))
-    span = here.use("span", derive(highest - lowest, "highest - lowest", highest, lowest), DIFFERENCE, "gate_span")
+    span = here.use("span", derive(highest - lowest, "highest − lowest", highest, lowest), DIFFERENCE, "gate_span")
     least_m = here.show("from gate", rows.lowest("gate_m"), METRES, "gate_least_m")
     greatest_m = here.show("to gate", rows.highest("gate_m"), METRES, "gate_greatest_m")
     here.explain(
         FAILS,
         f"""
         Success falls steadily as the gate widens, and most above Delta_min: a displaced instance is then matched with itself or
-        with its neighbour, and what FORMER, APPEARED and REMOVED look for, something unmatched, is gone. The gate in force is not
-        the best of the range: {lowest} at {greatest_m}, {highest} at {least_m}. More of the answers here come from unmatched
+        with its neighbour, and FORMER, APPEARED and REMOVED, which look for an unmatched object, find none. The gate in force is
+        not the best of the range: {lowest} at {greatest_m}, {highest} at {least_m}. More of the answers here come from unmatched
         objects than in the paper, whose REMOVED is {here.quote("static.two.removed")}.
         """,
     )
@@ -225,10 +225,10 @@ def grounding_lifts_every_scene(here: Evidence) -> bool:
     here.explain(
         SOME,
         f"""
-        By majority the handover hurts where the map has joined instances (statement {here.number("grounding_helps")}). In the
+        By majority oracle grounding hurts where the map has joined instances (statement {here.number("grounding_helps")}). In the
         worst scene, FloorPlan216, ten of the 11 episodes ask for statues and side tables of up to three instances; majority
-        answers none of the 11, one detection suffices for eight, the nearest object for all. With one detection a single scene
-        stays below a half, FloorPlan204 with two of six.
+        answers none of the 11, one detection answers eight, the nearest object all. With one detection a single scene stays below
+        one half, FloorPlan204 with two of six.
         """,
         under=("nearest",),
         given=worst < 0.1,
@@ -281,9 +281,9 @@ def cues_carry_a_weak_signal(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        The engine paints every instance in a colour of its own, so that the histogram alone has an AUROC of {histogram} over all
-        pairs and {alone("apart", "histogram")} over those that are apart; the features of the encoder have {clip} and
-        {alone("apart", "clip")}. A share of the signal is thus the engine's. It changes next to no answer (statement
+        The engine gives every instance a different colour, so the histogram alone has an AUROC of {histogram} over all pairs and
+        {alone("apart", "histogram")} over those that are apart; the features of the encoder have {clip} and
+        {alone("apart", "clip")}. Part of the signal thus comes from the engine. It changes almost no answer (statement
         {here.number("appearance_does_not_close_it")}), since distance decides before appearance does.
         """,
         given=histogram > clip,

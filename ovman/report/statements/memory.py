@@ -62,9 +62,9 @@ def two_beat_one_moving(here: Evidence) -> bool:
         f"""
         Two visits answer {two} (the paper: {here.quote("static.two.moving")}); one visit is expected to answer {one} (the paper:
         {here.quote("static.one.moving")}), because a mover is seen at many places, and a pick among these is seldom far off:
-        between the visits it comes {median} away, and in {within} of the episodes no farther than R. For the same reason two
-        visits mostly abstain where they fail ({abstained} of {n}): the rule looks for an object that no object of the first visit
-        is matched with, and what has gone less than gamma is matched with itself.
+        between the visits it moves {median} (median), and in {within} of the episodes at most R. For the same reason two visits
+        mostly abstain when they fail ({abstained} of {n} episodes): the rule looks for an object without a match in the first
+        visit, and an object that moved less than gamma is matched with itself.
         """,
         given=one > 0.2 and 2 * abstained > n * (1 - two),
     )
@@ -82,11 +82,11 @@ def appeared_is_marginal(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        {two} where one visit is expected to answer {one}. What has appeared has no fallback, so all depends on one unmatched
-        cluster, and these maps have few others. The networks were trained on pictures of the same engine, with the nouns of the
-        same vocabulary: of the detections that are right, {top1} have the right category first. A target falls into {objects}
-        objects of its map, so that what stayed is matched and what is left over is new. The paper's networks were not trained on
-        its simulator; AI2-THOR's depth and poses are as exact as these.
+        Two visits reach {two}; one visit is expected to reach {one}. The rule of APPEARED has no fallback, so it depends on one
+        unmatched cluster, and these maps have few others. The networks were trained on pictures of the same engine, with the
+        nouns of the same vocabulary: {top1} of the right detections rank the right category first. A target falls into {objects}
+        objects of its map, so objects that stayed are matched and an unmatched object is new. The paper's networks were not
+        trained on its simulator; AI2-THOR's depth and poses are as exact as these.
         """,
         given=two > one and top1 > 0.5 and objects < 2,
     )
@@ -94,7 +94,7 @@ def appeared_is_marginal(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "On STABLE, which a single visit can in principle read off, a second visit buys nothing significant.",
+    "On STABLE, which a single visit can in principle read off, a second visit gains nothing significant.",
     holds_if="the corrected p is at least 0.05",
 )
 def stable_gains_nothing(here: Evidence) -> bool:
@@ -133,10 +133,10 @@ def same_maps_read_twice(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        One map picks among all places at which it has seen the category, the vacated one among them; that answers {one_former} of
+        One map picks among all places at which it has seen the category, including the vacated one; that answers {one_former} of
         FORMER and {one_removed} of REMOVED (the paper: {here.quote("static.grounding_one.former")} and
-        {here.quote("static.grounding_one.removed")}). Two visits say which of them is left over, and they can where the maps are
-        clean: a target of FORMER falls into {objects} objects of its map here. The paper does not print how many its maps have.
+        {here.quote("static.grounding_one.removed")}). Two visits tell which place has no match, if the maps are clean: a target
+        of FORMER falls into {objects} objects of its map here. The paper does not print this number for its maps.
         """,
         given=gain > 0.05 and objects < 2,
     )
@@ -178,7 +178,7 @@ def only_removed_survives_embodied(here: Evidence) -> bool:
         f"""
         More relations survive than REMOVED. On the static gate, too, two visits gain more over one than in the paper (statements
         {here.number("two_beat_one_removed")}, {here.number("two_beat_one_former")} and {here.number("two_beat_one_moved")}), and
-        driving there takes little of it (statement {here.number("embodied_is_near_static")}).
+        navigating loses little of this gain (statement {here.number("embodied_is_near_static")}).
         """,
     )
     return p.pop("removed") < 0.05 <= min(p.values())
@@ -197,17 +197,23 @@ def ahead_under_every_seed(here: Evidence) -> bool:
 
     two, one = use("two", "two visits"), use("one", "one visit")
     margins = [float(of_two - of_one) for of_two, of_one in zip(two, one, strict=True)]
-    source = "[two_0 - one_0, two_1 - one_1, two_2 - one_2]"
-    least = here.show("least margin", derive(min(margins), f"{source} | min", *two, *one), DIFFERENCE, "embodied_margin_least")
-    here.show("greatest margin", derive(max(margins), f"{source} | max", *two, *one), DIFFERENCE, "embodied_margin_greatest")
+    least = here.show(
+        "least margin", derive(min(margins), "least of the differences per seed", *two, *one), DIFFERENCE, "embodied_margin_least"
+    )
+    here.show(
+        "greatest margin",
+        derive(max(margins), "greatest of the differences per seed", *two, *one),
+        DIFFERENCE,
+        "embodied_margin_greatest",
+    )
     every_seed = here.rows("navigation", arm="embodied.one")
     spread = here.measure(every_seed.highest("sr") - every_seed.lowest("sr"), DIFFERENCE)
     here.explain(
         FAILS,
         f"""
-        The lead is there under every seed, {least} at least. What spreads by more than the 0.05 of this test is the agent with
-        one visit: it draws one of its candidates a seed, and its best and its worst seed lie {spread} apart. The agent with two
-        visits draws nothing.
+        Two visits lead under every seed, by {least} at least. The agent with one visit spreads by more than the 0.05 of this
+        test: it draws one of its candidates per seed, and its best and worst seeds lie {spread} apart. The agent with two visits
+        draws nothing.
         """,
         given=least > 0 and spread > 0.05,
     )

@@ -35,10 +35,10 @@ def vacated_places_are_out_of_reach(here: Evidence) -> bool:
     here.explain(
         FAILS,
         """
-        REMOVED is below the bound, FORMER is not, and what CoW reaches there is something else that stands nearby. In 18 of the
-        38 FORMER episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to
-        that one, stops a metre before it, and ends within R of the place in 16 of 54 runs. In the other 20 episodes it does in
-        one of 60.
+        REMOVED is below the bound; FORMER is not. On FORMER CoW reaches another object that stands nearby. In 18 of the 38 FORMER
+        episodes another instance of the category is within 2 m of the vacated place in the second visit; CoW goes to that one,
+        stops a metre before it, and ends within R of the place in 16 of 54 runs. In the other 20 episodes it does so in one of 60
+        runs.
         """,
         given=former > 0.1 > removed,
         episodes=("FloorPlan1/former/0002", "FloorPlan322/former/0005", "FloorPlan429/former/0007"),
@@ -65,8 +65,8 @@ def its_own_task_is_easier(here: Evidence) -> bool:
 )
 def cow_seeds_spread_little(here: Evidence) -> bool:
     rows, former = (here.rows("seeds", arm="embodied.cow", relation=relation).at_least(2) for relation in ("all", "former"))
-    least = here.use("least of a seed", rows.lowest(), paper="cow_least")
-    greatest = here.use("greatest of a seed", rows.highest(), paper="cow_greatest")
+    least = here.use("lowest seed", rows.lowest(), paper="cow_least")
+    greatest = here.use("highest seed", rows.highest(), paper="cow_greatest")
     here.show("FORMER, least", former.lowest(), paper="cow_former_least")
     here.show("FORMER, greatest", former.highest(), paper="cow_former_greatest")
     return greatest - least <= 0.05
@@ -91,10 +91,10 @@ def two_visits_beat_dualmap(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        Two visits are ahead in every pairing, by {two_least} at least; over the maps read as two visits p is not below 0.001 in
-        each of them. DualMap draws the pixels of a frame anew in every run, and two of its runs differ in about 40 of the 219
-        verdicts: read as two visits they answer {worst} to {best}. In 0.9, whose pictures of the same episodes had other last
-        bits, they answered 0.356 to 0.384, two visits 0.553, and this statement held.
+        Two visits are ahead in every pairing, by {two_least} at least; against the maps read as two visits, p is at least 0.001
+        in one pairing or more. DualMap samples the pixels of a frame again in every run, and two of its runs differ in about 40
+        of the 219 verdicts: read as two visits they reach {worst} to {best}. In release 0.9, whose pictures of the same episodes
+        differed in their last bits, they reached 0.356 to 0.384, two visits reached 0.553, and this statement held.
         """,
         given=two_least > 0 and one_p < 0.001 <= two_p,
     )
@@ -116,10 +116,10 @@ def a_maintained_map_answers_the_past_poorly(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so that the
-        vacated place is among its objects, and it answers with the one most like the noun: in 57 of {runs} runs on FORMER that is
-        within R of an instance which still stands, in {right} the vacated place. Its runs lie between {worst} and {best}. In 0.9
-        it answered 27 of {runs}, and this statement held.
+        FORMER is just above the bound, {map_former} of {two_former}, and REMOVED below it. The map deletes nothing, so the
+        vacated place is among its objects, and it answers with the object most similar to the noun: in 57 of {runs} runs on
+        FORMER this object is within R of an instance that is still there, in {right} it is at the vacated place. Its runs lie
+        between {worst} and {best}. In release 0.9 it answered 27 of {runs}, and this statement held.
         """,
         given=map_former > 0.5 * two_former and map_removed <= 0.5 * two_removed and right == 34.0 and runs == 114.0,
     )
@@ -149,11 +149,11 @@ def reading_twice_does_not_recover_the_past(here: Evidence) -> bool:
     here.explain(
         FAILS,
         f"""
-        The maintained map is a pick among its objects at the places of both visits, one of which is the answer; read as two
-        visits, the maps say which of them is left over. A map has {objects} objects in the mean, the paper's
-        {here.quote("dualmap_objects_least", COUNT)} to {here.quote("dualmap_objects_most", COUNT)}: with less to confuse, what
-        stayed is matched with itself. The paper's were made of Unity's frames by other networks; from what it reports we cannot
-        tell what kept it from this.
+        The maintained map picks among its objects at the places of both visits, one of which is the answer; read as two visits,
+        the maps tell which place has no match. A map has {objects} objects on average, the paper's
+        {here.quote("dualmap_objects_least", COUNT)} to {here.quote("dualmap_objects_most", COUNT)}: with fewer objects to
+        confuse, objects that stayed are matched with themselves. The paper made its maps from Unity's frames with other networks;
+        its report does not say what prevented this.
         """,
         given=objects < 43,
     )
@@ -216,19 +216,19 @@ def the_gain_is_where_an_object_is_left(here: Evidence) -> bool:
 
 
 @GROUP.statement(
-    "In one scene DualMap keeps next to no objects, in all others many.",
+    "In one scene DualMap keeps almost no objects, in all others many.",
     holds_if="the scene with the fewest objects has at most a third of those of the scene with the second fewest",
 )
 def dualmap_degenerates_in_one_scene(here: Evidence) -> bool:
     rows = here.rows("dualmap", memory="two visits")
-    fewest = here.use("objects a map, fewest", rows.of_scene(0, "objects_mean"), EXPECTED, "dualmap_objects_degenerate")
+    fewest = here.use("objects per map, fewest", rows.of_scene(0, "objects_mean"), EXPECTED, "dualmap_objects_degenerate")
     second = here.use("second fewest", rows.of_scene(1, "objects_mean"), EXPECTED, "dualmap_objects_least")
     here.show("most", rows.of_scene(-1, "objects_mean"), EXPECTED, "dualmap_objects_most")
     here.explain(
         FAILS,
         """
-        All scenes have few objects, none next to none. The detector is small and class-agnostic, and in frames of 300 px small
-        things rarely make the eight observations after which DualMap keeps an object.
+        All scenes have few objects; no scene has almost none. The detector is small and class-agnostic, and in frames of 300 px
+        small things rarely reach the eight observations after which DualMap keeps an object.
         """,
     )
     return 3 * fewest <= second

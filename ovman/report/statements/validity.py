@@ -18,10 +18,10 @@ def held_out_phrasings_are_parsed(here: Evidence) -> bool:
     here.explain(
         FAILS,
         """
-        The sentences were written by someone who knew nothing of the parser, and were left as they are but for three that the
-        vocabulary has, too. Of 219, 30 are not understood (half of them APPEARED in words without a cue of the grammar, such as
-        "go look at the low table I picked up at the store"), and none of these is answered by a guess. Eleven are read as another
-        relation, nine of them REMOVED as FORMER ("we no longer have the nightstand, but go to where it was").
+        The sentences were written by someone who knew nothing of the parser, and were not changed, except for three that the
+        vocabulary also has. Of 219, 30 are not understood (half of them APPEARED in words without a cue of the grammar, such as
+        "go look at the low table I picked up at the store"), and the agent does not guess any of these. Eleven are read as
+        another relation, nine of them REMOVED as FORMER ("we no longer have the nightstand, but go to where it was").
         """,
     )
     return both >= 0.9
@@ -73,15 +73,15 @@ def margin_hardly_varies(here: Evidence) -> bool:
     rows = here.rows("sensitivity", in_force="0")
     least = here.use("least margin", rows.lowest("margin"), DIFFERENCE, "static_margin_least")
     greatest = here.use("greatest", rows.highest("margin"), DIFFERENCE, "static_margin_greatest")
-    span = here.use("span", derive(greatest - least, "greatest - least", greatest, least), DIFFERENCE)
+    span = here.use("span", derive(greatest - least, "greatest − least", greatest, least), DIFFERENCE)
     trials = here.measure(rows.lowest("episodes"), COUNT)
     admitted = here.measure(here.rows("sensitivity", in_force="1").one("episodes"), COUNT)
     here.explain(
         FAILS,
         f"""
         The margin never falls below {least}; it grows to {greatest} under the strictest settings, which leave as few as {trials}
-        of {admitted} trials. A smaller validity radius and a larger smallest mask do most of it: they leave targets that stand
-        free and were seen large, which two visits answer more often, while one visit does not gain.
+        of {admitted} trials. A smaller validity radius and a larger smallest mask do most of it: they leave uncrowded targets
+        that were seen large. Two visits answer these more often; one visit does not.
         """,
         given=least > 0.3,
     )
@@ -102,7 +102,7 @@ def single_rays_err(here: Evidence) -> bool:
         FAILS,
         f"""
         The order holds, the size does not: every ray of a frame ends on a wall, a pane or a thing of the same room, so a ray that
-        misses its object goes {ray} astray at most, not the length of a house.
+        misses its object is off by {ray} at most, not by the length of a house.
         """,
         given=ray < 1,
     )
