@@ -11,7 +11,7 @@ from ovman.report.tables.splits import differs
 from ovman.settings import MAIN, arms_of
 from ovman.settings.config import ConfigError, load
 from ovman.settings.settings_files import read_merged, with_parts
-from ovman.training.floorplans import floor_plans
+from training.floorplans import floor_plans
 
 ROOT = Path(__file__).parents[1]
 TREE = read_merged(with_parts(ROOT / "config.yaml"))

@@ -104,9 +104,9 @@ def _doctor(options: argparse.Namespace) -> int:
 
 def _export(options: argparse.Namespace) -> int:
     def work() -> int:
-        from ovman.export import command
+        from ovman import export
 
-        command.run(options, lambda line: print(line, flush=True))
+        export.run(options, lambda line: print(line, flush=True))
         return 0
 
     return said("export", work)

@@ -26,12 +26,12 @@ from ovman.perception.network_cache import NetworkCache
 from ovman.perception.phrases import Phrases, UnknownPhraseError
 from ovman.perception.weights import (
     WeightsError,
-    beside,
     detector_file,
     encoder_file,
     is_graph,
     located,
     need_networks,
+    phrases_of,
     sha256,
 )
 from ovman.settings.networks import Perception
@@ -181,7 +181,7 @@ def _table(path: Path, source: str, name: str) -> encoder.Texts:
         except ArrayFileError as error:
             raise WeightsError(f"{encoder.KEY}.weights: {error}") from None
         if found.source != source:
-            raise WeightsError(f"{encoder.KEY}.weights: {beside(path).name} is of other weights than {name}; {EXPORT}")
+            raise WeightsError(f"{encoder.KEY}.weights: {phrases_of(path).name} is of other weights than {name}; {EXPORT}")
         return found
 
     def read(phrases: Sequence[str]) -> np.ndarray:
@@ -189,7 +189,7 @@ def _table(path: Path, source: str, name: str) -> encoder.Texts:
             return table().rows(phrases)
         except UnknownPhraseError as error:
             raise WeightsError(
-                f"{encoder.KEY}.weights: {beside(path).name} has no embedding of {str(error)!r}; "
+                f"{encoder.KEY}.weights: {phrases_of(path).name} has no embedding of {str(error)!r}; "
                 f"add it with `ovman export --phrases FILE`, a phrase a line, or name weights whose text tower reads it"
             ) from None
 
@@ -197,7 +197,7 @@ def _table(path: Path, source: str, name: str) -> encoder.Texts:
 
 
 def _table_file(path: Path, name: str) -> Path:
-    found = beside(path)
+    found = phrases_of(path)
     if not found.is_file():
         raise WeightsError(f"{encoder.KEY}.weights: {found.name}, the embeddings of phrases of {name}, is missing; {EXPORT}")
     return found

@@ -22,7 +22,7 @@ from ovman.shipped import HOME
 SAFE = ".safetensors"
 GRAPH = ".onnx"
 PHRASES = ".phrases.npz"
-"""How the file of embedded phrases beside the graph of an image tower ends."""
+"""How the file of embedded phrases of an image tower ends."""
 FILES = frozenset({SAFE, GRAPH, ".json"})
 EXTRA = ("torch", "torchvision", "ultralytics", "open_clip", "onnx", "safetensors")
 """The modules of the extra `networks`, which opens what is no graph."""
@@ -54,8 +54,8 @@ def is_graph(name: str) -> bool:
     return name.endswith(GRAPH)
 
 
-def beside(graph: Path) -> Path:
-    """The embedded phrases of the graph of an image tower: encoder.phrases.npz of encoder.onnx."""
+def phrases_of(graph: Path) -> Path:
+    """Return the file of embedded phrases of the graph of an image tower: encoder.phrases.npz of encoder.onnx."""
     return graph.with_suffix(PHRASES)
 
 

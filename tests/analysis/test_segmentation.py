@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ovman.analysis.segmentation import joined, segmented
-from ovman.perception.overlap import found, intersection_over_union
+from ovman.perception.overlap import intersection_over_union
+from training.detector import count_matches
 
 
 def blocks(side=60):
@@ -97,7 +98,7 @@ def test_it_counts_as_overlap_does():
         masks = np.stack([np.roll(ids == rng.integers(0, 4), rng.integers(0, 9), axis=1) for _ in range(6)])
         masks = masks[masks.any(axis=(1, 2))]
         parts.append(segmented(masks, rng.random(len(masks)), ids, 4, 300))
-        counts = found(*intersection_over_union(masks, ids, 4), 300)
+        counts = count_matches(*intersection_over_union(masks, ids, 4), 300)
         total = counts if total is None else total + counts
     whole = joined(parts)
     assert (len(whole.true_px), whole.recalled.sum()) == (total.true, total.recalled)

@@ -7,13 +7,13 @@ from pathlib import Path
 import pytest
 import torch
 
-from ovman.training.precision import reduced
+from training.trainer import reduced_precision
 
 pytestmark = pytest.mark.networks
 
 
 def product(**abilities):
-    with reduced("cpu", abilities):
+    with reduced_precision("cpu", abilities):
         return torch.ones(2, 2) @ torch.ones(2, 2)
 
 
@@ -29,6 +29,6 @@ def test_one_without_them_computes_in_single_precision(abilities):
 
 def test_of_this_processor_as_its_flags_say():
     flags = set(Path("/proc/cpuinfo").read_text().split())
-    with reduced("cpu"):
+    with reduced_precision("cpu"):
         computed = (torch.ones(2, 2) @ torch.ones(2, 2)).dtype
     assert computed == (torch.bfloat16 if flags & {"avx512_bf16", "amx_bf16", "bf16"} else torch.float32)

@@ -12,7 +12,7 @@ import torch
 from ovman import seeds
 from ovman.agents.cow.localiser import prompt
 from ovman.cli import main
-from ovman.export.phrases import embedded
+from ovman.export import embed_phrases
 from ovman.language.vocabulary import all_nouns
 from ovman.perception import encoder, exporting, networks, towers, yolo
 from ovman.perception.graph import Graph
@@ -21,9 +21,9 @@ from ovman.settings.config import load
 from ovman.shipped import HOME
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import Session
-from ovman.training.floorplans import floor_plans
-from ovman.training.localisation import views
 from tests.networks import ultralytics_own
+from training.floorplans import floor_plans
+from training.thresholds import take_views
 
 pytestmark = [pytest.mark.networks, pytest.mark.usefixtures("one_tokenizer")]
 MODELS = HOME / "models"
@@ -59,7 +59,7 @@ def test_embeddings_are_open_clip_s(every):
     shipped = Phrases.read(MODELS / "encoder.phrases.npz")
     some = [towers.texts(network, of, [phrase]) for phrase in shipped.phrases[::every]]
     assert np.allclose(np.concatenate(some), shipped.feature[::every], atol=2e-6)
-    known, _ = embedded(lambda phrases: np.zeros((len(phrases), ours.size)), ["a thing of the user's"])
+    known, _ = embed_phrases(lambda phrases: np.zeros((len(phrases), ours.size)), ["a thing of the user's"])
     assert known == (*shipped.phrases, "a thing of the user's")
     assert {*all_nouns(), prompt("HousePlant"), prompt("Floor")} <= {*known}
 
@@ -81,7 +81,7 @@ def compared(scenes: list[str], each: int) -> tuple[int, int, int]:
     counts = np.zeros(3, int)
     for scene in scenes:
         with Session(scene, CONFIG, body) as session:
-            pictures = [picture.rgb for picture, _ in views(session, each, seeds.generator(0, "graphs", scene))]
+            pictures = [picture.rgb for picture, _ in take_views(session, each, seeds.generator(0, "graphs", scene))]
         for one, other in zip(ours.detect(pictures), ultralytics_own.detect(own, pictures), strict=True):
             counts += len(one.masks), len(other.masks), ultralytics_own.shared(one, other, LEAST_IOU)
     return int(counts[0]), int(counts[1]), int(counts[2])

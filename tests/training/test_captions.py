@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ovman.language.vocabulary import SYNONYMS, nouns
-from ovman.training.captions import COLOURS, MATERIALS, WORDS, attributes, colour_word, vocabulary
+from training.captions import COLOURS, MATERIALS, WORDS, attributes, colour_word, vocabulary
 
 
 @pytest.mark.parametrize(

@@ -13,8 +13,7 @@ from ovman.analysis.frames import csv_text
 from ovman.analysis.scores import ALL, CATEGORIES, CATEGORY, SIZE, Score
 from ovman.settings.config import load
 from ovman.shipped import HOME
-from ovman.training import cards
-from ovman.workflow.parameter import canonical
+from training import cards
 
 CONFIG = load(Path(__file__).parents[2] / "config.yaml")
 WHOLE = Score(
@@ -50,7 +49,7 @@ def models(tmp_path):
         "floor_plans": {"taught": ["FloorPlan2", "FloorPlan3"], "held_out": ["FloorPlan4"]},
         "pictures": {"taught": 21360, "held_out": 77},
         "crops": {"true": 123456, "detected": 2345},
-        "settings": json.loads(canonical(CONFIG, "models"))["constants"],
+        "settings": CONFIG.constants(),
         "libraries": {"torch": "2.0"},
     }
     (folder / "training.json").write_text(json.dumps(facts))
@@ -72,7 +71,7 @@ def perception(tmp_path):
 
 
 def test_what_the_cards_say_is_what_the_files_say(models, perception):
-    texts = {name: " ".join(text.split()) for name, text in cards.cards(models, perception, CONFIG).items()}
+    texts = {name: " ".join(text.split()) for name, text in cards.render_cards(models, perception, CONFIG).items()}
     assert set(texts) == {"README.md", "detector.md", "encoder.md"}
     detector, encoder, readme = (texts[name] for name in ("detector.md", "encoder.md", "README.md"))
     assert "12 parameters (F16)" in detector and "15000 and 700 steps" in detector and "21,360 pictures of 2" in detector
@@ -88,15 +87,15 @@ def test_what_the_cards_say_is_what_the_files_say(models, perception):
 
 
 def test_other_files_other_cards(models, perception):
-    before = cards.cards(models, perception, CONFIG)
+    before = cards.render_cards(models, perception, CONFIG)
     (models / "detector_curve.jsonl").write_text(looks(500, first=0.7))
-    after = cards.cards(models, perception, CONFIG)
+    after = cards.render_cards(models, perception, CONFIG)
     assert "recall 0.700" in after["detector.md"] and "recall 0.700" not in before["detector.md"]
     assert after["encoder.md"] == before["encoder.md"] and after["README.md"] != before["README.md"]
 
 
 def test_a_long_curve_is_shown_from_end_to_end(models):
-    points = cards.curve([models / "detector_first_curve.jsonl"])
+    points = cards.read_curve([models / "detector_first_curve.jsonl"])
     lines = cards.curve_table(points, cards.SHOWN["detector"]).splitlines()
     assert len(lines) == 2 + cards.LINES
     steps = [int(line.split("|")[1]) for line in lines[2:]]
@@ -104,7 +103,7 @@ def test_a_long_curve_is_shown_from_end_to_end(models):
 
 
 def test_one_training_goes_on_where_the_other_ended(models):
-    points = cards.curve([models / f"{name}.jsonl" for name in cards.CURVES["encoder"]])
+    points = cards.read_curve([models / f"{name}.jsonl" for name in cards.CURVES["encoder"]])
     assert [point["step"] for point in points] == [500, 1000, 1300]
     assert [point["minutes"] for point in points] == pytest.approx([5, 10, 13])
 
@@ -121,4 +120,4 @@ def test_cards_and_pictures_are_written_twice_the_same(models, perception):
 def test_a_curve_without_a_line_is_refused(models, perception):
     (models / "encoder_curve.jsonl").write_text("")
     with pytest.raises(ValueError, match=r"encoder_curve\.jsonl: the learning curve is empty"):
-        cards.cards(models, perception, CONFIG)
+        cards.render_cards(models, perception, CONFIG)

@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.settings.benchmark import FLOOR_PLANS
-from ovman.training.floorplans import floor_plans
+from training.floorplans import floor_plans
 
 
 def test_every_floor_plan_that_the_settings_know_is_used():

@@ -1,17 +1,26 @@
-import json
-
+import cv2
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ovman.seeds import generator
 from ovman.sim import controller
 from ovman.sim.embodiment import Embodiment
-from ovman.training.crops import Crops, true_crops
-from ovman.training.picture_files import read, recorded
-from ovman.training.pictures import VIEWS_A_DRAW, pictures
-from ovman.training.recording import write
+from training.crops import Crops, true_crops
+from training.pictures import (
+    MIN_MASK_PX,
+    VIEWS_A_DRAW,
+    label_lines,
+    list_pictures,
+    outline,
+    read_pictures,
+    take_pictures,
+    write_pictures,
+)
 
 COUNT = VIEWS_A_DRAW + 2
+SIDE = 60
 
 
 @pytest.fixture(scope="module")
@@ -23,12 +32,12 @@ def simulator():
 
 @pytest.fixture(scope="module")
 def views(simulator):
-    return list(pictures(simulator, "FloorPlan202", COUNT, generator(0, "pictures")))
+    return list(take_pictures(simulator, "FloorPlan202", COUNT, generator(0, "pictures")))
 
 
 def test_pictures_depend_on_the_seed_alone(simulator, views):
-    again = list(pictures(simulator, "FloorPlan202", COUNT, generator(0, "pictures")))
-    other = list(pictures(simulator, "FloorPlan202", 2, generator(1, "pictures")))
+    again = list(take_pictures(simulator, "FloorPlan202", COUNT, generator(0, "pictures")))
+    other = list(take_pictures(simulator, "FloorPlan202", 2, generator(1, "pictures")))
     assert len(views) == COUNT
     for one, two in zip(views, again, strict=True):
         assert (one.rgb == two.rgb).all() and (one.ids == two.ids).all() and one.objects == two.objects
@@ -44,8 +53,8 @@ def test_ids_name_the_objects_of_their_own_picture_and_never_the_floor(views):
 
 def test_what_is_written_is_read_again_and_cropped(views, tmp_path):
     folder = tmp_path / "FloorPlan202"
-    assert write(folder, views) == COUNT
-    back = list(read(recorded([folder])))
+    assert write_pictures(folder, views) == COUNT
+    back = list(read_pictures(list_pictures([folder])))
     for one, two in zip(views, back, strict=True):
         assert (one.rgb == two.rgb).all() and (one.ids == two.ids).all() and one.objects == two.objects
     assert len((folder / "objects.jsonl").read_text().splitlines()) == COUNT
@@ -54,14 +63,49 @@ def test_what_is_written_is_read_again_and_cropped(views, tmp_path):
     assert set(crops.types) <= {shown.type for view in views for shown in view.objects}
     crops.write(tmp_path / "crops.npz")
     assert (Crops.read(tmp_path / "crops.npz").images == crops.images).all()
-    assert json.loads((folder / "objects.jsonl").read_text().splitlines()[0]) is not None
 
 
 def test_colours_of_crops_are_those_of_the_masks(views, tmp_path):
-    write(tmp_path / "FloorPlan202", views)
+    write_pictures(tmp_path / "FloorPlan202", views)
     crops = true_crops(tmp_path / "FloorPlan202", 0.1, 32)
     view = views[0]
     sizes = np.bincount(view.ids[view.ids >= 0], minlength=len(view.objects))
     first = int(np.flatnonzero(sizes >= 150)[0])
     assert np.allclose(crops.colours[0], view.rgb[view.ids == first].mean(axis=0))
     assert crops.pixels[0] == sizes[first]
+
+
+def filled(polygon):
+    canvas = np.zeros((SIDE, SIDE), np.uint8)
+    cv2.fillPoly(canvas, [np.round(polygon).astype(np.int32)], 1)
+    return canvas.astype(bool)
+
+
+boxes = st.lists(st.tuples(*[st.integers(2, 40)] * 2, *[st.integers(8, 16)] * 2), min_size=1, max_size=3)
+
+
+@given(boxes)
+def test_an_outline_covers_its_mask_whatever_its_pieces(parts):
+    mask = np.zeros((SIDE, SIDE), bool)
+    for x, y, width, height in parts:
+        mask[y : y + height, x : x + width] = True
+    drawn = filled(outline(mask))
+    assert not (mask & ~drawn).any()
+    # What is too much is the seams, a pixel or two wide.
+    assert (drawn & ~mask).sum() <= 3 * SIDE * (len(parts) - 1)
+
+
+def test_a_speck_has_no_outline():
+    mask = np.zeros((SIDE, SIDE), bool)
+    mask[5:8, 5:8] = True
+    assert outline(mask) is None
+
+
+def test_labels_are_one_line_for_each_large_instance_in_fractions_of_the_picture():
+    ids = np.full((SIDE, SIDE), -1)
+    ids[5:25, 5:25], ids[30:34, 30:34], ids[40:55, 10:50] = 0, 1, 2
+    lines = label_lines(ids)
+    assert MIN_MASK_PX > 4 * 4 and len(lines) == 2
+    for line in lines:
+        cls, *points = line.split()
+        assert cls == "0" and len(points) % 2 == 0 and all(0 <= float(p) <= 1 for p in points)

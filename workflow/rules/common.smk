@@ -17,7 +17,7 @@ from ovman.settings.config import ConfigError, load
 from ovman.workflow.fork_server import ForkServer
 from ovman.workflow.parameter import canonical
 from ovman.settings.plugins import plugins_of
-from ovman.perception.weights import beside, is_graph, located
+from ovman.perception.weights import is_graph, located, phrases_of
 from ovman.workflow.snakefile import check_agents, prepare, print_deaths
 from ovman.workflow.snakemake_internals import fork_scripts, go_before, group_like, lift_rate_limit, overlays
 
@@ -221,7 +221,7 @@ def weights(*names):
     graph = is_graph(settings.perception.encoder.weights)
     names = [name for name in names if not (graph and name == "encoder.model")]
     files = [located(functools.reduce(getattr, name.split("."), settings.perception)) for name in names]
-    files += [beside(file) for name, file in zip(names, files) if graph and name == "encoder.weights"]
+    files += [phrases_of(file) for name, file in zip(names, files) if graph and name == "encoder.weights"]
     return [str(file) for file in files if file is not None and file.is_file()]
 
 

@@ -1,6 +1,6 @@
 # The networks of the default configuration, made again: snakemake --cores 2 results/models. No part of the main job.
 
-from ovman.training.floorplans import floor_plans
+from training.floorplans import floor_plans
 
 PLANS = floor_plans(SCENES)
 

@@ -1,6 +1,6 @@
 """Stage `crops`: what the encoder learns from, around true masks."""
 
-from ovman.training import crops
+from training import crops
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

@@ -1,6 +1,6 @@
 """Stage `detected`: what the encoder learns from, around the masks that the detector finds."""
 
-from ovman.training import crops
+from training import crops
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

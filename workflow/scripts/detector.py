@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ovman.training import detector
+from training import detector
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

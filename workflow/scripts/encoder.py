@@ -1,6 +1,6 @@
 """Stage `encoder`: trains the image and text towers, from random weights or further from those that it is given."""
 
-from ovman.training import encoder
+from training import encoder
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

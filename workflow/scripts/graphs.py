@@ -1,6 +1,6 @@
 """Stage `graphs`: both trained networks as graphs, and the embeddings of phrases."""
 
-from ovman.training import graphs
+from training import graphs
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

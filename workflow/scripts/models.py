@@ -1,6 +1,6 @@
 """Stage `models`: both networks, their curves and what they were made from, in one folder."""
 
-from ovman.training import models
+from training import models
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

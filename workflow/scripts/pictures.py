@@ -1,6 +1,6 @@
 """Stage `pictures`: views of a floor plan that the benchmark does not use."""
 
-from ovman.training import recording
+from training import recording
 from ovman.workflow.job import job
 
 with job(snakemake) as work:

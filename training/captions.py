@@ -47,7 +47,7 @@ WORDS = (*COLOURS, *MATERIALS.values(), *SIZES)
 
 
 def colour_word(rgb: np.ndarray) -> str:
-    """The basic colour word of a mean colour (3,) in 0 to 255."""
+    """Return the basic colour word of a mean colour (3,) in 0 to 255."""
     hue, saturation, value = colorsys.rgb_to_hsv(*(np.asarray(rgb, dtype=float) / 255))
     if value < 0.18:
         return "black"
@@ -60,7 +60,7 @@ def colour_word(rgb: np.ndarray) -> str:
 
 
 def attributes(types: np.ndarray, materials: np.ndarray, colours: np.ndarray, sizes_m: np.ndarray) -> np.ndarray:
-    """Whether each of WORDS applies to each of N crops, (N, len(WORDS)) bool. Arguments: as in `ovman.training.crops.Crops`."""
+    """Return whether each of WORDS applies to each of N crops, (N, len(WORDS)) bool. Arguments: as in `training.crops.Crops`."""
     place = {word: k for k, word in enumerate(WORDS)}
     right = np.zeros((len(types), len(WORDS)), bool)
     for row, colour in zip(right, colours, strict=True):
@@ -79,7 +79,7 @@ def attributes(types: np.ndarray, materials: np.ndarray, colours: np.ndarray, si
 
 
 def vocabulary(categories: Sequence[str]) -> tuple[list[str], np.ndarray]:
-    """All M nouns of K categories, sorted, and whether a noun applies to a category (M, K) bool."""
+    """Return all M nouns of K categories, sorted, and whether a noun applies to a category (M, K) bool."""
     right: dict[str, set[int]] = {}
     for number, category in enumerate(categories):
         for noun in nouns(category):

@@ -1,6 +1,6 @@
-"""The model cards of the networks: data, learning curves and results, all read from files.
+"""Write the model cards of the networks: data, learning curves and results, all read from files.
 
-`python -m ovman.training.cards models results/metrics/perception.csv config.yaml` writes models/README.md, a card and a learning
+`python -m training.cards models results/metrics/perception.csv config.yaml` writes models/README.md, a card and a learning
 curve for each network. No choice was made by the results on the benchmark's scenes.
 """
 
@@ -24,7 +24,7 @@ from ovman.report.tables.perception import SYNONYMS_BELOW, bars, by_category
 from ovman.report.tables.table import EMPTY, pipe_table
 from ovman.settings import Settings
 from ovman.settings.config import load
-from ovman.training import captions, crops, detector, outlines, pictures
+from training import captions, crops, detector, pictures
 
 TEMPLATES = Path(__file__).parent / "templates"
 CURVES = {"detector": ("detector_first_curve", "detector_curve"), "encoder": ("encoder_true_curve", "encoder_curve")}
@@ -58,8 +58,8 @@ class Weights:
     megabytes: float
 
 
-def weights(path: Path) -> Weights:
-    """The content of a .safetensors file. FileNotFoundError for a missing file."""
+def describe_weights(path: Path) -> Weights:
+    """Describe a .safetensors file."""
     from safetensors import safe_open
 
     parameters, kinds = 0, set()
@@ -72,10 +72,11 @@ def weights(path: Path) -> Weights:
     return Weights(parameters, tuple(sorted(kinds)), path.stat().st_size / 1e6)
 
 
-def curve(paths: Sequence[Path]) -> list[Point]:
-    """The lines of consecutive trainings, flat ("true.top1"), with cumulative steps and minutes.
+def read_curve(paths: Sequence[Path]) -> list[Point]:
+    """Read the lines of consecutive trainings, flat ("true.top1"), with cumulative steps and minutes.
 
-    Raises ValueError in one line for a file without lines.
+    Raises:
+        ValueError: A file has no lines.
     """
     points: list[Point] = []
     for number, path in enumerate(paths, start=1):
@@ -95,7 +96,7 @@ def _flat(line: Mapping[str, Any], beginning: str = "") -> Point:
 
 
 def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
-    """A table of at most LINES points, with the first and the last: step, minutes, losses and rates."""
+    """Tabulate at most LINES points, with the first and the last: step, minutes, losses and rates."""
     count = min(LINES, len(points))
     chosen = [points[round(k * (len(points) - 1) / max(count - 1, 1))] for k in range(count)]
     losses = sorted({name for point in points for name in point if name.split(".")[0] == "loss"})
@@ -109,7 +110,7 @@ def curve_table(points: Sequence[Point], shown: Mapping[str, str]) -> str:
     return pipe_table(header, body, [True] * len(header)).rstrip()
 
 
-def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> None:
+def draw_curve(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> None:
     """Draw the rates over the steps (PNG)."""
     import matplotlib
 
@@ -132,12 +133,17 @@ def draw(points: Sequence[Point], shown: Mapping[str, str], output: Path) -> Non
     plt.close(figure)
 
 
-def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
-    """The cards by the names of their files.
+def render_cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
+    """Return the texts of the cards by the names of their files.
 
-    models: the folder that `ovman.training.models` writes; perception: the file "perception.csv"; config: of the trainings.
+    Args:
+        models: The folder that `training.models` writes.
+        perception: The file "perception.csv".
+        config: Settings of the trainings.
 
-    Raises FileNotFoundError or ValueError in one line for a missing or incomplete file.
+    Raises:
+        FileNotFoundError: A file is missing.
+        ValueError: A file is incomplete.
     """
     import jinja2
 
@@ -151,6 +157,7 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "config": config.perception.detector,
         "facts": facts,
         "set": facts["settings"],
+        "benchmark": config.splits["main"].scenes,
         "rows": {group: [row for row in rows if row.group == group] for group in (ALL, CATEGORIES, SIZE)},
         "bars": bars(rows),
         "development": [
@@ -159,10 +166,9 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
         "pictures": pictures,
         "crops": crops,
         "captions": captions,
-        "outlines": outlines,
         "augmentation": detector.AUGMENTATION,
         "model": json.loads((models / "encoder.json").read_text(encoding="utf-8")),
-        "weights": {name: weights(models / f"{name}.safetensors") for name in CURVES},
+        "weights": {name: describe_weights(models / f"{name}.safetensors") for name in CURVES},
         "files": sorted(
             path.name for path in models.iterdir() if path.suffix in (".safetensors", ".onnx", ".npz", ".json", ".jsonl")
         ),
@@ -181,7 +187,7 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
     }
     texts = {}
     for name, parts in CURVES.items():
-        points = curve([models / f"{part}.jsonl" for part in parts])
+        points = read_curve([models / f"{part}.jsonl" for part in parts])
         table = curve_table(points, SHOWN[name])
         ends = [max((p for p in points if p["part"] == n), key=lambda p: p["step"]) for n in range(1, len(parts) + 1)]
         card = environment.get_template(f"{name}.md.j2").render(**common, curve=table, last=points[-1], ends=ends)
@@ -191,7 +197,7 @@ def cards(models: Path, perception: Path, config: Settings) -> dict[str, str]:
 
 
 def _bar_table(rows: Sequence[Score], names: Mapping[str, str]) -> str:
-    """The results on the benchmark's scenes beside the bars."""
+    """Compare the results on the benchmark's scenes with the bars."""
     found = bars(rows)
     body = [[title, _number(found[n].reached, 3), f"≥ {found[n].least:.3f}", found[n].verdict] for n, title in names.items()]
     return pipe_table(["measure", "measured", "bar", "verdict"], body, [False, True, True, False]).rstrip()
@@ -211,11 +217,11 @@ def _number(value: float | None, decimals: int) -> str:
 
 
 def run(models: Path, perception: Path, config: Path) -> None:
-    """Writes the cards and the pictures of the curves into the folder `models`."""
-    for name, text in cards(models, perception, load(config)).items():
+    """Write the cards and the pictures of the curves into the folder `models`."""
+    for name, text in render_cards(models, perception, load(config)).items():
         (models / name).write_text(text, encoding="utf-8", newline="\n")
     for name, parts in CURVES.items():
-        draw(curve([models / f"{part}.jsonl" for part in parts]), SHOWN[name], models / f"{name}_curve.png")
+        draw_curve(read_curve([models / f"{part}.jsonl" for part in parts]), SHOWN[name], models / f"{name}_curve.png")
 
 
 if __name__ == "__main__":

@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from ovman.settings.benchmark import FLOOR_PLANS
 
 HELD_OUT_EVERY = 9
-"""Every so many-th floor plan is held out, of all kinds of rooms alike."""
+"""Every ninth floor plan is held out, so that every kind of room is."""
 
 
 @dataclass(frozen=True, slots=True)
 class FloorPlans:
-    """taught: for training; held_out: for the curves and for every choice."""
+    """taught: for training; held_out: for the learning curves and for every choice."""
 
     taught: tuple[str, ...]
     held_out: tuple[str, ...]
 
 
 def floor_plans(benchmark: Collection[str], every: Sequence[str] = FLOOR_PLANS) -> FloorPlans:
-    """The iTHOR floor plans without those of `benchmark`, divided. Raises ValueError if the benchmark leaves none."""
+    """Divide the iTHOR floor plans without those of `benchmark`. Raises ValueError if the benchmark leaves none."""
     rest = [scene for scene in every if scene not in benchmark]
     held_out = tuple(rest[4::HELD_OUT_EVERY])
     if not held_out:

@@ -1,1 +1,0 @@
-"""Graphs and embeddings of phrases, made of the weights that ultralytics and open_clip load: `ovman export`."""

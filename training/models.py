@@ -1,0 +1,72 @@
+"""Gather the trained networks, and what they were trained on, under the names of config.yaml and of the model cards."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections import Counter
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+
+from ovman.export import write_detector, write_encoder
+from ovman.perception.weights import GRAPH, SAFE, phrases_of
+from ovman.settings import Settings
+from training.crops import Crops
+from training.encoder import MODEL
+from training.floorplans import floor_plans
+from training.pictures import list_pictures
+
+LIBRARIES = ("torch", "ultralytics", "open_clip_torch")
+
+
+def run(
+    detector: Path,
+    encoder: Path,
+    curves: Sequence[Path],
+    pictures: Sequence[Path],
+    crops: Sequence[Path],
+    benchmark: Sequence[str],
+    settings: Settings,
+    output: Path,
+) -> None:
+    """Write the folder `output`.
+
+    It gets detector and encoder as .safetensors and as .onnx, encoder.phrases.npz, encoder.json (its architecture), the learning
+    curves, and training.json with data, settings and libraries.
+
+    Args:
+        detector: Weights of the detector.
+        encoder: Weights of the encoder.
+        curves: Learning curves of all trainings.
+        pictures: Folders of the recorded scenes.
+        crops: Files of the encoder's training data, in one folder per kind of mask.
+        benchmark: Scenes of the benchmark.
+        settings: Section `training` and the architecture of the detector.
+        output: The folder.
+    """
+    output.mkdir(parents=True, exist_ok=True)
+    for name, weights in (("detector", detector), ("encoder", encoder)):
+        shutil.copyfile(weights, output / f"{name}{SAFE}")
+    for curve in curves:
+        shutil.copyfile(curve, output / f"{curve.stem}_curve.jsonl")
+    model = output / "encoder.json"
+    model.write_text(json.dumps(MODEL, indent=2) + "\n", encoding="utf-8")
+    write_detector(detector, settings.perception.detector.architecture, output / f"detector{GRAPH}")
+    graph = output / f"encoder{GRAPH}"
+    count = write_encoder(encoder, str(model.resolve()), graph, phrases_of(graph))
+    print(f"both graphs, and {count} phrases", flush=True)
+    plans = floor_plans(benchmark)
+    counts = {folder.name: len(list_pictures([folder])) for folder in pictures}
+    shown: Counter[str] = Counter()
+    for path in crops:
+        shown[path.parent.name] += len(Crops.read(path).types)
+    facts = {
+        "schema": "ovman-training/1",
+        "floor_plans": {"taught": list(plans.taught), "held_out": list(plans.held_out)},
+        "pictures": {name: sum(counts[scene] for scene in getattr(plans, name)) for name in ("taught", "held_out")},
+        "crops": shown,
+        "settings": settings.constants(),
+        "libraries": {name: version(name) for name in LIBRARIES},
+    }
+    (output / "training.json").write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
