@@ -5,8 +5,8 @@
 
 `localisation` scores cow.similarity by the F1 of CoW's localiser. `resemblance` scores two thresholds: dynamem.similarity, the
 cosine from which a detection is called by a noun, by F1, and react.appearance, the distance up to which two objects of a category
-look alike, by the mean share of pairs that it classifies rightly. Two detections look alike if they have the same asset. Looks are
-means over views, so that the distance depends on their number: 48 views are those of two tours, compared half with half.
+look alike, by the mean share of pairs that it classifies rightly. Two detections look alike if they have the same asset. Looks
+are means over views, so that the distance depends on their number: 48 views are those of two tours, compared half with half.
 
 All views are from random places of the held-out floor plans, which neither the benchmark nor the trainings use.
 """

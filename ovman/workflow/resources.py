@@ -60,7 +60,6 @@ TRAINING: Mapping[str, tuple[int, int]] = {
     "detector": (1_440, 8_000),
     "encoder_true": (1_440, 8_000),
     "encoder": (1_440, 8_000),
-    "graphs": (30, 4_000),
 }
 """Minutes and MB of the rules that train and export networks. No run of the main job measures them; their cards say hours."""
 

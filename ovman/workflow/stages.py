@@ -91,7 +91,6 @@ STAGES: Mapping[str, tuple[str, ...]] = {
         "training.encoder.detected_one_in",
     ),
     "encoder": ("training.seed", "training.encoder.*"),
-    "graphs": ("perception.detector.architecture",),
     "models": ("training.*", "splits.*"),
     "detections": ("camera.field_of_view_deg", "perception.*"),
     "cues": (

@@ -121,23 +121,6 @@ rule encoder:
         "../scripts/encoder.py"
 
 
-# What the benchmark runs: the networks as graphs, and the phrases that it asks for.
-rule graphs:
-    input:
-        detector="results/training/detector.safetensors",
-        encoder="results/training/encoder.safetensors",
-    output:
-        detector="results/training/graphs/detector.onnx",
-        encoder="results/training/graphs/encoder.onnx",
-        phrases="results/training/graphs/encoder.phrases.npz",
-    log:
-        "logs/graphs.log",
-    params:
-        constants=stage("graphs"),
-    script:
-        "../scripts/graphs.py"
-
-
 rule models:
     input:
         pictures=expand("results/training/pictures/{scene}", scene=(*PLANS.taught, *PLANS.held_out)),
@@ -148,9 +131,6 @@ rule models:
         encoder="results/training/encoder.safetensors",
         encoder_true_curve="results/training/encoder_true.jsonl",
         encoder_curve="results/training/encoder.jsonl",
-        detector_graph="results/training/graphs/detector.onnx",
-        encoder_graph="results/training/graphs/encoder.onnx",
-        phrases="results/training/graphs/encoder.phrases.npz",
     output:
         models=directory("results/models"),
     log:
