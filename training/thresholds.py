@@ -28,9 +28,9 @@ from ovman.perception.networks import detector_of, encoder_of
 from ovman.settings import Settings
 from ovman.settings.config import load
 from ovman.shipped import HOME
-from ovman.sim.change import dynamic
 from ovman.sim.embodiment import Embodiment
 from ovman.sim.session import AgentPose, Session
+from ovman.sim.world import is_dynamic
 from training.floorplans import floor_plans
 from training.pictures import Picture, picture_of
 
@@ -181,7 +181,7 @@ def measure_pairs(halves: Sequence[tuple[Looks, Looks]]) -> tuple[np.ndarray, np
 def take_views(session: Session, count: int, rng: np.random.Generator) -> Iterator[tuple[Picture, list[str]]]:
     """Yield pictures from random places and headings, with the movable categories of the scene."""
     session.reset()
-    categories = sorted({o["objectType"] for o in session.objects.values() if dynamic(o)})
+    categories = sorted({o["objectType"] for o in session.objects.values() if is_dynamic(o)})
     places = sorted(session.reachable())
     for _ in range(count):
         x, z = places[rng.integers(len(places))]

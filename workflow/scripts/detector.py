@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from training import detector
 from ovman.workflow.job import job
+from training import detector
 
 with job(snakemake) as work:
     weights, curve = work.output("weights"), work.output("curve")

@@ -1,7 +1,7 @@
 """Stage `encoder`: trains the image and text towers, from random weights or further from those that it is given."""
 
-from training import encoder
 from ovman.workflow.job import job
+from training import encoder
 
 with job(snakemake) as work:
     held_out = {name: work.inputs(name) for name in ("true", "detected") if work.inputs(name)}
