@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ovman_engine.paint import materials, textures
-from ovman_engine.picture import camera, corners, embree, lights, painter, rays, scene_mesh, shading, triangle_mesh
+from ovman_engine.paint import materials
+from ovman_engine.picture import camera, rays, scene_mesh, triangle_mesh
 from ovman_engine.picture.camera import Renderer, View
 from ovman_engine.plan import floorplan
 from ovman_engine.shapes import Part
@@ -202,40 +200,6 @@ def test_a_displaced_object_is_drawn_as_if_all_were_one_scene():
     assert all((frame.ids == mesh.names.index(n)).any() for n in names)
 
 
-def test_what_is_disabled_is_not_drawn():
-    world = World(floorplan.load("FloorPlan201"))
-    renderer = Renderer(world)
-    view = view_of(world, 1, width=100, height=100)
-    name = next(n for n in seen_objects(renderer, view) if n in world.bodies and world.bodies[n].dynamic)
-    before = renderer.frame(view, ids=True)
-    world.set_active(name, False)
-    assert name not in seen_objects(renderer, view)
-    world.set_active(name, True)
-    after = renderer.frame(view, ids=True)
-    assert (after.ids == before.ids).all() and (after.rgb == before.rgb).all()
-
-
-def test_nothing_is_drawn_that_is_not_asked_for(monkeypatch):
-    world = World(floorplan.load("FloorPlan201"))
-    renderer = Renderer(world)
-    view = view_of(world, 0, width=40, height=40)
-
-    def refuse(*_args, **_fields):
-        raise AssertionError("drawn")
-
-    with monkeypatch.context() as patch:
-        patch.setattr(rays.Caster, "view", refuse)
-        assert renderer.frame(view, rgb=False) == camera.Frame()
-        with pytest.raises(AssertionError, match="drawn"):
-            renderer.frame(view, rgb=False, ids=True)
-    monkeypatch.setattr(rays.Caster, "occluded", refuse)
-    monkeypatch.setattr(shading, "shade", refuse)
-    frame = renderer.frame(view, rgb=False, depth=True, ids=True, normals=True)
-    assert frame.rgb is None and frame.depth is not None and frame.ids is not None
-    with pytest.raises(AssertionError, match="drawn"):
-        renderer.frame(view)
-
-
 def test_normals_are_unit_and_face_the_viewer():
     world = World(floorplan.load("FloorPlan311"))
     view = view_of(world, 3, width=90, height=90)
@@ -243,23 +207,6 @@ def test_normals_are_unit_and_face_the_viewer():
     normals, seen = frame.normals, frame.ids >= 0
     np.testing.assert_allclose(np.linalg.norm(normals[seen], axis=1), 1, atol=1e-4)
     assert (np.einsum("ijk,ijk->ij", normals, rays_of(view))[seen] <= 1e-4).all()
-
-
-def test_a_mirror_shows_what_it_faces():
-    """The wall behind the viewer is bright on one side, and so is the mirror, on the same side as in a photograph."""
-    paint = {
-        "mirror": materials.Material(np.array([0.1, 0.1, 0.1]), gloss=1.0),
-        "red": materials.Material(np.array([0.9, 0.02, 0.02]), gloss=0.0),
-        "blue": materials.Material(np.array([0.02, 0.02, 0.9]), gloss=0.0),
-    }
-    stage = hall()
-    slabs = {"mirror": ((-2, 0, 2), (2, 2.5, 2.1)), "red": ((-2, 0, -2), (0, 2.5, -1.9)), "blue": ((0, 0, -2), (2, 2.5, -1.9))}
-    for name, (low, high) in slabs.items():
-        low, high = np.array(low, float), np.array(high, float)
-        stage._parts += ((name, (Part("box", (low + high) / 2, high - low, slot=name),), paint),)
-    rgb = Renderer(stage).frame(View(np.array([0, 1.2, 0]), 0, fov_deg=60, width=40, height=40)).rgb.astype(int)
-    left, right = rgb[20, 10], rgb[20, 30]
-    assert left[0] > left[2] + 60 and right[2] > right[0] + 60
 
 
 def test_light_and_shadow_shape_the_picture():
@@ -317,146 +264,3 @@ def test_rays_meet_the_nearest_triangle_of_what_stays_and_what_was_displaced(see
     assert same.all()
     np.testing.assert_allclose(distance[triangle >= 0], nearest[triangle >= 0], rtol=1e-6)
     np.testing.assert_array_equal(caster.occluded(origins, ways, reach), nearest < reach)
-
-
-def test_rays_meet_the_same_on_processors_with_other_instructions(monkeypatch):
-    """Embree has kernels for each generation of processors, whose own tests of triangles differ. Rays start on surfaces of a
-    floor plan and run through its corners, where several triangles are as near."""
-    world = World(floorplan.load("FloorPlan212"))
-    mesh = scene_mesh.of_plan(world.plan, world.room).untouched
-    rng = np.random.default_rng(0)
-    corners = mesh.vertices[mesh.triangles]
-    origins = corners[rng.integers(len(corners), size=4000)].mean(axis=1)
-    ways = corners[rng.integers(len(corners), size=4000), 0] - origins
-    reach = rng.uniform(0, 0.2, 4000).astype(np.float32)
-    found = []
-    for instructions in ("sse4.2", "avx2"):
-        device = embree._library().rtcNewDevice(f"threads=1,isa={instructions}".encode())
-        monkeypatch.setattr(embree, "_device", lambda device=device: device)
-        caster = rays.Caster(rays.committed(mesh), len(corners), soup(rng, 0))
-        found.append((*caster.closest(origins, ways), caster.occluded(origins, ways, reach)))
-    assert (found[0][0] >= 0).mean() > 0.9 and 0.1 < found[0][-1].mean() < 0.9
-    for one, two in zip(*found, strict=True):
-        np.testing.assert_array_equal(one, two)
-
-
-def test_of_triangles_at_one_distance_a_ray_meets_the_first():
-    rng = np.random.default_rng(0)
-    mesh = soup(rng, 30)
-    again = dataclasses.replace(mesh, triangles=np.tile(mesh.triangles[::-1], (3, 1)))
-    origins = rng.uniform(-2, 2, (500, 3)).astype(np.float32)
-    ways = rng.normal(size=(500, 3)).astype(np.float32)
-    triangle, distance, u, v = rays.Caster(rays.committed(again), 90, again).closest(origins, ways)
-    met_once, *numbers = rays.Caster(rays.committed(mesh), 30, soup(rng, 0)).closest(origins, ways)
-    assert (met_once >= 0).sum() > 50
-    np.testing.assert_array_equal(triangle, np.where(met_once < 0, -1, 29 - met_once))
-    np.testing.assert_array_equal([distance, u, v], numbers)
-
-
-def test_the_rays_of_a_view_are_those_through_its_pixels():
-    """Images are cast in tiles; tiles that exceed the image neither repeat nor miss a pixel."""
-    world = World(floorplan.load("FloorPlan201"))
-    renderer = Renderer(world)
-    for width, height in ((1, 1), (3, 5), (18, 13), (16, 16)):
-        view = view_of(world, 3, width=width, height=height)
-        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
-        ways = rays_of(view).reshape(-1, 3).astype(np.float32)
-        starts = (view.position + view.near_m * ways).astype(np.float32)
-        triangle, distance, _, _ = renderer._caster.closest(starts, ways)
-        depth = np.where(triangle >= 0, distance + view.near_m, view.far_m).reshape(height, width)
-        np.testing.assert_allclose(frame.depth, depth, atol=1e-3)
-
-
-def test_textures_move_with_the_object():
-    """The colour at a point of an object does not depend on the object's pose."""
-    world = World(floorplan.load("FloorPlan201"))
-    meshes = scene_mesh.of_plan(world.plan, world.room)
-    looks = painter.Appearance.of(meshes.materials)
-    movable = [o for o in world.plan.objects if o.dynamic]
-    turn = floorplan.rotation_matrix(np.array([10.0, 77.0, -20.0]))
-
-    def colours(placements):
-        mesh = meshes.posed(placements)
-        corners = mesh.vertices[mesh.triangles]
-        points = corners.mean(axis=1)
-        out = np.empty_like(points)
-        textures.albedo(
-            np.arange(len(points), dtype=np.int32), points, np.full(len(points), 0.01, np.float32), mesh.material, mesh.part,
-            mesh.axis, mesh.frames, mesh.extents, looks.colours, looks.kinds, looks.scales, looks.seeds, looks.emissions,
-            textures.noise(), out,
-        )  # fmt: skip
-        return out
-
-    here = colours([scene_mesh.Placement(o.object_id, o.object_id, o.box) for o in movable])
-    moved = [floorplan.Box(turn @ o.box.centre + [1, 2, 3], o.box.half, turn @ o.box.rotation) for o in movable]
-    there = colours([scene_mesh.Placement(o.object_id, o.object_id, b) for o, b in zip(movable, moved, strict=True)])
-    assert np.isfinite(here).all() and (here >= 0).all()
-    assert (np.abs(here - there).max(axis=1) < 0.02).mean() > 0.98, "all but points on the border of two tiles"
-
-
-@pytest.mark.parametrize("kind", range(len(textures.KINDS)), ids=textures.KINDS)
-def test_textures_are_colours_and_fade_with_distance(kind):
-    rng = np.random.default_rng(kind)
-    u, v = rng.uniform(-0.5, 0.5, (2, 800)).astype(np.float32)
-    base = np.array([0.5, 0.35, 0.2], dtype=np.float32)
-
-    def painted(footprint):
-        half = np.float32(0.5)
-        return np.array(
-            [
-                textures._texel(
-                    kind, a, b, half, half, np.float32(0.1), 7, np.float32(footprint), *base, np.float32(0), textures.noise()
-                )
-                for a, b in zip(u, v, strict=True)
-            ]
-        )
-
-    near, far = painted(0.001), painted(1.0)
-    assert np.isfinite(near).all() and near.min() >= 0 and near.max() <= 1.05
-    if textures.KINDS[kind] not in ("picture", "screen", "plain", "cardboard", "outdoors", "text", "label"):
-        assert far.std(axis=0).max() < 0.12
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_every_texture_of_a_scene_can_be_painted(scene):
-    world = World(floorplan.load(scene))
-    used = {m.texture for m in scene_mesh.of_plan(world.plan, world.room).materials}
-    assert len(used) > 3 and used <= set(textures.KINDS)
-
-
-def corner_normals(part: Part) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners (T, 3, 3) of a part's triangles, their normals, and the axes (T,) that they face."""
-    from ovman_engine.shapes import mesh
-
-    vertices, triangles = mesh(part)
-    one = np.zeros(len(triangles), np.int32)
-    return vertices[triangles], *corners.of_parts(vertices, triangles, one, np.asarray(part.rotation, float)[None])
-
-
-@pytest.mark.soak
-def test_corner_normals_keep_edges_and_smooth_curves():
-    _, normals, axis = corner_normals(Part("box", (0, 0, 0), (1, 2, 3)))
-    np.testing.assert_allclose(np.abs(normals).max(axis=2), 1, atol=1e-9)
-    assert (np.abs(normals).argmax(axis=2) == axis[:, None]).all()
-    points, normals, _ = corner_normals(Part("ellipsoid", (0, 0, 0), (1, 1, 1)))
-    radial = points / np.linalg.norm(points, axis=2, keepdims=True)
-    assert np.einsum("ijk,ijk->ij", normals, radial).min() > 0.95
-
-
-def test_the_faces_of_a_turned_part_face_its_own_axes():
-    turn = floorplan.rotation_matrix(np.array([20.0, 40.0, -70.0]))
-    _, normals, axis = corner_normals(Part("box", (1, 2, 3), (0.3, 0.2, 0.1), rotation=turn))
-    own = normals.mean(axis=1) @ turn
-    assert sorted(axis.tolist()) == sorted([0, 1, 2] * (len(axis) // 3)) and (np.abs(own).argmax(axis=1) == axis).all()
-
-
-@pytest.mark.parametrize("scene", SCENES)
-def test_shadow_samples_share_the_lights_fairly(scene):
-    world = World(floorplan.load(scene))
-    boxes = {o.object_id: o.box for o in world.plan.objects}
-    low, high = world.bounds()
-    rig = lights.rig(lights.of_plan(world.plan, low, high, boxes), low, high)
-    assert rig.samples.shape == (shading.PHASES, 6) and rig.exposure > 0
-    assert 0 < rig.shadowed <= len(rig.lights)
-    for k in range(rig.shadowed):
-        assert rig.samples[rig.samples[:, 4] == k, 5].sum() == pytest.approx(1.0, rel=1e-6)

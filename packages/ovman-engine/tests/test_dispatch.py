@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
 import typing
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman_engine.actions import TABLE, dispatch
 from ovman_engine.actions.registry import Action, Failed, Thrown, action
 from ovman_engine.actions.values import Inconvertible, Malformed, ObjectPose, PartialVector3, Vector3, converted
-from ovman_engine.plan.floorplan import load
 from ovman_engine.world.errors import Refused
 
 
@@ -167,7 +165,6 @@ def test_every_action_has_a_signature_that_arguments_can_be_converted_to():
                     assert inner in kinds, (name, parameter)
 
 
-THINGS = load("FloorPlan401").objects
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.sampled_from("xyzw"), inner, max_size=3),
@@ -191,53 +188,3 @@ def test_conversion_gives_its_kind_or_says_that_it_cannot(value, kind):
         assert math.isfinite(result)
     if kind is Vector3:
         assert all(map(math.isfinite, result.array))
-
-
-@pytest.fixture(scope="module")
-def fuzzed(engine):
-    return engine("FloorPlan401")
-
-
-def by_kind(parameter):
-    """Values of the parameter's kind, mostly plausible."""
-    lengths = st.floats(-3, 3) | st.floats(allow_nan=False)
-    vectors = st.fixed_dictionaries({"x": lengths, "y": lengths, "z": lengths})
-    pose = st.fixed_dictionaries(
-        {"objectName": st.sampled_from(THINGS).map(lambda o: o.name), "position": vectors, "rotation": vectors}
-    )
-    of = {
-        float: lengths,
-        int: st.integers(-5, 400),
-        bool: st.booleans(),
-        str: st.sampled_from(THINGS).map(lambda o: o.object_id),
-        Vector3: vectors,
-        PartialVector3: vectors,
-        list[float]: st.lists(lengths, max_size=3),
-        list[typing.Any]: st.lists(json_values, max_size=3),
-        list[bool]: st.lists(st.booleans(), max_size=3),
-        list[Vector3]: st.lists(vectors, max_size=3),
-        list[str]: st.lists(st.sampled_from(THINGS).map(lambda o: o.object_id), max_size=3),
-        list[ObjectPose]: st.lists(pose, max_size=3),
-    }
-    return json_values if parameter.kind is typing.Any else of[parameter.kind]
-
-
-@st.composite
-def calls(draw):
-    """Arguments with which an action may be called, one in ten of them arbitrary."""
-    way = draw(st.sampled_from([way for name in sorted(TABLE) if name not in ("Reset", "SetRandomSeed") for way in TABLE[name]]))
-    given = {p: draw(st.integers(0, 9)) for p in way.parameters if p.required or draw(st.booleans())}
-    return {"action": way.name, **{p.name: draw(json_values if wild == 9 else by_kind(p)) for p, wild in given.items()}}
-
-
-@settings(derandomize=True, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(requests=st.lists(calls(), min_size=1, max_size=5))
-def test_any_request_is_answered_and_leaves_a_world_with_a_next_state(fuzzed, requests):
-    fuzzed.do("Reset", sceneName="FloorPlan401_physics")
-    for request in requests:
-        fuzzed.engine.answer(json.dumps(request).encode())
-        agent = fuzzed.do("Pass")
-        assert agent["lastActionSuccess"], (request, agent["errorMessage"])
-        state = [*agent["agent"]["position"].values(), agent["agent"]["rotation"]["y"], agent["agent"]["cameraHorizon"]]
-        state += [v for o in agent["objects"] for v in (*o["position"].values(), *o["rotation"].values(), o["distance"])]
-        assert all(map(math.isfinite, state)), request

@@ -35,42 +35,6 @@ def failure(agent):
 # The default agent
 
 
-def test_it_crouches_and_stands_once_each(controller):
-    standing = controller.step("Pass").metadata
-    assert standing["agent"]["isStanding"] is True and camera_m(standing) == pytest.approx(0.675)
-    event = controller.step("Stand")
-    assert not event and event.metadata["errorMessage"] == "Already standing." and event.metadata["errorCode"] is None
-    event = controller.step("Crouch")
-    low = event.metadata
-    assert event and low["agent"]["isStanding"] is False and camera_m(low) == pytest.approx(0.0)
-    assert low["agent"]["position"] == standing["agent"]["position"] and (event.frame != controller.step("Pass").frame).sum() == 0
-    assert controller.step("Crouch").metadata["errorMessage"] == "Already crouching."
-    moved = controller.step("RotateRight").metadata
-    assert moved["agent"]["isStanding"] is False
-    assert controller.step("Stand").metadata["cameraPosition"] == pytest.approx(standing["cameraPosition"])
-
-
-def test_a_crouching_agent_sees_from_below(controller):
-    high = controller.step("Pass")
-    low = controller.step("Crouch")
-    assert not np.array_equal(high.frame, low.frame) and not np.array_equal(high.depth_frame, low.depth_frame)
-
-
-def test_initialize_makes_it_stand(engine):
-    e = engine()
-    e.do("Crouch")
-    assert e.do("Initialize")["agent"]["isStanding"] is True
-
-
-def test_a_free_look_is_not_checked(engine):
-    e = engine()
-    before = pose(e.agent)
-    for yaw, horizon, reported in ((90, 31, (90, 31)), (-30, 80, (330, 80)), (720.5, -45, (0.5, -45)), (0, 0, (0, 0))):
-        after = pose(e.do("RotateLook", rotation={"x": 5, "y": yaw, "z": 7}, horizon=horizon, anything="else"))
-        assert e.agent["lastActionSuccess"] and after == pytest.approx((*before[:3], *reported, True))
-    assert pose(e.do("RotateLook", horizon=10))[3:5] == (0, 10)
-
-
 @given(start=st.floats(-30, 60), tenths=st.integers(1, 900), down=st.booleans())
 def test_a_look_goes_exactly_as_far_as_asked_or_not_at_all(engine, start, tenths, down):
     e = shared_engine(engine)
@@ -94,36 +58,6 @@ def shared_engine(engine):
     if "one" not in _engines:
         _engines["one"] = engine()
     return _engines["one"]
-
-
-@pytest.mark.parametrize("degrees", [0.25, 10.01, 0.05, 33.333])
-def test_a_look_is_a_multiple_of_a_tenth_of_a_degree(engine, degrees):
-    e = shared_engine(engine)
-    assert failure(e.do("LookUp", degrees=degrees)) == (None, "LookUp action requires degree value to be a multiple of 0.1f")
-
-
-def test_arguments_for_other_agents_are_taken(engine):
-    e = engine()
-    extra = {"manualInteract": True, "speed": 2, "returnToStart": False, "disableRendering": False}
-    renders = {"renderImage": False, "agentId": 0, "renderNormalsImage": True, "renderObjectImage": True}
-    for action in ("MoveAhead", "MoveBack", "MoveRight", "MoveLeft"):
-        assert e.do(action, allowAgentsToIntersect=True, fixedDeltaTime=0.1, **extra, **renders)["errorCode"] is None
-    for action in ("RotateLeft", "RotateRight"):
-        assert e.do(action, waitForFixedUpdate=True, fixedDeltaTime=0.1, **extra, **renders)["lastActionSuccess"]
-    code, message = failure(e.do("MoveAhead", haste=2))
-    assert code == "InvalidArgument" and "Void MoveAhead(Nullable`1 moveMagnitude = , String objectId = " in message
-
-
-def test_a_move_may_be_held_to_the_neighbourhood_of_an_object(engine):
-    e = engine()
-    thing = min(e.agent["objects"], key=lambda o: abs(o["distance"] - 2.0))
-    before = pose(e.agent)
-    message = failure(e.do("MoveAhead", moveMagnitude=0.1, objectId=thing["objectId"], maxAgentsDistance=0.2))[1]
-    assert message == f"Agent movement would bring it beyond the max distance of {thing['objectId']}" and pose(e.agent) == before
-    assert e.do("MoveAhead", moveMagnitude=0.1, objectId=thing["objectId"], maxAgentsDistance=50)["lastActionSuccess"]
-    before = pose(e.agent)
-    message = failure(e.do("MoveBack", moveMagnitude=0.1, objectId="Unicorn|1", maxAgentsDistance=50))[1]
-    assert message == "No object with ID Unicorn|1" and pose(e.agent) == before
 
 
 @settings(max_examples=20, derandomize=True, deadline=None)
@@ -155,26 +89,6 @@ def test_positions_along_its_own_axes_are_where_moves_along_them_lead(engine, ya
             x_0, z_0, x_1, z_1 = world.room.rectangle
             assert not free or there or not (x_0 <= target[0] <= x_1 and z_0 <= target[1] <= z_1)
         assert joined or len(points) == 1
-
-
-def test_the_set_follows_what_stands_in_the_room(engine):
-    e = engine()
-    before = flat(e.do("GetReachablePositions")["actionReturn"])
-    start = e.agent["agent"]["position"]
-    movable = [o for o in e.agent["objects"] if o["moveable"] or o["pickupable"]]
-    poses = [{"objectName": o["name"], "position": o["position"], "rotation": o["rotation"]} for o in movable]
-    e.do("SetObjectPoses", objectPoses=poses)
-    assert flat(e.do("GetReachablePositions")["actionReturn"]) == before
-    armchair = next(o for o in e.agent["objects"] if o["objectType"] == "ArmChair")["objectId"]
-    e.do("DisableObject", objectId=armchair)
-    assert flat(e.do("GetReachablePositions")["actionReturn"]) > before
-    e.do("EnableObject", objectId=armchair)
-    assert flat(e.do("GetReachablePositions")["actionReturn"]) == before
-    kept = [p for p, o in zip(poses, movable, strict=True) if o["objectType"] != "ArmChair"]
-    assert len(kept) < len(poses)
-    e.do("SetObjectPoses", objectPoses=kept)
-    assert flat(e.do("GetReachablePositions")["actionReturn"]) > before
-    assert (round(start["x"], 4), round(start["z"], 4)) in before
 
 
 def test_what_overlaps_the_agent_does_not_count(engine):
@@ -224,15 +138,6 @@ def test_a_locobot_through_the_client(start):
         assert controller.reset("FloorPlan201").metadata["agent"]["isStanding"] is None
         default = controller.reset("FloorPlan201", agentMode="default").metadata
         assert default["agent"]["isStanding"] is True and default["fov"] == 90
-
-
-def test_another_embodiment_is_another_event(controller):
-    """This holds if nothing else changed, and the event might be a patch."""
-    same = {"fieldOfView": 70, "snapToGrid": False, "applyActionNoise": False}
-    tall = controller.step("Initialize", **same).metadata
-    short = controller.step("Initialize", agentMode="locobot", **same).metadata
-    assert tall["agent"]["isStanding"] is True and short["agent"]["isStanding"] is None
-    assert camera_m(short) == pytest.approx(-0.0312) and tall["fov"] == short["fov"] == 70
 
 
 def test_a_locobot_errs_a_little_and_the_same_way_from_the_same_seed(engine):
@@ -315,41 +220,6 @@ def test_a_locobot_goes_under_what_hangs_above_it():
             assert (world.blocker(here, there) is not None) == (embodiment in blocked), (bottom, embodiment.mode)
 
 
-def test_bodies_are_kept_off_the_agent_that_there_is(engine):
-    """An object just above a locobot's head would be in the chest of a default agent."""
-    for mode, allowed in (("default", set()), ("locobot", {0.4})):
-        e = engine(agentMode=mode)
-        vase = next(o for o in e.agent["objects"] if o["objectType"] == "Vase")
-        here = e.agent["agent"]["position"]
-        for above in (0.4, -0.4):
-            target = {**here, "y": here["y"] + above}
-            e.do("TeleportObject", objectId=vase["objectId"], position=target, rotation=vase["rotation"], forceKinematic=True)
-            assert e.agent["lastActionSuccess"] == (above in allowed), (mode, above, e.agent["errorMessage"])
-
-
-# The surroundings
-
-
-def test_a_wide_counter_blocks_where_it_is_seen_and_not_in_its_opening():
-    openings = 0
-    for name in ("FloorPlan3", "FloorPlan5", "FloorPlan13", "FloorPlan19", "FloorPlan28"):
-        world = World(floorplan.load(name))
-        positions = np.array(world.reachable())[:, [0, 2]]
-        for body in (b for b in world.bodies.values() if b.obj.type == "CounterTop"):
-            low, high = body.box.bounds()
-            if min((high - low)[[0, 2]]) < 1.5:
-                continue
-            inside = ((positions > low[[0, 2]]) & (positions < high[[0, 2]])).all(axis=1)
-            openings += inside.any()
-            names = world.obstacles()[1]
-            boxes = world.obstacles()[0].boxes.take(np.array([n == body.object_id for n in names]))
-            assert len(boxes) > 1
-            distances = boxes.distances(positions, *DEFAULT.axis(world.agent.foot), 1.0)
-            start = np.linalg.norm(positions - world.agent.position[[0, 2]], axis=1) < 0.3
-            assert distances[~start].min() > DEFAULT.radius_m - 0.05
-    assert openings >= 2
-
-
 # Initialize
 
 
@@ -379,40 +249,6 @@ def test_what_initialize_refuses(engine, arguments, message):
     assert failure(shared_engine(engine).do("Initialize", **arguments)) == (None, message)
 
 
-def test_parameters_of_former_days_are_taken(engine):
-    e = engine(
-        makeAgentsVisible=False,
-        renderFlowImage=True,
-        commit_id="f0825767",
-        continuous=True,
-        continuousMode=True,
-        agentControllerType="physics",
-        targetFrameRate=60,
-        renderObjectImage=True,
-        renderClassImage=True,
-        antiAliasing="fxaa",
-        alwaysReturnVisibleRange=False,
-    )
-    assert e.agent["lastActionSuccess"], e.agent["errorMessage"]
-    assert e.agent["actionReturn"] == pytest.approx({"cameraNearPlane": 0.1, "cameraFarPlane": 20.0})
-    assert e.engine.session.settings.instances and e.engine.session.settings.classes
-
-
-def test_what_is_zero_is_at_its_default(engine):
-    e = engine(
-        maxUpwardLookAngle=0, maxDownwardLookAngle=0, cameraNearPlane=0, cameraFarPlane=-1, visibilityDistance=0, agentCount=0
-    )
-    assert e.agent["actionReturn"] == pytest.approx({"cameraNearPlane": 0.1, "cameraFarPlane": 20.0})
-    assert e.do("LookUp")["agent"]["cameraHorizon"] == -30 and e.engine.session.settings.visibility_m == 1.5
-
-
-def test_look_angles_are_as_initialised(engine):
-    e = engine(maxUpwardLookAngle=75, maxDownwardLookAngle=20)
-    assert failure(e.do("LookDown"))[1] == "can't look down beyond 20 degrees below the forward horizon"
-    assert e.do("LookUp", degrees=75)["agent"]["cameraHorizon"] == -75
-    assert "Each horizon must be in [-75:20]. You gave 30." in failure(e.do("Teleport", horizon=30))[1]
-
-
 @settings(max_examples=12, derandomize=True, deadline=None)
 @given(grid=st.sampled_from([0.1, 0.15, 0.25, 0.3, 0.5]), snap=st.booleans())
 def test_the_agent_begins_on_its_grid(engine, grid, snap):
@@ -426,32 +262,3 @@ def test_the_agent_begins_on_its_grid(engine, grid, snap):
     assert after[1] == before[1]
     e.do("Reset")
     e.do("Initialize", snapToGrid=False, rotateStepDegrees=30)
-
-
-def test_the_largest_grid_leaves_the_agent_in_the_room(engine):
-    e = engine(gridSize=5)
-    assert e.agent["lastActionSuccess"] and len(e.do("GetReachablePositions", gridSize=0.25)["actionReturn"]) > 100
-
-
-# Teleports
-
-
-def test_forced_teleports_check_nothing(engine):
-    e = engine()
-    x, y, z = pose(e.agent)[:3]
-    e.do("Teleport", position={"x": x, "y": y + 1, "z": z}, rotation={"x": 10, "y": 20, "z": 5}, horizon=80, forceAction=True)
-    assert e.agent["lastActionSuccess"] and pose(e.agent)[:5] == pytest.approx((x, y + 1, z, 20, 80))
-
-
-def test_a_pitch_below_a_hundredth_of_a_degree_is_none(engine):
-    e = shared_engine(engine)
-    assert e.do("Teleport", rotation={"x": 0.009, "y": 15, "z": -0.009})["lastActionSuccess"]
-    assert e.agent["agent"]["rotation"] == {"x": 0, "y": 15, "z": 0}
-    assert "ArgumentOutOfRangeException" in failure(e.do("Teleport", rotation={"x": 0.01, "y": 15, "z": 0}))[1]
-
-
-def test_missing_coordinates_are_named(engine):
-    e = shared_engine(engine)
-    assert failure(e.do("Teleport", x=0, z=0)) == ("MissingArguments", "action: Teleport is missing the following arguments: y")
-    code, message = failure(e.do("TeleportFull", position={"x": 0, "y": 1, "z": 0}, horizon=0))
-    assert code == "MissingArguments" and message.endswith(": rotation,standing")

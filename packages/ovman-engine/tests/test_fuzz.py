@@ -207,17 +207,6 @@ def test_random_actions_for_long(client, sequence):
     run(client, *sequence)
 
 
-shapes = st.from_regex(rb'\{"action": ?[\[\]{}"0-9a-z,:.\\ud]{0,40}\}?', fullmatch=True)
-
-
-@settings(**bounded)
-@given(st.binary(max_size=200) | st.text(max_size=80).map(str.encode) | shapes)
-def test_random_bytes(client, body):
-    """Any bytes are answered with a metadata frame."""
-    frames = client.engine.answer(body)
-    assert [field for field, _ in frames] == [1] and not client.logged
-
-
 @pytest.mark.parametrize(
     "body",
     [

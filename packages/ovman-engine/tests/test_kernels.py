@@ -41,12 +41,6 @@ assert compiled() == before, compiled() - before
 """
 
 
-def test_loops_are_where_they_are_looked_for() -> None:
-    engine = Path(kernels.__file__).parent
-    rooms = {p.relative_to(engine).parts[0] for p in engine.rglob("*.py") if "njit" in p.read_text()}
-    assert rooms == set(kernels.ROOMS)
-
-
 def test_a_mark_says_that_all_is_compiled(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     assert not kernels.ready()

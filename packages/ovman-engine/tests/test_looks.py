@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +11,7 @@ from ovman_engine.paint import materials
 from ovman_engine.picture import scene_mesh, sunshine
 from ovman_engine.picture.camera import Renderer, View
 from ovman_engine.plan import floorplan
-from ovman_engine.shapes import Part, surroundings
+from ovman_engine.shapes import Part
 from ovman_engine.world.world import World
 
 LOW, HIGH = np.array([-2.0, 0.0, -3.0]), np.array([4.0, 2.5, 5.0])
@@ -39,16 +36,6 @@ class Hall:
         for k, (slot, low, high) in enumerate(self._slabs):
             low, high = np.array(low, float), np.array(high, float)
             yield f"{slot} {k}", (Part("box", (low + high) / 2, high - low, slot=slot),), PAINT
-
-
-def example(name: str):
-    """A module of the examples."""
-    path = Path(__file__).parents[1] / "examples" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
 
 
 @pytest.mark.parametrize("panes", [1, 2])
@@ -108,64 +95,3 @@ def test_the_sun_only_adds_light_and_only_where_it_falls_through_a_window():
                 hits.append(first - SOFT_M < at[2 - axis] < last + SOFT_M and bottom - SOFT_M < at[1] < top + SOFT_M)
             inside.append(any(hits))
     assert patches >= 2 and np.mean(inside) > 0.97
-
-
-def test_one_looks_into_sinks_onto_their_bowls():
-    """Furniture under a sink does not fill its bowl."""
-    looked = 0
-    for name in ("FloorPlan1", "FloorPlan12", "FloorPlan20", "FloorPlan403", "FloorPlan417", "FloorPlan426"):
-        world = World(floorplan.load(name))
-        renderer = Renderer(world)
-        for basin in (o for o in world.plan.objects if o.type == "SinkBasin"):
-            view = View(basin.box.centre + [0, basin.box.half[1] + 0.35, 0], 0, 90, width=31, height=31, orthographic_size=0.08)
-            ids = renderer.frame(view, rgb=False, ids=True).ids
-            seen = {renderer.names[i].split("|")[0] for i in np.unique(ids)}
-            assert not seen & {"Cabinet", "Drawer", "CounterTop"}, (name, basin.object_id)
-            looked += 1
-    assert looked > 5
-
-
-def test_what_hangs_into_a_cupboard_is_told_to_its_form():
-    plan = floorplan.load("FloorPlan1")
-    sunk = [
-        i
-        for o in plan.objects
-        if o.type == "Cabinet"
-        for i in surroundings.inserts(o, plan, surroundings.front(o, plan))
-        if i.kind == "sink"
-    ]
-    assert sunk
-    assert all(i.x0 < i.x1 and i.y0 < i.y1 and i.z0 < i.z1 for i in sunk)
-
-
-def test_the_sheet_of_types_shows_every_type_but_the_floor(monkeypatch):
-    sheets = example("contact_sheets")
-    monkeypatch.setattr(sheets, "CELL_PX", 16)
-    monkeypatch.setattr(sheets, "PROBE_PX", 12)
-    plans = [floorplan.load(name) for name in ("FloorPlan410", "FloorPlan311")]
-    shown = sheets.portraits(plans)
-    assert set(shown) == {o.type for plan in plans for o in plan.objects} - {"Floor"}
-    assert all(1 <= len(pictures) <= sheets.ASSETS for pictures in shown.values())
-    assert all(p.shape == (16, 16, 3) and p.dtype == np.uint8 for pictures in shown.values() for p in pictures)
-
-
-def test_a_portrait_is_taken_of_its_object_whole_and_from_before_it():
-    sheets = example("contact_sheets")
-    world = World(floorplan.load("FloorPlan201"))
-    renderer = Renderer(world)
-    sofa = next(o for o in world.plan.objects if o.type == "Sofa")
-    front = sofa.box.rotation @ surroundings.direction(surroundings.front(sofa, world.plan))
-    view, share = sheets.best_view(renderer, sofa.object_id, surroundings.front(sofa, world.plan))
-    assert share > 0.1
-    assert (view.position - sofa.box.centre) @ front > 0
-
-
-def test_what_lies_hidden_is_shown_alone():
-    sheets = example("contact_sheets")
-    world = World(floorplan.load("FloorPlan1"))
-    renderer = Renderer(world)
-    hidden = next(
-        o for o in world.plan.objects if o.pickupable and sheets.best_view(renderer, o.object_id, 0)[1] < sheets.LEAST_SHARE
-    )
-    picture = sheets.portrait(world.plan, renderer, hidden, 24)
-    assert picture.std() > 3

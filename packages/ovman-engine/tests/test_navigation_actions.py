@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from ai2thor.util import metrics
 
 from ovman_engine.actions.navigation import _floor
 
@@ -87,24 +86,6 @@ def test_poses_are_chosen_among_those_given(engine):
     assert scene.do("GetInteractablePoses", objectId=target, maxDistance=0.01)["actionReturn"] == []
 
 
-def test_rotations_go_by_the_agents_own_yaw(engine):
-    scene = engine("FloorPlan206", snapToGrid=False, rotateStepDegrees=90)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
-    scene.do("RotateRight", degrees=40)
-    poses = scene.do("GetInteractablePoses", objectId=target)["actionReturn"]
-    assert poses and {p["rotation"] % 90 for p in poses} == {40}
-
-
-def test_a_locobot_neither_stands_nor_crouches(engine):
-    scene = engine("FloorPlan206", agentMode="locobot", fastActionEmit=False)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
-    poses = scene.do("GetInteractablePoses", objectId=target, maxPoses=20)["actionReturn"]
-    assert poses and all(set(p) == {"x", "y", "z", "rotation", "horizon"} for p in poses)
-    assert scene.do("TeleportFull", **full(poses[0]))["lastActionSuccess"], scene.agent["errorMessage"]
-    assert scene.object(target)["visible"]
-    assert scene.do("GetInteractablePoses", objectId=target, standings=[True])["errorCode"] == "InvalidArgument"
-
-
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -122,13 +103,6 @@ def test_poses_cannot_be_told_of_nothing(engine, arguments, message):
     target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
     refused = scene.do("GetInteractablePoses", **{"objectId": target, **arguments})
     assert not refused["lastActionSuccess"] and message in refused["errorMessage"], refused["errorMessage"]
-
-
-def test_turns_that_do_not_make_a_circle_need_rotations(engine):
-    scene = engine("FloorPlan206", snapToGrid=False, rotateStepDegrees=50)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Sofa")["objectId"]
-    assert "must be 0" in scene.do("GetInteractablePoses", objectId=target)["errorMessage"]
-    assert scene.do("GetInteractablePoses", objectId=target, rotations=[0, 180])["lastActionSuccess"]
 
 
 # Shortest paths
@@ -216,24 +190,6 @@ def test_movables_are_no_obstacle_to_a_path(engine):
     assert scene.do("GetShortestPathToPoint", position=start, **end)["actionReturn"] == free
 
 
-def test_the_clients_own_helpers_find_paths(controller):
-    objects = controller.last_event.metadata["objects"]
-    sofa = next(o for o in objects if o["objectType"] == "Sofa")
-    cells = controller.step("GetReachablePositions").metadata["actionReturn"]
-    start = max(cells, key=lambda c: np.linalg.norm(xz(c) - xz(sofa["position"])))
-    where = controller.last_event.metadata["agent"]
-    path = metrics.get_shortest_path_to_object(controller, sofa["objectId"], start, {"x": 0, "y": 90, "z": 0})
-    assert metrics.path_distance(path) == pytest.approx(length(path)) and length(path) > 0.5
-    kind = next(o["objectType"] for o in objects if [p["objectType"] for p in objects].count(o["objectType"]) == 1)
-    assert metrics.get_shortest_path_to_object_type(controller, kind, start, allowed_error=0.05)
-    there = metrics.get_shortest_path_to_point(controller, start, path[-1], allowed_error=1e-3)
-    assert metrics.path_distance(there) == pytest.approx(metrics.path_distance(path), rel=0.02)
-    assert metrics.compute_single_spl(path, path, True) == pytest.approx(1.0)
-    assert controller.last_event.metadata["agent"] == where
-    with pytest.raises(ValueError, match="Unable to find shortest path for objectId"):
-        metrics.get_shortest_path_to_object(controller, "Nothing|+00.00|+00.00|+00.00", start)
-
-
 def test_paths_to_nothing_are_refused(engine):
     scene = engine("FloorPlan8")
     cell = scene.do("GetReachablePositions")["actionReturn"][3]
@@ -275,27 +231,3 @@ def test_ends_beside_the_mesh_are_taken_for_the_nearest_points_on_it(engine):
     refused = scene.do("GetShortestPathToPoint", position=beside[0], **beside[-1])
     assert refused["errorMessage"].startswith("Closest point on NavMesh was too far from the agent")
     assert scene.do("GetShortestPathToPoint", position=beside[0], **beside[-1], allowedError=0.2)["lastActionSuccess"]
-
-
-def test_types_are_told_as_ids(engine):
-    scene = engine("FloorPlan8")
-    cabinets = {o["objectId"] for o in scene.agent["objects"] if o["objectType"] == "Cabinet"}
-    assert set(scene.do("ObjectTypeToObjectIds", objectType="cabinet")["actionReturn"]) == cabinets
-    assert scene.do("ObjectTypeToObjectIds", objectType="Elephant")["actionReturn"] == []
-    refused = scene.do("ObjectTypeToObjectIds", objectType=None)
-    assert not refused["lastActionSuccess"] and refused["errorMessage"].startswith("NullReferenceException: Object reference")
-    assert scene.do("Pass")["lastActionSuccess"]
-
-
-def test_from_outside_nothing_is_found_and_nothing_hangs(engine):
-    scene = engine("FloorPlan8", snapToGrid=False, fastActionEmit=False)
-    target = next(o for o in scene.agent["objects"] if o["objectType"] == "Fridge")["objectId"]
-    far = {"x": 1e6, "y": 1e6, "z": -1e6}
-    assert scene.do("GetShortestPath", objectId=target, position=far)["errorMessage"].startswith("No point on NavMesh near")
-    assert scene.do("GetShortestPathToPoint", **far, allowedError=1e9)["errorMessage"].startswith("No point on NavMesh near")
-    assert scene.do("GetInteractablePoses", objectId=target, positions=[far])["actionReturn"] == []
-    scene.do("TeleportFull", position=far, rotation={"y": 0}, horizon=0, standing=True, forceAction=True)
-    assert not any(o["visible"] for o in scene.agent["objects"])
-    assert scene.do("GetReachablePositions")["actionReturn"] == [far]
-    assert scene.do("GetInteractablePoses", objectId=target)["actionReturn"] == []
-    assert not scene.do("GetShortestPath", objectId=target)["lastActionSuccess"]

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
-
 import numpy as np
 import pytest
 from scipy.sparse import coo_array, csr_array
@@ -63,20 +60,3 @@ def test_positions_are_those_of_sparse_matrices(name: str, portion: int, monkeyp
     expected = world.reachable()
     assert len(found) > 20
     assert np.array_equal(np.array(found), np.array(expected))
-
-
-def test_an_engine_that_walks_and_draws_loads_no_sparse_matrices_and_no_linear_algebra() -> None:
-    code = """
-import json, sys
-from ovman_engine import kernels
-kernels.without_blas()
-from ovman_engine.engine import Engine
-engine = Engine(48, 48)
-for action in ({"action": "Reset", "sceneName": "FloorPlan201_physics"}, {"action": "Initialize"},
-               {"action": "GetReachablePositions"}, {"action": "RotateRight", "renderImage": True}):
-    engine.answer(json.dumps(action).encode())
-assert len(engine.session.world.reachable()) > 20 and "numba.np.arraymath" in sys.modules
-print(sorted({"scipy.linalg", "scipy.sparse", "coverage"} & {*sys.modules}))
-import scipy.linalg
-"""
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

@@ -91,18 +91,6 @@ def test_from_farther_sight_more_is_visible_and_never_what_is_behind(engine):
                 assert ((np.array(record["axisAlignedBoundingBox"]["cornerPoints"])[:, [0, 2]] - here) @ ahead).max() > 0
 
 
-def test_no_rays_are_cast_where_nothing_is_near_enough(engine, monkeypatch):
-    """All other metadata are the same, so a client that reads masks saves the time of visibility."""
-    near, none = engine("FloorPlan8"), engine("FloorPlan8", visibilityDistance=0.01)
-    monkeypatch.setattr(none.engine.session.scene.sight, "look", lambda *_: pytest.fail("looked"))
-    unseen, found = {"visible": False, "isInteractable": False}, 0
-    for pose in poses(near, 6, seed=2):
-        close, blind = near.do("TeleportFull", **pose), none.do("TeleportFull", **pose)
-        found += len(seen(close))
-        assert [o | unseen for o in close["objects"]] == blind["objects"]
-    assert found
-
-
 def test_the_schemes_differ_in_what_is_near_alone(engine):
     """From afar both schemes agree; near by, an object visible by "Distance" has a visible point that near, in plan."""
     collider, distance = (engine("FloorPlan315", visibilityDistance=50.0, visibilityScheme=s) for s in ("Collider", "Distance"))
@@ -147,19 +135,6 @@ def test_hidden_by_what_stands_in_the_way_until_it_goes(engine):
     assert scene.object(small)["visible"]
 
 
-def test_what_was_taken_away_hides_nothing_though_others_are_where_they_were(engine):
-    """Removed furniture of the untouched scene does not block rays."""
-    scene = engine("FloorPlan4", fastActionEmit=False)
-    fridge = next(o for o in scene.agent["objects"] if o["objectType"] == "Fridge")["objectId"]
-    inside = [o["objectId"] for o in scene.agent["objects"] if fridge in (o["parentReceptacles"] or ())]
-    assert inside
-    for name in inside:
-        assert scene.do("GetInteractablePoses", objectId=name)["actionReturn"] == [], name
-    scene.do("PausePhysicsAutoSim")
-    scene.do("RemoveFromScene", objectId=fridge)
-    assert any(scene.do("GetInteractablePoses", objectId=name)["actionReturn"] for name in inside)
-
-
 def test_what_is_behind_glass_is_seen_but_cannot_be_reached(engine):
     scene = engine("FloorPlan418", fastActionEmit=False, visibilityDistance=3.0)
     scene.do("PausePhysicsAutoSim")
@@ -197,26 +172,6 @@ def test_looks_go_all_around_evenly():
     assert np.degrees(np.arccos((anywhere @ ways.T).max(axis=1))).max() < 1.1
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_depth_of_a_mask_lies_in_the_box_of_its_object(engine, name):
-    """Distances agree to 2 cm for 99 of 100 pixels."""
-    scene = engine(name, fastActionEmit=False)
-    renderer = Renderer(scene.engine.session.world)
-    inside = total = 0
-    for pose in poses(scene, 4, seed=2):
-        scene.do("TeleportFull", **pose)
-        view = scene.engine.session.view()
-        frame = renderer.frame(view, rgb=False, depth=True, ids=True)
-        across = (np.arange(view.width) + 0.5) / view.width * 2 - 1
-        x, y = np.meshgrid(across, -across)
-        points = view.position + np.stack([x, y, np.ones_like(x)], axis=-1) @ view.axes() * frame.depth[..., None]
-        for k, obj in enumerate(scene.engine.session.world.plan.objects):
-            local = (points[frame.ids == k] - obj.box.centre) @ obj.box.rotation
-            inside += (np.abs(local) <= obj.box.half + 0.02).all(axis=1).sum()
-            total += len(local)
-    assert total > 100_000 and inside >= 0.99 * total
-
-
 def test_points_of_the_picture_are_told(engine):
     """The object behind a point of the image, and where its ray ends; nothing moves."""
     scene = engine("FloorPlan8", fastActionEmit=False)
@@ -246,26 +201,3 @@ def test_points_of_the_picture_are_told(engine):
     assert np.allclose([low[k] for k in "xyz"], corners.min(axis=0)) and np.allclose(
         [high[k] for k in "xyz"], corners.max(axis=0)
     )
-
-
-def test_a_filter_changes_nothing_that_is_told_of_what_it_leaves_in(engine):
-    """With a filter, rays go only towards listed objects. Objects have any pose, near and far."""
-    rng = np.random.default_rng(0)
-    told = visible = 0
-    for name, visibility_m, scheme in zip(SCENES, (1.0, 1.5, 3.0), ("Collider", "Distance", "Collider"), strict=True):
-        scene = engine(name, fastActionEmit=False, visibilityDistance=visibility_m, visibilityScheme=scheme)
-        scene.do("PausePhysicsAutoSim")
-        movable = sorted(o["objectId"] for o in scene.agent["objects"] if o["moveable"] or o["pickupable"])
-        for pose in poses(scene, 25):
-            rotation = {"x": float(rng.uniform(-90, 90)), "y": float(rng.uniform(0, 360)), "z": 0}
-            put = {"position": pose["position"], "rotation": rotation, "forceAction": True, "forceKinematic": True}
-            scene.do("TeleportObject", objectId=movable[rng.integers(len(movable))], **put)
-            whole = {o["objectId"]: dict(o) for o in scene.do("TeleportFull", **next(poses(scene, 1, seed=told)))["objects"]}
-            near = sorted(k for k, o in whole.items() if o["visible"])
-            kind = rng.choice(sorted({o["objectType"] for o in whole.values()}))
-            chosen = {k for k, o in whole.items() if o["objectType"] == kind} | set(near[: rng.integers(3)])
-            some = {o["objectId"]: dict(o) for o in scene.do("SetObjectFilter", objectIds=sorted(chosen))["objects"]}
-            assert some == {k: whole[k] for k in chosen}
-            assert {o["objectId"]: o for o in scene.do("ResetObjectFilter")["objects"]} == whole
-            told, visible = told + len(some), visible + len(seen({"objects": some.values()}))
-    assert told > 150 and visible > 40

@@ -20,9 +20,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from ovman_engine import executable
+from ovman_engine.client import log
+from ovman_engine.client.event import thrown
+from ovman_engine.client.resolution import MAX_SIDE_PX, objection
 from ovman_engine.client.wire import ClientGone, Field, Wire
 
 DEADLINE_S = 20.0
+END = struct.pack("!BI", 255, 0)
 
 
 def until(condition, seconds=DEADLINE_S):
@@ -35,108 +39,88 @@ def until(condition, seconds=DEADLINE_S):
 
 
 class Client:
-    """The client's end of the pipes, a few lines of it."""
+    """The client's end of the pipes; `log` is where the engine's output goes."""
 
-    def __init__(self, environment):
-        self.environment = environment
+    def __init__(self, environment, log=subprocess.DEVNULL, directory=None):
         self.process = subprocess.Popen(
-            shlex.split(executable()), env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+            shlex.split(executable()),
+            env=environment,
+            stdout=log,
+            stderr=log,
+            stdin=subprocess.DEVNULL,
+            cwd=directory,
+            # under nohup, the tests and so the engine would ignore the signal
+            preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
         )
-        self.reader = self.writer = None
+        self.reader = open(environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0)  # noqa: SIM115
+        self.receive()
+        self.writer = open(environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"], "wb", buffering=0)  # noqa: SIM115
 
-    def connect(self):
-        self.reader = open(self.environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb")  # noqa: SIM115
-        return self.receive()
+    def read(self, size):
+        data = b""
+        while len(data) < size:
+            part = self.reader.read(size - len(data))
+            assert part, "the engine has gone"
+            data += part
+        return data
 
     def receive(self):
         frames = []
         while True:
-            kind, length = struct.unpack("!BI", self.reader.read(5))
+            kind, length = struct.unpack("!BI", self.read(5))
             if kind == 255:
-                assert length == 0
                 return frames
-            frames.append((kind, self.reader.read(length)))
+            frames.append((kind, self.read(length)))
 
-    def send(self, body, kind=2):
-        if self.writer is None:
-            self.writer = open(self.environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"], "wb")  # noqa: SIM115
-        self.writer.write(struct.pack("!BI", kind, len(body)) + body + struct.pack("!BI", 255, 0))
-        self.writer.flush()
+    def send(self, **request):
+        self.put(json.dumps(request).encode())
+
+    def put(self, body, kind=2):
+        self.writer.write(struct.pack("!BI", kind, len(body)) + body + END)
 
     def ask(self, **request):
-        self.send(json.dumps(request).encode())
-        return self.receive()
+        self.send(**request)
+        (_, body), *_ = self.receive()
+        answer = msgpack.unpackb(body)
+        return answer["agents"][0] if "agents" in answer else answer
+
+    def gone(self):
+        """Exit status, once the engine has ended by itself."""
+        return self.process.wait(DEADLINE_S)
 
     def close(self):
-        for end in (self.reader, self.writer):
-            if end is not None:
-                end.close()
-        try:
-            self.process.wait(DEADLINE_S)
-        finally:
-            self.process.kill()
-            self.process.wait()
+        self.reader.close()
+        self.writer.close()
+        self.process.kill()
+        self.process.wait()
 
 
 @pytest.fixture
-def client(engine_environment):
-    made = Client(engine_environment)
-    try:
-        yield made
-    finally:
+def connect(engine_environment):
+    clients = []
+
+    def make(**options):
+        clients.append(Client(engine_environment, **options))
+        return clients[-1]
+
+    yield make
+    for made in clients:
         made.close()
 
 
-def test_speaks_first_then_echoes_sequence_numbers_whatever_it_is_sent(client):
-    (kind, body), *images = client.connect()
-    first = msgpack.unpackb(body)
-    assert kind == Field.METADATA and first["sequenceId"] == 0 and not images
-    assert first["agents"][0]["lastActionSuccess"] is True
-
-    (kind, body), *images = client.ask(action="MoveAhead", sequenceId=7)
-    reply = msgpack.unpackb(body)
-    assert reply["sequenceId"] == 7 and not images
-    assert reply["agents"][0]["errorMessage"].startswith("No scene is loaded")
-
+def test_answers_whatever_it_is_sent(connect):
+    client = connect()
+    assert client.ask(action="MoveAhead", sequenceId=7)["errorMessage"].startswith("No scene is loaded")
     for garbage in (b"", b"\xff\xfe", b"[1]", b"nonsense", b'{"action": "Pass", "sequenceId": ', b'{"action": ["Pass"]}', b"NaN"):
-        client.send(garbage)
+        client.put(garbage)
         (kind, body), *images = client.receive()
-        assert not msgpack.unpackb(body)["agents"][0]["lastActionSuccess"] and not images
-
-    client.send(b"not an action", kind=99)
+        assert kind == Field.METADATA and not msgpack.unpackb(body)["agents"][0]["lastActionSuccess"] and not images
+    client.put(b"not an action", kind=99)
     client.receive()
-    ((_, body),) = client.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)
-    reset = msgpack.unpackb(body)["agents"][0]
+    reset = client.ask(action="Reset", sceneName="FloorPlan999_physics", sequenceId=0)
     assert not reset["lastActionSuccess"] and "FloorPlan999_physics" in reset["errorMessage"]
-    ((_, body),) = client.ask(action="MoveAhead", sequenceId=9)
-    assert "FloorPlan999" in msgpack.unpackb(body)["agents"][0]["errorMessage"]
-    ((_, body),) = client.ask(action="Reset", sceneName="FloorPlan401_physics", sequenceId=0)
-    assert msgpack.unpackb(body)["agents"][0]["sceneName"] == "FloorPlan401_physics"
-
-
-def test_ends_when_the_client_closes_its_pipe(client):
-    client.connect()
-    client.send(b"{}")
-    client.receive()
-    client.writer.close()
-    client.reader.close()
-    assert client.process.wait(DEADLINE_S) == 0
-
-
-def test_ends_when_the_client_never_writes(client):
-    client.connect()
-    client.reader.close()
-    assert client.process.wait(DEADLINE_S) == 0
-
-
-def test_ends_in_the_middle_of_a_frame(client):
-    client.connect()
-    client.send(b"{}")
-    client.receive()
-    client.writer.write(struct.pack("!BI", 2, 1000) + b'{"action"')
-    client.writer.close()
-    client.reader.close()
-    assert client.process.wait(DEADLINE_S) == 0
+    assert "FloorPlan999" in client.ask(action="MoveAhead", sequenceId=9)["errorMessage"]
+    assert client.ask(action="Reset", sceneName="FloorPlan401_physics", sequenceId=0)["sceneName"] == "FloorPlan401_physics"
 
 
 def test_refuses_to_run_without_pipes():
@@ -165,19 +149,6 @@ def test_no_orphan_when_the_client_is_killed(alive):
     assert until(lambda: not alive(pid))
 
 
-def test_no_orphan_when_the_client_dies_before_it_opens_its_end(engine_environment, alive):
-    program = f"import subprocess, time; print(subprocess.Popen({shlex.split(executable())!r}).pid, flush=True); time.sleep(600)"
-    starter = subprocess.Popen([sys.executable, "-c", program], env=engine_environment, stdout=subprocess.PIPE, text=True)
-    pid = int(starter.stdout.readline())
-    assert until(lambda: b"ovman_engine" in Path(f"/proc/{pid}/cmdline").read_bytes())
-    time.sleep(0.5)
-    assert alive(pid)
-    starter.kill()
-    starter.wait()
-    assert until(lambda: not alive(pid))
-    starter.stdout.close()
-
-
 def test_gives_up_on_a_client_that_it_never_saw(tmp_path, monkeypatch):
     monkeypatch.setattr("ovman_engine.client.wire.OPENING_LIMIT_S", 0.05)
     os.mkfifo(tmp_path / "server")
@@ -185,6 +156,152 @@ def test_gives_up_on_a_client_that_it_never_saw(tmp_path, monkeypatch):
         Wire(str(tmp_path / "server"), str(tmp_path / "client"))
     with pytest.raises(ClientGone):
         Wire(str(tmp_path / "absent"), str(tmp_path / "client"))
+
+
+@pytest.mark.parametrize(
+    "garbage",
+    [struct.pack("!BI", 2, 0xFFFFFFFF) + b"{}", b"GET / HTTP/1.1\r\n\r\n", b"\xff" * 4096, struct.pack("!BI", 2, 10) + b"{"],
+    ids=["four gigabytes", "another protocol", "noise", "cut short"],
+)
+def test_garbage_on_the_pipe(connect, garbage):
+    """Whatever the bytes, the engine ends at the end of the pipe at the latest."""
+    client = connect()
+    try:
+        client.writer.write(garbage)
+        client.writer.close()
+    except BrokenPipeError:
+        pass
+    client.reader.close()
+    assert client.gone() == 0
+
+
+def test_large_requests_are_answered(connect):
+    client = connect()
+    body = b'{"action": ' + b"[" * 500_000
+    client.writer.write(struct.pack("!BI", 2, len(body)) + body + END)
+    (_, answer), *_ = client.receive()
+    assert "nested too deeply" in msgpack.unpackb(answer)["agents"][0]["errorMessage"]
+    long = client.ask(action="Pass", sequenceId=2, blank="x" * (2 << 20))
+    assert not long["lastActionSuccess"] and "'blank'" in long["errorMessage"]
+
+
+def test_client_that_dies_while_it_reads_an_image(connect):
+    client = connect()
+    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.ask(action="ChangeResolution", x=1600, y=1200, sequenceId=1, renderImage=False)
+    client.send(action="Initialize", sequenceId=2, renderDepthImage=True)
+    client.read(100_000)
+    client.reader.close()
+    assert client.gone() == 0
+
+
+def test_pipes_that_another_process_holds_open(engine_environment, alive):
+    """The client is killed while the engine writes an image, and a fork of the client keeps the pipes, so that no end of file
+    comes."""
+    program = f"import subprocess, time; print(subprocess.Popen({shlex.split(executable())!r}).pid, flush=True); time.sleep(600)"
+    starter = subprocess.Popen([sys.executable, "-c", program], env=engine_environment, stdout=subprocess.PIPE, text=True)
+    pid = int(starter.stdout.readline())
+    with (
+        open(engine_environment["AI2THOR_FIFO_SERVER_PIPE_PATH"], "rb", buffering=0) as reader,
+        open(engine_environment["AI2THOR_FIFO_CLIENT_PIPE_PATH"], "wb", buffering=0) as writer,
+    ):
+        requests = (
+            {"action": "Reset", "sceneName": "FloorPlan403_physics"},
+            {"action": "ChangeResolution", "x": 1600, "y": 1200},
+        )
+        for number, request in enumerate(requests):
+            body = json.dumps({**request, "sequenceId": number}).encode()
+            writer.write(struct.pack("!BI", 2, len(body)) + body + END)
+        time.sleep(1.0)
+        assert alive(pid)
+        starter.kill()
+        starter.wait()
+        end = time.monotonic() + DEADLINE_S
+        while alive(pid) and time.monotonic() < end:
+            time.sleep(0.05)
+        assert not alive(pid)
+        assert reader
+    starter.stdout.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_ends_when_it_is_told_to(connect, number):
+    client = connect()
+    client.ask(action="Reset", sceneName="FloorPlan403_physics", sequenceId=0)
+    client.process.send_signal(number)
+    assert client.gone() in (0, -number)
+    assert client.reader.read(1) == b""
+
+
+def test_log_has_an_end(tmp_path, monkeypatch):
+    """The log is limited for any number of failing actions."""
+    monkeypatch.setattr(log, "_left", log.LIMIT_BYTES)
+    with (tmp_path / "log").open("w") as file:
+        monkeypatch.setattr(sys, "stderr", file)
+        for n in range(2000):
+            assert thrown(ValueError(f"{n} " + "x" * (n % 5) * 10_000)).message.startswith(f"ValueError: {n}")
+    size = (tmp_path / "log").stat().st_size
+    assert log.LIMIT_BYTES / 2 < size <= log.LIMIT_BYTES + log.ENTRY_BYTES + 200
+    monkeypatch.setattr(log, "_left", log.LIMIT_BYTES)
+    monkeypatch.setattr(sys, "stderr", None)
+    log.note("nowhere to go")
+    monkeypatch.setattr(sys, "stderr", file)
+    log.note("closed")
+
+
+@pytest.mark.parametrize(("width", "height"), [(10_000, 10_000), (8000, 8000)])
+def test_sizes_that_no_picture_can_have(width, height):
+    """The Controller raises, with a message that says why, and no engine is left."""
+    from ai2thor.controller import Controller
+
+    with pytest.raises(RuntimeError, match="Screen resolution must be within"):
+        Controller(
+            local_executable_path=executable(),
+            scene="FloorPlan403",
+            width=width,
+            height=height,
+            server_timeout=60,
+            renderImage=False,
+        )
+
+
+def test_resolution_that_is_refused_is_not_taken(controller):
+    before = controller.step("Pass").frame.shape
+    for x, y in ((0, 0), (-1, 300), (300, -5), (10_000, 10_000), (MAX_SIDE_PX + 1, 1), (2**31, 1), (1e300, 1)):
+        try:
+            event = controller.step("ChangeResolution", x=x, y=y)
+        except ValueError:
+            event = controller.last_event
+        assert not event and event.metadata["errorMessage"]
+        assert controller.step("Pass").frame.shape == before
+
+
+def test_objections():
+    assert not objection(1, 1) and not objection(300, 300, 60) and not objection(3840, 2160, 2)
+    assert objection(MAX_SIDE_PX + 1, 1) and objection(4097, 2048) and objection(4096, 2048, 5) and objection(0, 1)
+
+
+@pytest.mark.soak
+def test_memory_of_hostile_sessions_is_bounded(connect):
+    """Memory does not grow with hundreds of scenes, unknown objects and images."""
+    client = connect()
+
+    def resident():
+        return int(Path(f"/proc/{client.process.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE") / 2**20
+
+    def visit(n):
+        client.ask(action="Reset", sceneName=f"FloorPlan{401 + n % 3}_physics", sequenceId=0)
+        client.ask(action="Initialize", sequenceId=1)
+        for k in range(10):
+            client.ask(action="RemoveFromScene", objectId="x" * 50_000 + str(k), sequenceId=2, renderImage=False)
+        client.ask(action="RotateRight", sequenceId=3)
+
+    for n in range(6):
+        visit(n)
+    before = resident()
+    for n in range(15):
+        visit(n)
+    assert resident() < before + 40
 
 
 bodies = st.lists(

@@ -7,11 +7,9 @@ import math
 import shutil
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import pytest
-from ai2thor.controller import Controller
 from episodes import released
 from settings_of import settings_of
 
@@ -19,17 +17,13 @@ import ovman
 import ovman_released
 from ovman.records.note import Note, sentence
 from ovman.records.record import lines
-from ovman.sim.controller import launched
-from ovman.workflow.journal import Journal
 from ovman.workflow.parameter import StageSettings, stage_settings
 from ovman_released import cow
 from ovman_released.clone import Clone
-from ovman_released.cow_controller import ARM, IDENTITY, EpisodeController
-from ovman_released.cow_episodes import exported, runner_name, vocabulary
-from ovman_released.cow_process import Job
+from ovman_released.cow_controller import ARM
+from ovman_released.cow_episodes import exported
 from ovman_released.interpreter import environment, linked
 
-ROOT = Path(__file__).parents[3]
 STAND_INS = Path(__file__).parent / "stand_ins"
 SCENE = "FloorPlan429"
 
@@ -123,20 +117,6 @@ def test_every_instance_of_the_category_is_measured_for_its_own_task(ran):
     assert before + 0.5 < own["box_distance_m"] < after
 
 
-def test_the_runner_is_told_of_all_objects_of_the_changed_world():
-    body = {"width": 90, "height": 60, "fieldOfView": 60, "gridSize": 0.25, "rotateStepDegrees": 30, "snapToGrid": False}
-    launch = partial(launched, Controller, "embedded")
-    stands = EpisodeController(launch, {runner_name(REMOVED): REMOVED}, 0, lambda *_: None, **body)
-    try:
-        untouched = {o["objectId"] for o in stands.last_event.metadata["objects"]}
-        stands.initialization_parameters[IDENTITY] = runner_name(REMOVED)
-        assert {o["objectId"] for o in stands.reset(SCENE).metadata["objects"]} == untouched
-        stands.step("SetObjectFilter", objectIds=[SHIFTED.target])
-        assert {o["objectId"] for o in stands.step("RotateLeft").metadata["objects"]} == untouched
-    finally:
-        stands.stop()
-
-
 def test_the_mover_goes_on_with_the_agents_actions(ran):
     """0.1 m an action at most, from where it was when the run began."""
     for *_, moving in ran[0].values():
@@ -206,16 +186,6 @@ def test_a_changed_clone_is_not_the_released_code(set_up, tmp_path):
     assert said.startswith("config_cow.yaml in the clone") and "checkout -- ." in said
 
 
-def test_weights_that_are_not_there_are_named_with_the_command_that_brings_them(set_up, tmp_path):
-    site = tmp_path / "site"
-    shutil.copytree(set_up[3], site, ignore=shutil.ignore_patterns("weights"))
-    python = tmp_path / "python"
-    python.write_text(f'#!/bin/sh\nPYTHONPATH="{site}:$PYTHONPATH" exec "{sys.executable}" "$@"\n')
-    python.chmod(0o755)
-    said = lacking(set_up, python=str(python))
-    assert "google/owlvit-base-patch32" in said and "from_pretrained" in said
-
-
 def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files, tmp_path):
     outputs = {(seed, SCENE): tmp_path / f"seed{seed}.jsonl" for seed in (0, 1)}
     given = constants(tmp_path / "nowhere", "0" * 40, sys.executable)
@@ -225,12 +195,6 @@ def test_without_a_clone_the_records_are_empty_and_the_tables_have_a_note(files,
     assert sentence(tmp_path / "status.json").startswith("CoW (released) was not run")
 
 
-def test_a_call_survives_a_file(tmp_path):
-    call = Job(tmp_path / "clone", tmp_path / "results", tmp_path / "verdicts.jsonl", "{}", 3, EPISODES)
-    call.write(tmp_path / "job.json")
-    assert Job.load(tmp_path / "job.json") == call
-
-
 @pytest.mark.parametrize("episode", EPISODES, ids=lambda e: str(e.relation))
 def test_an_exported_episode_has_what_the_runner_asks_for(episode):
     given = exported(episode)
@@ -238,32 +202,6 @@ def test_an_exported_episode_has_what_the_runner_asks_for(episode):
     assert given["object_id"] == episode.target and given["object_type"] == episode.category
     start = given["initial_position"], given["initial_orientation"]
     assert (start[0]["x"], start[0]["z"], start[1]) == (episode.spawn.x, episode.spawn.z, episode.spawn.yaw_deg)
-
-
-def test_names_in_the_runner_tell_episodes_apart():
-    numbers = [released(SHIFTED.id, id=f"{SCENE}/moved/{n:04d}") for n in range(3)]
-    assert len({runner_name(episode) for episode in (*numbers, REMOVED, MOVING)}) == 5
-
-
-def test_released_names_stay_and_others_are_this_projects_nouns():
-    kinds, names = vocabulary(["SideTable", "HousePlant", "SideTable"], {"HousePlant": "plant", "Mug": "mug"})
-    assert kinds == ["HousePlant", "SideTable"] and names == ["plant", "side table"]
-
-
-@pytest.mark.parametrize("processes", [1, 2, 3, 7])
-def test_shares_are_the_episodes_in_their_order(processes):
-    parts = cow.shares(EPISODES, processes)
-    assert [h for part in parts for h in part] == list(EPISODES) and len(parts) == min(processes, 3)
-    assert max(map(len, parts)) - min(map(len, parts)) <= 1
-
-
-def test_where_the_clone_is_does_not_change_what_a_call_is_and_all_else_does(set_up, tmp_path):
-    def key(seed=0, share=EPISODES, **changed):
-        return cow.unit(share, seed, constants(**{"root": set_up[0], "commit": set_up[1], "python": "a"} | changed))
-
-    assert key() == key(root=tmp_path, python="b")
-    others = [key(seed=1), key(share=EPISODES[1:]), key(share=EPISODES[::-1]), key(budget=500), key(commit="0" * 40)]
-    assert len({key(), *others}) == len(others) + 1
 
 
 def test_the_runners_process_needs_no_more_than_it_says(tmp_path):
@@ -279,21 +217,6 @@ def test_the_runners_process_needs_no_more_than_it_says(tmp_path):
     assert done.returncode == 0, done.stderr
     imported = set(done.stdout.split()) - {"ovman", "ovman_released"}
     assert imported == {"numpy", "pydantic"} | of_pydantic and {"numpy", "pydantic"} <= set(cow.NEEDS.modules)
-
-
-def test_the_runners_process_finds_this_project_and_nothing_else_of_this_python(tmp_path, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", "/somewhere")
-    packages = linked(tmp_path / "packages", ovman, ovman_released)
-    assert environment(packages)["PYTHONPATH"] == str(packages) and "PYTHONPATH" not in environment()
-    assert sorted(path.name for path in packages.iterdir()) == ["ovman", "ovman_released"]
-    assert (packages / "ovman_released" / "cow_process.py").is_file()
-
-
-def test_an_unfinished_call_leaves_nothing_in_the_journal(set_up, tmp_path):
-    kept = Journal(tmp_path / "journal.jsonl")
-    with pytest.raises(RuntimeError, match="status"):
-        cow.passed(EPISODES[:1], 0, constants(set_up[0], set_up[1], shutil.which("false")), kept)
-    assert not (tmp_path / "journal.jsonl").exists()
 
 
 def test_the_runners_process_ends_with_the_process_that_waits_for_it(tmp_path):

@@ -10,10 +10,10 @@ from episodes import released
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ovman.evaluation.scores import score
+from ovman.evaluation.scores import score_rollout
 from ovman.records.record import RecordError
 from ovman_released.cow_controller import Verdict
-from ovman_released.cow_results import Walk, collected, imported
+from ovman_released.cow_results import Walk, imported
 
 EPISODE = released("FloorPlan429/removed/0002")
 NOWHERE = dict.fromkeys(("stop", "box_distance_m", "answer_distance_m", "navigable_distance_m", "visible_px"))
@@ -60,19 +60,9 @@ def test_what_the_runner_would_not_write_is_one_line_with_the_file(tmp_path, tex
     assert says in str(error.value) and str(path) in str(error.value) and "\n" not in str(error.value)
 
 
-def test_its_own_success_is_not_read(tmp_path):
-    """A file that says success is judged by where the agent stopped."""
-    walk = Walk.read(written(tmp_path / "walk.json", [(0.0, 0.0), (0.0, 3.0), (0.0, 3.0)], ["MoveAhead", "Stop"]))
-    terms = {"box_distance_m": None, "visible_px": None, "answer_distance_m": 3.1623, "navigable_distance_m": 3.1623}
-    verdict = {"name": "a", "stopped": True, "stop": {"x": 0.0, "z": 3.0, "yaw_deg": 0.0}, **terms, "instances": {}}
-    run = imported(EPISODE, 2, walk, Verdict.from_json(verdict))
-    assert (run.arm, run.seed, run.outcome, run.path_length_m, run.actions) == ("cow_released", 2, "stopped", 3.0, 1)
-    assert score(run, EPISODE, own_task=True).success is False
-
-
 def test_a_spent_budget_is_a_failure_on_either_task():
     verdict = Verdict.from_json({"name": "a", "stopped": False, **NOWHERE})
-    judged = score(imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict), EPISODE, own_task=True)
+    judged = score_rollout(imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.25)), False), verdict), EPISODE, any_instance=True)
     assert (judged.outcome, judged.success, judged.own_success, judged.path_length_m) == ("budget", False, False, 0.25)
 
 
@@ -80,9 +70,3 @@ def test_a_spent_budget_is_a_failure_on_either_task():
 def test_a_verdict_on_another_run_is_refused(verdict):
     with pytest.raises(ValueError, match="run it again"):
         imported(EPISODE, 0, Walk(((0.0, 0.0), (0.0, 0.0)), True), Verdict.from_json({"name": "a", **NOWHERE, **verdict}))
-
-
-def test_an_episode_without_a_verdict_is_named(tmp_path):
-    (tmp_path / "verdicts.jsonl").write_text("")
-    with pytest.raises(ValueError, match=EPISODE.id):
-        collected(tmp_path, tmp_path / "verdicts.jsonl", (EPISODE,), 0)

@@ -8,16 +8,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from boxes import Box, spin, view
-from episodes import released
-from settings_of import merged, tree
 
 from ovman.agents.dualmap.mapped import Sort, read, write
-from ovman.records.visit import Visit
-from ovman.settings.config import load
-from ovman.workflow.parameter import stage_settings
-from ovman_released.dualmap import CODE, Maintained, Runs, identity
+from ovman_released.dualmap import Maintained, Runs
 from ovman_released.dualmap_frames import write_visit
-from ovman_released.dualmap_runner import Policy, RunError
+from ovman_released.dualmap_runner import Policy
 from ovman_released.dualmap_setup import Installation
 
 SOFA = Box((0.6, 0.0, 1.6), (1.4, 0.6, 2.2), 0)
@@ -77,52 +72,3 @@ def test_a_finished_run_is_kept_and_another_number_is_another_run(tmp_path):
     assert again.columns["uid"].tolist() == first.columns["uid"].tolist() and frames_again == frames == 12
     with pytest.raises(AssertionError, match="it was kept"):
         runs(tmp_path, Maintained.CONCATENATED_LOCAL, walked_again).run(1, ["before"])
-
-
-def test_what_a_killed_job_left_is_no_run(tmp_path):
-    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
-    made.run(0, ["before"])
-    (done,) = tmp_path.glob("*/done")
-    done.unlink()
-    (done.parent / "objects.npz").write_bytes(b"half")
-    made = runs(tmp_path, Maintained.CONCATENATED_LOCAL)
-    assert len(made.run(0, ["before"])[0]) == 2
-    assert len(list(tmp_path.glob("frames.*"))) == 1, "the frames of the killed job are gone"
-
-
-def test_an_empty_map_is_no_kept_run(tmp_path):
-    def nothing(name, directory):
-        write_visit(directory, (view([], camera) for camera in spin(0.0, 0.0)), 0.0)
-
-    for _ in range(2):
-        with pytest.raises(RunError, match="FloorPlan1: no object stayed"):
-            runs(tmp_path, Maintained.CONCATENATED_LOCAL, nothing).run(0, ["before"])
-    assert not list(tmp_path.glob("*/done"))
-
-
-def test_a_run_is_known_by_what_it_gives_and_not_by_where_the_clone_lies():
-    class One:
-        episode = released("FloorPlan429/removed/0002")
-        recorded = Visit(scene="FloorPlan1", visit="a", alterations=(), placed={}, present={}, movers=(), views=())
-
-    def known(changes, code=("a",), nouns=("sofa",)):
-        given = tree("dualmap")
-        for name, value in changes.items():
-            above = value
-            for part in reversed(name.split(".")):
-                above = {part: above}
-            given = merged(given, above)
-        return identity({"v": One}, nouns, stage_settings(load(given), "released_dualmap"), code)["v"][0]
-
-    same = known({})
-    assert same == known({"released_dualmap.root": "/there", "released_dualmap.python": "python", "dualmap.runs": 5})
-    others = [
-        known({"released_dualmap.guard": "every_frame"}),
-        known({"released_dualmap.maintained": "preloaded_global"}),
-        known({"released_dualmap.side_px": 700}),
-        known({"dualmap.walk.turn_deg": 15.0}),
-        known({}, code=("b",)),
-        known({}, nouns=("sofa", "cup")),
-    ]
-    assert len({same, *others}) == 7
-    assert all(Path(module.__file__).is_file() for module in CODE)

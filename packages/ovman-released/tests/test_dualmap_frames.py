@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ovman.perception.backprojection import Camera
-from ovman.perception.tour import View
 from ovman_released.dualmap_frames import (
     FramesError,
     camera_parameters,
@@ -101,33 +100,6 @@ def test_depth_is_whole_millimetres_and_nothing_where_there_is_none():
     assert found.tolist() == [[0, 1, 1235, 65535], [0, 0, 0, 0]]
 
 
-def test_a_visit_is_laid_out_as_self_collected(tmp_path):
-    seen = [view([BOX], camera) for camera in spin(1.0, 0.5)[:3]]
-    lens = write_visit(tmp_path / "v", iter(seen), FLOOR_Y)
-    names = ["000000.png", "000001.png", "000002.png"]
-    for kind in ("rgb", "depth"):
-        assert sorted(path.name for path in (tmp_path / "v" / kind).iterdir()) == names
-    lines = [line.split(" ") for line in (tmp_path / "v" / "pose.txt").read_text().splitlines()]
-    assert [len(tokens) for tokens in lines] == [17] * 3 and [float(tokens[0]) for tokens in lines] == [0.0, 1.0, 2.0]
-    picture = cv2.cvtColor(cv2.imread(str(tmp_path / "v" / "rgb" / names[0])), cv2.COLOR_BGR2RGB)
-    assert np.array_equal(picture, seen[0].rgb) and picture.any()
-    depth = cv2.imread(str(tmp_path / "v" / "depth" / names[0]), cv2.IMREAD_UNCHANGED)
-    assert depth.dtype == np.uint16 and depth.shape == (48, 64) and (depth == 0).any() and (depth > 0).any()
-    assert read_lens(tmp_path / "v") == lens and lens.frames == 3
-    assert [p.name for p in tmp_path.iterdir()] == ["v"], "nothing is left beside it"
-
-
-def test_equal_frames_have_equal_content_and_others_have_not(tmp_path):
-    def lens(name, boxes, floor_y=FLOOR_Y, x=1.0):
-        return write_visit(tmp_path / name, (view(boxes, camera) for camera in spin(x, 0.5)[:2]), floor_y)
-
-    first = lens("one", [BOX])
-    assert lens("two", [BOX]) == first
-    moved = Box((0.8, 0.0, 2.0), (1.2, 0.5, 2.6), 0)
-    others = {lens("three", [moved]).content, lens("four", [BOX], 0.0).content, lens("five", [BOX], x=1.1).content}
-    assert len(others | {first.content}) == 4
-
-
 def test_joined_visits_are_one_sequence_in_which_time_goes_on(tmp_path):
     for name, x in (("a", 1.0), ("b", 1.5)):
         write_visit(tmp_path / name, (view([BOX], camera) for camera in spin(x, 0.5)[:3]), FLOOR_Y)
@@ -159,16 +131,3 @@ def test_frames_that_cannot_be_one_sequence_are_refused(tmp_path):
         join([tmp_path / "a", tmp_path / "b"], tmp_path / "joined", "s")
     with pytest.raises(FramesError, match="no frames of a visit"):
         join([tmp_path / "c"], tmp_path / "joined", "s")
-
-
-def test_a_visit_that_was_not_finished_leaves_what_was_there(tmp_path):
-    camera = spin(1.0, 0.5)[0]
-    before = write_visit(tmp_path / "v", [view([BOX], camera)], 0.0)
-
-    def broken():
-        yield View(np.zeros((48, 64, 3), np.uint8), np.ones((48, 64), np.float32), camera)
-        raise RuntimeError("the simulator died")
-
-    with pytest.raises(RuntimeError):
-        write_visit(tmp_path / "v", broken(), 0.0)
-    assert read_lens(tmp_path / "v") == before

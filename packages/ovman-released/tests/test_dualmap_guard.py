@@ -52,13 +52,6 @@ def test_and_nothing_where_every_frame_is_guarded(module):
     assert seen(module, SOMETHING, NOTHING, SOMETHING) == [1, 0, 1]
 
 
-def test_a_filter_of_nothing_has_arrays_of_one_length_and_the_pictures_size(module):
-    filter = module.Filter()
-    guard.nothing(filter, NOTHING)
-    assert filter.get_len() == 0 and filter.run_filter() is None
-    assert filter.masks.shape == (0, 6, 8) and filter.xyxy.shape == (0, 4)
-
-
 def test_there_are_two_modes(module):
     with pytest.raises(ValueError, match="must be first_only or every_frame"):
         guard.apply(module, "sometimes")

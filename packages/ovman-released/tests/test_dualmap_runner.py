@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 import ast
-import os
-import shutil
 import subprocess
 import sys
-import time
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +14,7 @@ from boxes import Box, spin, view
 from ovman_released import dualmap_process
 from ovman_released.dualmap_frames import join, write_visit
 from ovman_released.dualmap_objects import ObjectsError, read_objects
-from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy, RunError, overrides, report, run
+from ovman_released.dualmap_runner import GLOBAL, LOCAL, Policy, RunError, report, run
 from ovman_released.dualmap_setup import Installation
 
 SOFA, CUP, LAMP = 0, 1, 2
@@ -59,47 +54,12 @@ def test_from_frames_to_objects_in_our_world(tmp_path):
     assert report(tmp_path / "run").keyframes == 12 and report(tmp_path / "run").saved["local"] == 2
 
 
-def test_keys_of_the_records(tmp_path):
-    run(HERE, policy(GLOBAL), sequence(tmp_path), "FloorPlan1", NOUNS, tmp_path / "run")
-    with np.load(tmp_path / "run" / "objects.npz", allow_pickle=False) as file:
-        arrays = {name: file[name] for name in file.files}
-    assert {"uid", "class_id", "class_name", "center_xyz", "aabb_min", "aabb_max", "n_points", "clip_ft", "kind"} <= arrays.keys()
-    assert arrays["kind"].tolist() == ["anchor", "related"] and arrays["class_name"].tolist() == ["sofa", "cup"]
-    assert arrays["center_xyz"] == pytest.approx((arrays["aabb_min"] + arrays["aabb_max"]) / 2)
-    assert arrays["n_points"][0] > 0 and arrays["n_points"][1] == 0
-    assert arrays["uid"][1] == f"{arrays['uid'][0]}/0", "what is on an anchor is called after it"
-    assert arrays["clip_ft"].dtype == np.float32 and arrays["clip_ft"].tolist() == np.eye(8)[[SOFA, CUP]].tolist()
-
-
-def test_the_mode_decides_what_is_saved(tmp_path):
-    local, whole = (overrides(policy(kind), tmp_path / "s.yaml", "s", tmp_path / "o") for kind in (LOCAL, GLOBAL))
-    assert {"run_local_mapping_only=true", "save_local_map=true", "save_global_map=false"} <= set(local)
-    assert {"run_local_mapping_only=false", "save_local_map=false", "save_global_map=true"} <= set(whole)
-    always = {"dataset_name=self_collected", "scene_id=s", "use_stride=false", "use_rerun=false"}
-    assert always <= set(local) & set(whole)
-
-
-def test_as_released_it_runs_in_parallel_unseeded_and_on_the_gpu(tmp_path):
-    released = overrides(Policy(LOCAL, "first_only", "cuda", 60.0), tmp_path / "s.yaml", "s", tmp_path / "o")
-    assert not [text for text in released if text.startswith(("use_parallel", "device", "use_fastsam"))]
-    tested = overrides(policy(), tmp_path / "s.yaml", "s", tmp_path / "o")
-    assert {"use_parallel=false", "device=cpu", "use_fastsam=false"} <= set(tested)
-    with pytest.raises(ValueError, match="only a global map"):
-        overrides(policy(LOCAL), tmp_path / "s.yaml", "s", tmp_path / "o", tmp_path / "p")
-
-
 def test_equal_seeds_give_equal_maps_though_ids_are_random(tmp_path):
     settings = sequence(tmp_path, "s")
     a, b = (run(HERE, policy(), settings, "s", NOUNS, tmp_path / name) for name in "ab")
     assert a.columns["uid"].tolist() != b.columns["uid"].tolist()
     for name in set(a.columns) - {"uid"}:
         assert np.array_equal(a.columns[name], b.columns[name]), name
-
-
-def test_one_map_through_two_visits_holds_both_places(tmp_path):
-    objects = run(HERE, policy(), sequence(tmp_path, "s", BOXES, MOVED), "s", [], tmp_path / "run")
-    assert report(tmp_path / "run").keyframes == 24, "time goes on from one visit to the next"
-    assert objects.columns["last_seen"].max() > 12
 
 
 def test_an_anchor_survives_the_preload(tmp_path):
@@ -139,61 +99,6 @@ def test_a_run_that_hangs_is_killed(tmp_path):
         run(HERE, policy(limit_s=2.0), sequence(tmp_path, "hangs"), "hangs", NOUNS, tmp_path / "run")
     said = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
     assert str(tmp_path) not in said
-
-
-def test_what_a_killed_run_had_said_is_in_its_log(tmp_path, monkeypatch):
-    monkeypatch.delenv("PYTHONUNBUFFERED", raising=False)
-    with pytest.raises(RunError, match="hangs: ended after 6 s"):
-        run(HERE, policy(limit_s=6.0), sequence(tmp_path, "hangs"), "hangs", NOUNS, tmp_path / "run")
-    said = (tmp_path / "run" / "dualmap.log").read_text()
-    assert "Use FastSAM" in said and "frame 1 of 12" in said
-
-
-def test_a_run_that_nobody_waits_for_any_more_ends_and_says_so(tmp_path):
-    """Its runner was killed with all that it was part of: a test, a job, a shell."""
-    settings = sequence(tmp_path, "hangs")
-    program = (
-        "import sys; from pathlib import Path; import test_dualmap_runner as here; "
-        "settings, directory = map(Path, sys.argv[1:]); "
-        "here.run(here.HERE, here.policy(), settings, 'hangs', here.NOUNS, directory)"
-    )
-    env = os.environ | {"PYTHONPATH": os.pathsep.join([str(Path(__file__).parent), *sys.path])}
-    runner = subprocess.Popen([sys.executable, "-c", program, str(settings), str(tmp_path / "run")], env=env)
-    log, error = tmp_path / "run" / "dualmap.log", tmp_path / "run" / "error.txt"
-    try:
-        until(lambda: log.is_file() and "frame 1 of 12" in log.read_text())
-    finally:
-        runner.kill()
-        runner.wait()
-    until(error.is_file)
-    assert error.read_text() == "ended without a map, because the process that started it has ended\n"
-    until(lambda: str(tmp_path) not in subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout)
-
-
-def until(there: Callable[[], bool]) -> None:
-    for _ in range(300):
-        if there():
-            return
-        time.sleep(0.1)
-    raise TimeoutError("it did not come in 30 s")
-
-
-def test_the_clone_stays_as_it_was(tmp_path):
-    clone = shutil.copytree(HERE.root, tmp_path / "clone", ignore=shutil.ignore_patterns("__pycache__"))
-
-    def files():
-        return {path: path.stat().st_mtime_ns for path in clone.rglob("*")}
-
-    before = files()
-    run(replace(HERE, root=clone), policy(), sequence(tmp_path), "FloorPlan1", NOUNS, tmp_path / "run")
-    assert files() == before
-    assert (tmp_path / "run" / "classes.txt").read_bytes() == (HERE.root / "config" / "classes.txt").read_bytes()
-
-
-def test_a_path_with_odd_characters_is_one_setting(tmp_path):
-    odd = tmp_path / "it's = a, path"
-    odd.mkdir()
-    assert len(run(HERE, policy(), sequence(odd), "FloorPlan1", [], odd / "run")) == 2
 
 
 @pytest.mark.parametrize("content", [b"", b"not an archive"])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 
 import pytest
-from settings_of import PACKAGE, settings_of
+from settings_of import settings_of
 
 from ovman_released import dualmap_setup
 from ovman_released.dualmap_setup import NEEDS, WEIGHTS, environment, lacks, missing_weights
@@ -70,20 +69,3 @@ def test_then_the_weights(clone, monkeypatch):
         (root / "model").mkdir(exist_ok=True)
         (root / name).write_bytes(b"")
     assert lacks(settings(root, head)) is None and missing_weights(root, "python") is None
-
-
-def test_nothing_of_this_environment_is_handed_on(monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", "/somewhere")
-    monkeypatch.setenv("VIRTUAL_ENV", "/somewhere")
-    handed = environment()
-    assert not {"PYTHONPATH", "VIRTUAL_ENV"} & set(handed) and handed["HF_HUB_OFFLINE"] == "1"
-    assert handed["PATH"] == os.environ["PATH"]
-
-
-def test_the_page_sets_up_what_is_looked_for():
-    page = (PACKAGE / "README.md").read_text()
-    for what in (*NEEDS.modules.values(), *NEEDS.cached, *WEIGHTS, COMMIT, dualmap_setup.REPOSITORY, "3rdparty/mobileclip"):
-        assert what in page, what
-    assert '"pyarrow<26"' in page and all(library in page for library in ("libusb-1.0", "libGL", "libgomp", "libX11"))
-    for name in ("guard", "maintained", "side_px", "time_limit_s"):
-        assert f"| `{name}`" in page, name

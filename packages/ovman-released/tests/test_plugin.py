@@ -5,21 +5,18 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from pathlib import Path
 
 import pandas as pd
 import pytest
 import yaml
 from settings_of import PACKAGE, ROOT, settings_of, tree
 
-from ovman.analysis import metrics
 from ovman.records.note import Note
 from ovman.report.tables.stages import noted
 from ovman.report.tables.table import Column, Table, latex, markdown
-from ovman.settings import Kind, Settings, arms_of
+from ovman.settings import Kind, Settings
 from ovman.settings.config import ConfigError, load
-from ovman.workflow.parameter import StageSettings, canonical, stage_settings
-from ovman_released.notes import forget_failure
+from ovman.workflow.parameter import StageSettings, canonical
 from ovman_released.plugin import COW, DUALMAP, PLUGINS
 from ovman_released.settings import released_cow, released_dualmap
 
@@ -83,10 +80,6 @@ def test_a_setting_of_a_plugin_reruns_its_stages_alone():
     assert {stage for stage in own if own_after[stage] != own[stage]} == {DUALMAP}
 
 
-def test_the_parameter_of_a_core_stage_is_the_same_with_and_without_the_plugin():
-    assert canonical(settings_of("cow"), "trials") == canonical(settings_of(), "trials")
-
-
 @pytest.mark.parametrize(
     ("sections", "line"),
     [
@@ -113,15 +106,6 @@ def test_a_wrong_setting_of_a_plugin_is_one_line_with_file_key_and_remedy(tmp_pa
     assert said.startswith(f"mine.yaml: {line}") and "\n" not in said and len(said) < 250
 
 
-def test_a_setting_that_is_missing_is_in_the_plugins_overlay():
-    given = tree("cow")
-    del given[COW]["threshold"]
-    with pytest.raises(
-        ConfigError, match=r"released_cow\.threshold .* is missing; add it, the plug-in's own overlay has its value"
-    ):
-        load(given)
-
-
 def test_the_snakefile_imports_nothing_heavy_of_it():
     program = (
         "import sys, ovman_released.plugin, ovman_released.settings, ovman_released.notes; "
@@ -129,17 +113,6 @@ def test_the_snakefile_imports_nothing_heavy_of_it():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
-
-
-def test_what_was_missing_is_older_than_whatever_it_was_made_of_and_what_ran_is_not(tmp_path):
-    """Snakemake then looks for it again."""
-    Note(system="A", missing="missing").write(tmp_path / "a.json")
-    Note(system="B").write(tmp_path / "b.json")
-    (tmp_path / "input").write_text("")
-    for name in ("a", "b", "nowhere"):
-        forget_failure(tmp_path / f"{name}.json")
-    missing, ran, made_of = ((tmp_path / name).stat().st_mtime for name in ("a.json", "b.json", "input"))
-    assert missing < ran <= made_of and Note.read(tmp_path / "a.json") == Note(system="A", missing="missing")
 
 
 def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
@@ -154,13 +127,3 @@ def test_the_table_of_its_kind_has_a_note_and_no_other_has(tmp_path):
         assert "a_place" not in written
     Note(system="CoW (released)").write(path)
     assert noted(made, Kind.EMBODIED, [path], settings).caption == "Caption."
-
-
-def test_only_an_arm_of_a_plugin_may_be_without_records():
-    arms = arms_of(settings_of("cow").arms)
-    assert metrics._may_lack(arms) == {"cow_released"} and metrics._may_lack(arms[:1]) == set()
-
-
-def test_a_job_is_given_its_settings_typed():
-    view = stage_settings(settings_of("cow", released_cow={"budget": 7}), COW)
-    assert released_cow(view).budget == 7 and Path(released_cow(view).root) == Path()

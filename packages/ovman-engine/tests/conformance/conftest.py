@@ -1,7 +1,6 @@
 """Conformance to AI2-THOR 5.0.0, tested through the unmodified Controller.
 
-A test names its lines of the contract with `@pytest.mark.contract("4 MoveAhead")`: section, then item or action; lines.py lists
-them. CONFORMANCE_SEED draws other scenes, poses and objects; CONFORMANCE_SCENES draws more scenes for each test.
+CONFORMANCE_SEED draws other scenes, poses and objects; CONFORMANCE_SCENES draws more scenes for each test.
 """
 
 from __future__ import annotations
@@ -44,7 +43,6 @@ USUAL_SCENES = int(os.environ.get("CONFORMANCE_SCENES", "1"))
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "contract(line, ...): lines of the engine's contract that a test stands for")
     config.addinivalue_line("markers", "scenes(count): number of scenes that a test runs on")
 
 

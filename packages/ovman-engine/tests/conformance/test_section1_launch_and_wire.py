@@ -80,7 +80,6 @@ def raw(engine_environment):
     client.close()
 
 
-@pytest.mark.contract("1.1", "1.4", "1.5", "1.6", "1.10", "1.14")
 def test_frames(raw):
     """The size comes from the command line; the first message is unprompted and has metadata only; metadata come first and once;
     bodies have the right length; alpha is 255; the sequence number is echoed; the engine ends with the pipe."""
@@ -108,7 +107,6 @@ def test_frames(raw):
             assert set(msgpack.unpackb(patched[0][1])) >= keys
 
 
-@pytest.mark.contract("1.3")
 def test_first_message_waits_for_no_world(raw):
     """The client opens the server pipe without a time limit, so nothing slow is imported before."""
     loaded = Path(f"/proc/{raw.process.pid}/maps").read_text()
@@ -117,7 +115,6 @@ def test_first_message_waits_for_no_world(raw):
     assert "numpy" in Path(f"/proc/{raw.process.pid}/maps").read_text()
 
 
-@pytest.mark.contract("1.1", "1.2", "1.7", "4 ChangeResolution", "4 GetScenesInBuild")
 def test_launch_through_the_client(start):
     """Frame size from the command line, the log in its place, clipping planes as set, the first iTHOR scene by default."""
     with start(width=320, height=310, cameraFarPlane=30.0) as controller:
@@ -128,7 +125,6 @@ def test_launch_through_the_client(start):
         assert Path("~/.ai2thor/log/unity.log").expanduser().exists()
 
 
-@pytest.mark.contract("1.2", "1.8")
 def test_headless_sends_no_images(start):
     with start(scene="FloorPlan403", headless=True, renderDepthImage=True, renderInstanceSegmentation=True) as controller:
         event = controller.step("RotateRight")
@@ -136,7 +132,6 @@ def test_headless_sends_no_images(start):
         assert event.metadata["objects"] and controller.step("GetReachablePositions").metadata["actionReturn"]
 
 
-@pytest.mark.contract("1.7")
 def test_command_with_arguments_and_blanks(tmp_path):
     """The command is split as by a shell; a wrapper that execs the engine works as well."""
     script = tmp_path / "an engine.sh"
@@ -151,15 +146,6 @@ def test_command_with_arguments_and_blanks(tmp_path):
         controller.stop()
 
 
-@pytest.mark.contract("1.6")
-def test_sequence_number_given_by_the_caller(thor):
-    thor.ok("Pass", sequenceId=77)
-    assert thor.controller.server.sequence_id == 77
-    thor.ok("RotateRight")
-    assert thor.controller.server.sequence_id == 78
-
-
-@pytest.mark.contract("1.6")
 def test_fast_emit(thor):
     """If nothing changed, objects may be those of the event before, and the outcome is new. Without fastActionEmit, all is sent
     again."""
@@ -173,14 +159,6 @@ def test_fast_emit(thor):
     assert one["objects"] is not two["objects"]
 
 
-@pytest.mark.contract("1.7")
-def test_unknown_scene_never_reaches_the_engine(thor):
-    with pytest.raises(ValueError, match="not contained in build"):
-        thor.controller.reset("FloorPlan31")
-    thor.ok("Pass")
-
-
-@pytest.mark.contract("1.7", "4 ChangeResolution")
 @pytest.mark.scenes(1)
 def test_reset_with_another_size(thor):
     controller = thor.controller
@@ -192,15 +170,6 @@ def test_reset_with_another_size(thor):
     assert event and event.frame.shape == (64, 128, 3) and event.instance_segmentation_frame.shape == (64, 128, 3)
 
 
-@pytest.mark.contract("1.7")
-def test_parameters_of_a_reset_are_kept_for_the_next(thor):
-    thor.controller.reset(thor.scene, gridSize=0.5)
-    thor.controller.reset(thor.scene)
-    cells = np.array([[p["x"], p["z"]] for p in thor.reachable()])
-    assert np.allclose((cells - cells[0]) / 0.5, np.round((cells - cells[0]) / 0.5), atol=1e-3)
-
-
-@pytest.mark.contract("1.8")
 def test_images_on_demand(thor):
     """The client also copies deprecated names."""
     thor.reset(renderDepthImage=False, renderInstanceSegmentation=False)
@@ -214,12 +183,6 @@ def test_images_on_demand(thor):
     assert event.instance_segmentation_frame is not None and event.semantic_segmentation_frame is not None
 
 
-@pytest.mark.contract("1.8")
-def test_rotation_may_be_a_number(thor):
-    assert thor.ok("Teleport", rotation=90).metadata["agent"]["rotation"]["y"] == pytest.approx(90, abs=1e-3)
-
-
-@pytest.mark.contract("1.9")
 def test_metadata_keys(thor):
     metadata = thor.look().metadata
     assert not METADATA_KEYS - set(dict.keys(metadata))
@@ -238,7 +201,6 @@ def test_metadata_keys(thor):
         json.dumps(record, allow_nan=False)
 
 
-@pytest.mark.contract("1.10", "2 camera")
 def test_images_are_the_right_way_up_and_round(thor):
     """The depth of a mask, projected back by the contract's camera, lies in the object's box: rows, columns, signs and scale are
     right."""
@@ -274,16 +236,6 @@ def test_images_are_the_right_way_up_and_round(thor):
     assert checked >= 5
 
 
-@pytest.mark.contract("1.10")
-def test_pictures_show_something_and_repeat(thor):
-    one, two = thor.look(), thor.look()
-    assert one.frame.std() > 5 and np.array_equal(one.frame, two.frame) and np.array_equal(one.depth_frame, two.depth_frame)
-    thor.ok("RotateRight")
-    other = thor.look()
-    assert np.abs(other.frame.astype(int) - one.frame).mean() > 5
-
-
-@pytest.mark.contract("1.11")
 def test_colours_name_instances_and_classes(thor):
     """MD5 of the id or type gives the colour; masks are found by it, classes too."""
     thor.reset(renderSemanticSegmentation=True)
@@ -303,26 +255,12 @@ def test_colours_name_instances_and_classes(thor):
     assert any("|" not in name for name in event.class_masks if name in names) or not len(event.class_masks)
 
 
-@pytest.mark.contract("1.11")
-def test_no_colours_without_an_ids_image(thor):
-    thor.reset(renderInstanceSegmentation=False)
-    assert not thor.look().color_to_object_id
-
-
-@pytest.mark.contract("1.12")
 def test_codes_become_value_errors_and_the_rest_falsy_events(thor):
     with pytest.raises(ValueError):
         thor.step("NoSuchAction")
     event = thor.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00")
     assert not event and event.metadata["errorCode"] not in ("InvalidAction", "MissingArguments", "InvalidArgument")
     thor.ok("Pass")
-
-
-@pytest.mark.contract("1.12")
-@pytest.mark.scenes(1)
-def test_failures_raise_on_request(start, scene):
-    with start(scene=scene, renderImage=False) as controller, pytest.raises(RuntimeError):
-        controller.step("RemoveFromScene", objectId="Nothing|+00.00|+00.00|+00.00", raise_for_failure=True)
 
 
 def _killed(pid, number):
@@ -341,7 +279,6 @@ def _patient(scene):
     return Controller(local_executable_path=executable(), scene=scene, server_timeout=None, renderImage=False)
 
 
-@pytest.mark.contract("1.13")
 def test_kill_is_noticed():
     controller = _patient("FloorPlan403")
     try:
@@ -351,22 +288,3 @@ def test_kill_is_noticed():
     finally:
         with contextlib.suppress(BrokenPipeError):
             controller.stop()
-
-
-@pytest.mark.contract("1.14")
-def test_stop_leaves_no_process(start, alive):
-    with start(scene="FloorPlan403", renderImage=False) as controller:
-        pid = controller.unity_pid
-        assert alive(pid)
-    assert not alive(pid)
-
-
-@pytest.mark.contract("1.14")
-def test_two_engines_at_once(start):
-    """The engines are independent."""
-    with start(scene="FloorPlan403", renderImage=False) as one, start(scene="FloorPlan302", renderImage=False) as two:
-        assert one.unity_pid != two.unity_pid
-        before = two.last_event.metadata["agent"]
-        one.step("RotateRight", renderImage=False)
-        assert two.step("Pass", renderImage=False).metadata["agent"] == before
-        assert one.last_event.metadata["sceneName"] != two.last_event.metadata["sceneName"]

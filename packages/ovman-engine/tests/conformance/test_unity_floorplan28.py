@@ -29,14 +29,12 @@ def at(x: float, z: float) -> dict[str, float]:
     return {"x": x, "y": HEIGHT_M, "z": z}
 
 
-@pytest.mark.contract("2 start position")
 @pytest.mark.parametrize(("room", "position", "yaw"), [("FloorPlan28", (-1.5, -1.5), 180.0), ("FloorPlan1", (-1.0, 1.0), 270.0)])
 def test_the_agent_starts_as_in_unity(kitchen: Thor, room: str, position: tuple[float, float], yaw: float) -> None:
     kitchen.reset(room)
     assert np.allclose(kitchen.position[[0, 2]], position) and kitchen.yaw == yaw
 
 
-@pytest.mark.contract("2 reachable", "4 GetReachablePositions")
 def test_as_many_positions_are_reachable_as_in_unity(kitchen: Thor) -> None:
     many = len(kitchen.reachable())
     assert 100 < many < 125
@@ -46,27 +44,23 @@ def test_as_many_positions_are_reachable_as_in_unity(kitchen: Thor) -> None:
     assert 100 < turned < 125 and turned != many
 
 
-@pytest.mark.contract("4 Teleport")
 @pytest.mark.parametrize("x_z", [(-2.0, -2.5), (-1.0, -2.25), (-1.0, -0.5), (-2.75, -1.75), (-2.75, -1.25), (-1.0, -1.25)])
 def test_unity_teleports_there(kitchen: Thor, x_z: tuple[float, float]) -> None:
     kitchen.ok("Teleport", position=at(*x_z))
     assert np.allclose(kitchen.position, xyz(at(*x_z)), atol=MM)
 
 
-@pytest.mark.contract("4 Teleport")
 @pytest.mark.parametrize("z", [-3.5, 0.0])
 def test_unity_does_not_teleport_into_a_counter_or_a_wall(kitchen: Thor, z: float) -> None:
     kitchen.refused("Teleport", position=at(-1.5, z))
 
 
-@pytest.mark.contract("4 Teleport")
 def test_no_invisible_wall_stands_before_the_switch(kitchen: Thor) -> None:
     """The wall is at the back of the switch, x = -4.372; the agent's radius is 0.2 m."""
     kitchen.ok("Teleport", position=at(-4.0, -1.5))
     kitchen.refused("Teleport", position=at(-4.25, -1.5))
 
 
-@pytest.mark.contract("2 camera")
 @pytest.mark.parametrize(
     ("x_y", "point", "kind"),
     [
@@ -85,7 +79,6 @@ def test_rays_meet_the_fronts_where_they_do_in_unity(
     assert kitchen.ok("GetObjectInFrame", x=x, y=y).metadata["actionReturn"].startswith(kind)
 
 
-@pytest.mark.contract("4 TeleportObject")
 def test_every_object_is_teleported_by_force(kitchen: Thor) -> None:
     """Unity's test puts all 66 recorded objects of the scene where they are, among them shelves and the floor."""
     before = dict(kitchen.objects)
@@ -96,7 +89,6 @@ def test_every_object_is_teleported_by_force(kitchen: Thor) -> None:
         assert np.allclose(xyz(record["position"]), xyz(before[name]["position"]), atol=MM), name
 
 
-@pytest.mark.contract("4 TeleportObject")
 def test_a_shelf_leaves_its_table_by_force_only(kitchen: Thor) -> None:
     there = {"x": -3.0, "y": 0.8, "z": -1.5}
     assert not kitchen.step("TeleportObject", objectId=SHELF, position=there)
@@ -106,7 +98,6 @@ def test_a_shelf_leaves_its_table_by_force_only(kitchen: Thor) -> None:
     assert np.allclose(xyz(kitchen.objects[SHELF]["position"]), xyz(there), atol=MM)
 
 
-@pytest.mark.contract("4 TeleportObject", "4 Pass")
 def test_the_ground_stays_where_the_floor_leaves(kitchen: Thor) -> None:
     before = {name: record["position"] for name, record in kitchen.objects.items() if name != FLOOR}
     kitchen.ok("TeleportObject", objectId=FLOOR, position={"x": 0, "y": -1, "z": 0}, forceAction=True)
